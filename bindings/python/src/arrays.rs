@@ -70,7 +70,7 @@ impl<'py> GivenFaces<'py> {
     /// Returns the corners of all faces.
     pub(crate) fn corners(&self) -> &[u32] {
         match self {
-            // Contiguous, as `indices` returns it.
+            // A slice, as `indices` checks.
             Self::Triangles(array) => array.as_slice().unwrap_or_default(),
             Self::Polygons(faces) => faces.corners(),
         }
@@ -140,6 +140,10 @@ pub(crate) fn as_array<'py>(
     })?;
     let array = array.cast_into::<PyUntypedArray>();
     let array = array.map_err(|_| Failure::Type(format!("{name}: expected an array")))?;
+    // What NumPy does not know becomes one item, an object.
+    if array.ndim() == 0 && !given.is_instance_of::<PyUntypedArray>() {
+        return Err(Failure::Type(format!("{name}: found {}, expected an array", type_name(given))));
+    }
     check_memory(name, &array)?;
     Ok(array)
 }
@@ -154,7 +158,7 @@ fn check_memory(name: &str, array: &Bound<'_, PyUntypedArray>) -> Result<(), Fai
     Ok(())
 }
 
-fn type_name(given: &Bound<'_, PyAny>) -> String {
+pub(crate) fn type_name(given: &Bound<'_, PyAny>) -> String {
     given.get_type().name().map_or_else(|_| "an object".into(), |name| name.to_string())
 }
 
@@ -172,7 +176,6 @@ fn indices_up_to<'py>(
     limit: u64,
 ) -> Result<PyReadonlyArray1<'py, u32>, Failure> {
     let py = array.py();
-    let numpy = py.import("numpy")?;
     let dtype = array.dtype();
     let (kind, size) = (dtype.kind(), array.len());
     if size == 0 {
@@ -205,14 +208,17 @@ fn indices_up_to<'py>(
             ));
         }
     }
-    let options = PyDict::new(py);
-    options.set_item("dtype", numpy.getattr("uint32")?)?;
-    // Copies only where the type, the byte order or the layout requires it.
-    let contiguous = numpy.call_method("ascontiguousarray", (array,), Some(&options))?;
-    let flat = contiguous.call_method1("reshape", (-1,))?;
+    let flat = contiguous(array.as_any(), "uint32")?.call_method1("reshape", (-1,))?;
     let flat =
         flat.cast_into::<PyArray1<u32>>().map_err(|_| Failure::Type(format!("{name}: expected indices")))?;
-    Ok(flat.try_readonly().map_err(PyErr::from)?)
+    let flat = flat.try_readonly().map_err(PyErr::from)?;
+    flat.as_slice().map_err(PyErr::from)?;
+    Ok(flat)
+}
+
+/// Converts an array into one whose items are a slice. Copies only where the type, the byte order, the layout or the alignment requires it.
+fn contiguous<'py>(array: &Bound<'py, PyAny>, dtype: &str) -> PyResult<Bound<'py, PyAny>> {
+    array.py().import("numpy")?.call_method1("require", (array, dtype, ["C_CONTIGUOUS", "ALIGNED"]))
 }
 
 /// Reads an index buffer. Of one with restarts, the largest value of its type becomes the restart value of `u32`.
@@ -299,18 +305,18 @@ pub(crate) fn floats<'py>(
         return Err(Failure::mesh(name, format!("{} rows", array.shape()[0]), "at most 2^32 − 2"));
     }
     let numpy = py.import("numpy")?;
-    let options = PyDict::new(py);
-    options.set_item("dtype", numpy.getattr("float32")?)?;
     // What is too large for 32 bits becomes infinite, which is an error below and needs no warning.
     let ignoring = PyDict::new(py);
     ignoring.set_item("all", "ignore")?;
     let state = numpy.call_method("errstate", (), Some(&ignoring))?;
     state.call_method0("__enter__")?;
-    let converted = numpy.call_method("ascontiguousarray", (array,), Some(&options));
+    let converted = contiguous(&array, "float32");
     state.call_method1("__exit__", (py.None(), py.None(), py.None()))?;
     let converted = converted?.cast_into::<PyArray2<f32>>();
     let converted = converted.map_err(|_| Failure::Type(format!("{name}: expected numbers")))?;
-    Ok(converted.try_readonly().map_err(PyErr::from)?)
+    let converted = converted.try_readonly().map_err(PyErr::from)?;
+    converted.as_slice().map_err(PyErr::from)?;
+    Ok(converted)
 }
 
 /// Returns the index buffer of strips with indices of 8, 16 or 32 bits.

@@ -68,8 +68,33 @@ fn with(mesh: Mesh, argument: &str, attribute: Attribute) -> Result<Mesh, Failur
     Ok(mesh.with_attribute(attribute)?)
 }
 
-/// Reads an attribute: an array of shape (n,) or (n, k). Colours of 8 and 16 bits are fractions of their largest value.
+/// How the names of attributes begin that have 32-bit floats in the library, or integers that are fractions of their largest value.
+const OF_GLTF: [&str; 5] = [NORMAL, "TANGENT", "TEXCOORD_", "COLOR_", "WEIGHTS_"];
+
+/// Reads an attribute: an array of shape (n,) or (n, k). Colours of 8 and 16 bits, as others that glTF knows, are fractions of their largest value.
 fn attribute(argument: &str, name: &str, given: &Bound<'_, PyAny>) -> Result<Attribute, Failure> {
+    let array = as_array(argument, given)?;
+    // Lists of whole numbers are no fractions.
+    let is_whole = matches!(array.dtype().kind(), b'i' | b'u') && array.dtype().itemsize() == 8;
+    let is_float = [NORMAL, "TANGENT", "TEXCOORD_"].iter().any(|start| name.starts_with(start));
+    let floats = (is_whole && is_float).then(|| array.call_method1("astype", ("float32",))).transpose()?;
+    let mut attribute = stored_attribute(argument, name, floats.as_ref().unwrap_or(given))?;
+    if OF_GLTF.iter().any(|start| name.starts_with(start)) {
+        attribute.normalized = !matches!(attribute.data, AttributeData::F32(_) | AttributeData::F64(_));
+        if let AttributeData::F64(wide) = &attribute.data {
+            attribute.data = AttributeData::F32(wide.iter().map(|&x| x as f32).collect());
+        }
+    }
+    check_finite(argument, &attribute.data, attribute.components.into())?;
+    Ok(attribute)
+}
+
+/// Reads an attribute with the type of its values; integers are no fractions.
+pub(crate) fn stored_attribute(
+    argument: &str,
+    name: &str,
+    given: &Bound<'_, PyAny>,
+) -> Result<Attribute, Failure> {
     let array = as_array(argument, given)?;
     let columns = match array.shape() {
         [_] => 1,
@@ -96,16 +121,7 @@ fn attribute(argument: &str, name: &str, given: &Bound<'_, PyAny>) -> Result<Att
             return Err(Failure::Type(format!("{argument}: found dtype {found}, expected {expected}")));
         }
     };
-    let normalized = name == COLOUR && matches!(data, AttributeData::U8(_) | AttributeData::U16(_));
-    // The library has 32 bits for normals, texture coordinates and colours.
-    let data = match data {
-        AttributeData::F64(wide) if matches!(name, NORMAL | UV | COLOUR) => {
-            AttributeData::F32(wide.into_iter().map(|x| x as f32).collect())
-        }
-        data => data,
-    };
-    check_finite(argument, &data, columns)?;
-    Ok(Attribute { name: name.into(), components, normalized, data })
+    Ok(Attribute { name: name.into(), components, normalized: false, data })
 }
 
 fn check_finite(argument: &str, data: &AttributeData, columns: usize) -> Result<(), Failure> {

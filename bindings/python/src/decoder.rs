@@ -14,6 +14,8 @@ use crate::attributes;
 use crate::errors::Failure;
 use crate::input::bytes_of;
 use crate::numbers::Count;
+use crate::scene::class::Scene;
+use crate::scene::data::SceneData;
 use crate::strips::Strips;
 
 /// How many bytes are decoded between two checks for signals.
@@ -203,6 +205,16 @@ impl Decoder {
     #[getter]
     fn error(&self, py: Python<'_>) -> Option<f32> {
         self.with(py, |glb| glb.parts().map(|(_, part)| part.error()).reduce(f32::max))
+    }
+
+    /// Return the scene as far as it has arrived: base meshes where no chunk has refined them, with materials, textures and nodes. None before the base meshes
+    /// have arrived.
+    ///
+    /// Raises:
+    ///     FormatError: the document is not valid.
+    fn scene(&self, py: Python<'_>) -> PyResult<Option<Scene>> {
+        let model = self.with(py, |glb| glb.model(None)).map_err(Failure::from)?;
+        Ok(model.map(|model| Scene::new(SceneData::of_model(model))))
     }
 
     fn __copy__(&self, py: Python<'_>) -> Self {

@@ -125,17 +125,34 @@ fn of_file(py: Python<'_>, error: tristrip_io::Error) -> PyErr {
 
 /// Builds an exception of the operating system with its number, text and file.
 pub(crate) fn raise_file(py: Python<'_>, path: &str, source: &std::io::Error) -> PyErr {
-    let Some(number) = source.raw_os_error() else {
+    let Some(number) = system_number(py, source) else {
         return raise(py, "FileError", &format!("{path}: {source}"));
     };
+    let has_text = source.get_ref().is_some();
     let text = match py.import("os").and_then(|os| os.call_method1("strerror", (number,))) {
-        Ok(text) => text.to_string(),
-        Err(_) => source.to_string(),
+        Ok(text) if !has_text => text.to_string(),
+        _ => source.to_string(),
     };
     match class(py, "FileError").and_then(|class| class.call1((number, text, path))) {
         Ok(exception) => PyErr::from_value(exception),
         Err(error) => error,
     }
+}
+
+/// Returns the number of a system error, also of one of which only the kind is known.
+fn system_number(py: Python<'_>, source: &std::io::Error) -> Option<i32> {
+    use std::io::ErrorKind;
+    let name = match (source.raw_os_error(), source.kind()) {
+        (Some(number), _) => return Some(number),
+        (None, ErrorKind::NotFound) => "ENOENT",
+        (None, ErrorKind::PermissionDenied) => "EACCES",
+        (None, ErrorKind::IsADirectory) => "EISDIR",
+        (None, ErrorKind::NotADirectory) => "ENOTDIR",
+        (None, ErrorKind::ReadOnlyFilesystem) => "EROFS",
+        (None, ErrorKind::StorageFull) => "ENOSPC",
+        _ => return None,
+    };
+    py.import("errno").and_then(|errno| errno.getattr(name)?.extract()).ok()
 }
 
 /// Builds an exception of `tristrip._errors`.

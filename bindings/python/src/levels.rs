@@ -265,7 +265,7 @@ impl Levels {
     ///
     /// Raises:
     ///     ParameterError: there is no such part.
-    #[pyo3(signature = (part = Count(0)))]
+    #[pyo3(signature = (part = Count(0)), text_signature = "($self, part=0)")]
     fn vertices<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let count = self.model.parts.len();
         let found = self.model.parts.get(part.0);
@@ -309,7 +309,10 @@ impl Levels {
     ///
     /// Raises:
     ///     ParameterError: a number is not positive.
-    #[pyo3(signature = (pixels, distance, *, field_of_view = View::FIELD_OF_VIEW, rows = View::ROWS))]
+    #[pyo3(
+        signature = (pixels, distance, *, field_of_view = View::FIELD_OF_VIEW, rows = View::ROWS),
+        text_signature = "($self, pixels, distance, *, field_of_view=45.0, rows=1080.0)"
+    )]
     fn set_pixels(
         &self,
         py: Python<'_>,
@@ -323,13 +326,13 @@ impl Levels {
     }
 
     /// Return the strips of a part at the current level.
-    #[pyo3(signature = (part = Count(0)))]
+    #[pyo3(signature = (part = Count(0)), text_signature = "($self, part=0)")]
     fn strips(&self, py: Python<'_>, part: Count) -> PyResult<Strips> {
         Ok(Strips::new(self.strips_of(py, part.0)?, None, None))
     }
 
     /// Return the index buffer of a part at the current level, as `Strips.indices` does.
-    #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)))]
+    #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)), text_signature = "($self, layout='restart', dtype=None, *, part=0)")]
     fn indices<'py>(
         &self,
         py: Python<'py>,
@@ -345,7 +348,7 @@ impl Levels {
     }
 
     /// Return the triangles of a part at the current level: uint32 of shape (n, 3).
-    #[pyo3(signature = (part = Count(0)))]
+    #[pyo3(signature = (part = Count(0)), text_signature = "($self, part=0)")]
     fn triangles<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let list = self.strips_of(py, part.0)?.to_list();
         let rows = list.len() / 3;
@@ -356,7 +359,7 @@ impl Levels {
     /// dtype, so that only these are sent to a graphics processor: (start, end) in indices.
     ///
     /// The dtype is "uint8", "uint16" or "uint32"; by default "uint16" where all vertices fit.
-    #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)))]
+    #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)), text_signature = "($self, layout='restart', dtype=None, *, part=0)")]
     fn update<'py>(
         &self,
         py: Python<'py>,
@@ -400,7 +403,7 @@ impl Levels {
     }
 
     /// Return for each vertex of a part the vertex by which it is drawn at the current level: uint32 of shape (n,).
-    #[pyo3(signature = (part = Count(0)))]
+    #[pyo3(signature = (part = Count(0)), text_signature = "($self, part=0)")]
     fn renaming<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let level = self.level(py);
         let renamed = py.detach(|| {
@@ -448,7 +451,7 @@ impl Levels {
     ///
     /// Args:
     ///     steps: the number of equal steps.
-    #[pyo3(signature = (steps = Count(20)))]
+    #[pyo3(signature = (steps = Count(20)), text_signature = "($self, steps=20)")]
     fn table<'py>(&self, py: Python<'py>, steps: Count) -> PyResult<Bound<'py, PyAny>> {
         let rows: Result<Vec<LevelRow>, Failure> = py.detach(|| {
             let mut cursor = self.state().cursor.another()?;

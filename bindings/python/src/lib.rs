@@ -21,6 +21,7 @@ mod method;
 mod numbers;
 mod pool;
 mod reports;
+mod scene;
 mod simplify;
 mod stream;
 mod strips;
@@ -40,6 +41,18 @@ mod _native {
     use crate::levels::Levels;
     #[pymodule_export]
     use crate::pool::set_threads;
+    #[pymodule_export]
+    use crate::scene::chain::Chain;
+    #[pymodule_export]
+    use crate::scene::class::Scene;
+    #[pymodule_export]
+    use crate::scene::functions::{convert, load, verify};
+    #[pymodule_export]
+    use crate::scene::part::Part;
+    #[pymodule_export]
+    use crate::scene::simplify::SimplifiedScene;
+    #[pymodule_export]
+    use crate::scene::strip::StrippedScene;
     #[pymodule_export]
     use crate::simplify::{Simplified, simplify};
     #[pymodule_export]

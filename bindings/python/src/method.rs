@@ -10,7 +10,7 @@ use crate::errors::Failure;
 pub(crate) fn flags<'py>(
     py: Python<'py>,
     others: Option<&Bound<'py, PyDict>>,
-    effort: Option<i64>,
+    effort: impl IntoPyObject<'py>,
     cost: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let flags = others.map_or_else(|| Ok(PyDict::new(py)), |others| others.copy())?;

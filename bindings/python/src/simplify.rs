@@ -148,6 +148,8 @@ impl Simplified {
 ///     lock_borders: whether vertices at borders stay.
 ///     weld_distance: how far the two sides of a border may be apart to collapse together; as `error`.
 ///     normals_mode: what happens to normals: "auto", "keep" or "rebuild", as the command's `--normals`.
+///     fit: whether the vertices that are left are moved closer to the original surface. Those at borders stay. Without it, all vertices are
+///         vertices of the input.
 ///     measure: whether the distances between the surfaces are measured, which takes as long again.
 ///     verify: whether the collapses are proven.
 ///     progress: as of `stripify`.
@@ -175,7 +177,7 @@ impl Simplified {
 #[pyo3(signature = (
     vertices, faces, *, ratio = None, triangles = None, error = None, normals = None, uv = None, colors = None,
     attributes = None, weight = None, price = "distance", permissive = false, lock_borders = false,
-    weld_distance = None, normals_mode = "auto", measure = false, verify = true, progress = None
+    weld_distance = None, normals_mode = "auto", fit = true, measure = false, verify = true, progress = None
 ))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn simplify<'py>(
@@ -195,6 +197,7 @@ pub(crate) fn simplify<'py>(
     lock_borders: bool,
     weld_distance: Option<&Bound<'py, PyAny>>,
     normals_mode: &str,
+    fit: bool,
     measure: bool,
     verify: bool,
     progress: Option<Bound<'py, PyAny>>,
@@ -211,6 +214,7 @@ pub(crate) fn simplify<'py>(
     let options = SimplifyOptions::new(goal).with_rules(rules).with_verify(verify);
     let options = options
         .with_normals(normals_mode.parse().map_err(|why| Failure::Parameter(format!("normals_mode: {why}")))?)
+        .with_fit(fit)
         .with_measure(measure);
     let watching = Watching::new(py, progress, None, "raise")?;
     let given = GivenAttributes { normals, uv, colors, others: attributes };

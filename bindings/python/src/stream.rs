@@ -1,16 +1,19 @@
 //! Progressive GLB: the functions `pack`, `unpack` and `inspect`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString};
 use serde::Serialize;
+use tristrip::Layout;
 use tristrip::stream::StreamOptions;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Error as FileError, Format, Model};
 use tristrip_pipeline::{
-    EncodeOptions, Level, LevelsOptions, PackOptions, PackedReport, StreamGoal, StreamReport, UnpackedReport,
-    encode_observed, is_published, join, stream_figures, unpack as unpack_stream, unpack_published,
+    EncodeOptions, Level, LevelsOptions, PackOptions, PackedReport, StreamGoal, StreamReport, Target,
+    UnpackedReport, encode_observed, is_published, join, stream_figures, unpack as unpack_stream,
+    unpack_published,
 };
 
 use crate::attributes;
@@ -18,6 +21,9 @@ use crate::errors::Failure;
 use crate::input::{Input, Source, format_of};
 use crate::numbers::Count;
 use crate::reports::report;
+use crate::scene::class::Scene;
+use crate::scene::data::SceneData;
+use crate::scene::output::{Destination, Noting};
 use crate::work::{Watcher, Watching};
 
 /// The bits of a coordinate that the encoder takes.
@@ -107,13 +113,14 @@ struct PackReport {
     output: Option<String>,
 }
 
-/// Packs a model, and writes the file if there is one.
+/// Packs a scene, and writes the file if there is one.
 fn pack_model(
-    model: Model,
+    scene: &SceneData,
     wire: Wire,
     output: Option<&Path>,
     watcher: &Watcher,
 ) -> Result<(Vec<u8>, PackReport), Failure> {
+    let model = scene.model_for(&Target::new(output, Format::Glb));
     let mut report = PackReport {
         wire: wire.name(),
         proven: None,
@@ -132,7 +139,7 @@ fn pack_model(
             packed.bytes
         }
         Wire::Paper { verify } => {
-            let joined = join(model)?;
+            let joined = join(scene.as_read().clone())?;
             report.notes = joined.notes;
             let options = LevelsOptions::default().with_verify(verify);
             let packed = tristrip_pipeline::pack_as_published(&joined.mesh, &options, watcher)?;
@@ -147,10 +154,10 @@ fn pack_model(
     Ok((bytes, report))
 }
 
-/// Packs a model; returns a `tristrip.Packed`.
+/// Packs a scene; returns a `tristrip.Packed`.
 pub(crate) fn pack_object<'py>(
     py: Python<'py>,
-    model: impl FnOnce() -> Result<Model, Failure> + Send,
+    load: impl FnOnce() -> Result<Arc<SceneData>, Failure> + Send,
     wire: Wire,
     output: Option<&Path>,
     watching: Watching,
@@ -158,11 +165,8 @@ pub(crate) fn pack_object<'py>(
     if let Some(path) = output {
         wire.check_output(path)?;
     }
-    let ended = watching.run(py, |watcher| pack_model(model()?, wire, output, watcher))?;
-    if let Some(error) = ended.error {
-        return Err(error);
-    }
-    let (bytes, packed) = ended.value;
+    let ended = watching.run(py, |watcher| pack_model(&*load()?, wire, output, watcher));
+    let (bytes, packed) = ended?.result()?;
     result_class(py, "Packed")?.call1((report(py, &packed)?, PyBytes::new(py, &bytes)))
 }
 
@@ -177,7 +181,7 @@ fn result_class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>>
 /// Positions and attributes are rounded to a grid; triangles and their winding stay. A scene keeps all else: nodes, materials, textures, skins, animations.
 ///
 /// Args:
-///     input: a file, or the bytes of one.
+///     input: a file, the bytes of one, or a scene.
 ///     output: the file to write, with the extension .glb. One that exists is replaced.
 ///     format: the format of the input, by its extension ("ply", "glb", …); by default that of the name or of the content.
 ///     eye: refine first what looks largest from this position in the scene, as (x, y, z); by default everywhere alike.
@@ -225,24 +229,7 @@ pub(crate) fn pack<'py>(
     let watching = Watching::new(py, progress, None, "raise")?;
     let (input, format) = (Input::of(input)?, format_of(format)?);
     let source = input.source();
-    let load = || {
-        let mut model = source.model(format)?;
-        if matches!(wire, Wire::Tristrip(_)) {
-            complete(&mut model, source, output.as_deref())?;
-        }
-        Ok(model)
-    };
-    pack_object(py, load, wire, output.as_deref(), watching)
-}
-
-/// Takes the materials and images beside a file into a model that becomes a GLB.
-fn complete(model: &mut Model, source: Source<'_>, output: Option<&Path>) -> Result<(), Failure> {
-    if model.scene.is_none() && model.materials.is_some() {
-        let stem = output.and_then(Path::file_stem).unwrap_or_default();
-        tristrip_io::load_materials(model, source.path(), &stem.to_string_lossy());
-    }
-    tristrip_io::embed_images(model, source.path())?;
-    Ok(())
+    pack_object(py, || source.scene(format), wire, output.as_deref(), watching)
 }
 
 /// The report of a level; the keys are those of the JSON report of `tristrip unpack`.
@@ -255,18 +242,12 @@ struct UnpackReport {
     output: Option<String>,
 }
 
-/// Where a level is written.
-struct LevelFile<'a> {
-    path: &'a Path,
-    format: Format,
-    verify: bool,
-}
-
 /// Decodes a level, and writes it if there is a file.
 fn unpack_source(
     source: Source<'_>,
     goal: StreamGoal,
-    file: Option<&LevelFile<'_>>,
+    destination: Option<&Destination<'_>>,
+    verify: bool,
     watcher: &Watcher,
 ) -> Result<(Model, UnpackReport), Failure> {
     let bytes = source.bytes()?;
@@ -275,23 +256,22 @@ fn unpack_source(
     } else {
         unpack_stream(&opened(bytes)?, goal, source.path().and_then(Path::parent))?
     };
-    let mut report = UnpackReport {
-        proven: None,
-        unpacked: unpacked.report(),
-        notes: unpacked.model.notes.clone(),
-        output: file.map(|file| file.path.display().to_string()),
-    };
-    report.notes.extend(unpacked.problem);
+    let counts = unpacked.report();
     let mut model = unpacked.model;
-    if let Some(&LevelFile { path, format, verify }) = file {
-        if format == Format::Glb {
-            tristrip_io::embed_images(&mut model, source.path())?;
-        }
-        let options = EncodeOptions::new(format).with_verify(verify);
+    tristrip_io::embed_images(&mut model, source.path())?;
+    let mut report =
+        UnpackReport { proven: None, unpacked: counts, notes: model.notes.clone(), output: None };
+    report.notes.extend(unpacked.problem);
+    if let Some(destination) = destination {
+        let noting = Noting::new(watcher);
+        let options = EncodeOptions::new(destination.target.format).with_layout(Layout::List);
         let drawings = vec![Drawing::Faces; model.parts.len()];
-        let encoded = encode_observed(&model, &drawings, &options, watcher)?;
-        tristrip_io::replace_file(path, &encoded.bytes)?;
-        report.notes.extend(encoded.losses);
+        let encoded = encode_observed(&model, &drawings, &options.with_verify(verify), &noting);
+        let encoded = encoded.map_err(|error| destination.unproven(error.into()))?;
+        let written = destination.write(&encoded)?;
+        report.notes.extend(noting.into_notes(encoded.losses));
+        report.notes.extend(written.warnings);
+        report.output = destination.target.path.map(|path| path.display().to_string());
         report.proven = verify.then_some(true);
     }
     Ok((model, report))
@@ -314,15 +294,16 @@ fn opened(bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
 ///
 /// Args:
 ///     input: a file, or the bytes of one.
-///     output: the file to write the level to, as .glb, .ply or .obj. Progressive GLBs keep their scene in a GLB.
+///     output: the file to write the level to. Progressive GLBs keep their scene in a GLB or .gltf.
 ///     level: the number of collapses that are undone, or a percentage of all as "40%".
 ///     triangles: instead, the finest level with at most this number of triangles in the refined meshes.
 ///     bytes: instead, what so many first bytes of the file hold. Without any of the three, the full meshes.
+///     to: the format of the output: "glb", "gltf", "ply" or "obj"; by default that of its extension.
 ///     verify: whether the written file is read back and proven.
 ///     progress: as of `stripify`.
 ///
 /// Returns:
-///     The report, and the arrays of the level, all parts in one mesh.
+///     The report, the arrays of the level with all parts in one mesh, and its scene.
 ///
 /// Raises:
 ///     FileError: a file cannot be read or written.
@@ -339,7 +320,7 @@ fn opened(bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
 /// >>> 780 <= len(half.faces) <= 800, half.report["triangles_full"], half.report["ended_early"]
 /// (True, 1682, False)
 #[pyfunction]
-#[pyo3(signature = (input, output = None, *, level = None, triangles = None, bytes = None, verify = true, progress = None))]
+#[pyo3(signature = (input, output = None, *, level = None, triangles = None, bytes = None, to = None, verify = true, progress = None))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn unpack<'py>(
     py: Python<'py>,
@@ -348,33 +329,26 @@ pub(crate) fn unpack<'py>(
     level: Option<&Bound<'py, PyAny>>,
     triangles: Option<Count>,
     bytes: Option<Count>,
+    to: Option<&str>,
     verify: bool,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let goal = goal(level, triangles, bytes)?;
     let watching = Watching::new(py, progress, None, "raise")?;
-    let input = Input::of(input)?;
-    let file = output.as_deref().map(|path| level_file(path, verify)).transpose()?;
+    let input = Input::file(input)?;
+    let file = |path| Destination::file(path, to, None);
+    let destination = output.as_deref().map(file).transpose()?;
     let source = input.source();
     let ended = watching.run(py, |watcher| {
-        let (model, report) = unpack_source(source, goal, file.as_ref(), watcher)?;
-        Ok((join(model)?.mesh, report))
-    })?;
-    if let Some(error) = ended.error {
-        return Err(error);
-    }
-    let (mesh, unpacked) = ended.value;
+        let (model, report) = unpack_source(source, goal, destination.as_ref(), verify, watcher)?;
+        Ok((join(model.clone())?.mesh, model, report))
+    });
+    let (mesh, model, unpacked) = ended?.result()?;
     let vertices = attributes::positions_of(py, &mesh)?;
     let faces = attributes::triangles_of(py, &mesh)?;
-    let report = report(py, &unpacked)?;
-    result_class(py, "Unpacked")?.call1((report, vertices, faces, attributes::all(py, &mesh)?))
-}
-
-fn level_file(path: &Path, verify: bool) -> Result<LevelFile<'_>, Failure> {
-    match Format::from_path(path) {
-        Some(format @ (Format::Glb | Format::Ply | Format::Obj)) => Ok(LevelFile { path, format, verify }),
-        _ => Err(Failure::option("output", path.display(), "the extension .glb, .ply or .obj")),
-    }
+    let attributes = attributes::all(py, &mesh)?;
+    let scene = Scene::new(SceneData::of_model(model));
+    result_class(py, "Unpacked")?.call1((report(py, &unpacked)?, vertices, faces, attributes, scene))
 }
 
 /// Reads what selects a level.
@@ -435,12 +409,9 @@ struct InspectReport {
 #[pyfunction]
 #[pyo3(signature = (input))]
 pub(crate) fn inspect<'py>(py: Python<'py>, input: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    let input = Input::of(input)?;
+    let input = Input::file(input)?;
     let source = input.source();
-    let ended = Watching::default().run(py, |_| Ok(stream_figures(&opened(source.bytes()?)?)))?;
-    if let Some(error) = ended.error {
-        return Err(error);
-    }
-    let figures = ended.value;
+    let ended = Watching::default().run(py, |_| Ok(stream_figures(&opened(source.bytes()?)?)));
+    let figures = ended?.result()?;
     report(py, &InspectReport { stream: figures.report(), notes: figures.problem.into_iter().collect() })
 }

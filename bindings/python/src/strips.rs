@@ -72,6 +72,10 @@ impl Strips {
         self
     }
 
+    pub(crate) fn inner(&self) -> &Arc<tristrip::Strips> {
+        &self.strips
+    }
+
     /// Counts the vertices up to the highest that is used.
     fn vertex_count(&self) -> usize {
         self.strips.vertices().iter().max().map_or(0, |&highest| highest as usize + 1)
@@ -79,7 +83,7 @@ impl Strips {
 
     fn strip(&self, index: isize) -> Option<&[u32]> {
         let index = if index < 0 { index + isize::try_from(self.strips.len()).ok()? } else { index };
-        self.strips.iter().nth(usize::try_from(index).ok()?)
+        self.strips.get(usize::try_from(index).ok()?)
     }
 }
 
@@ -89,12 +93,13 @@ impl Strips {
     ///
     /// Args:
     ///     indices: integers of shape (n,).
-    ///     layout: "restart" (the largest value of the dtype separates strips), "degenerate" (one strip; kept as it is), or "list".
+    ///     layout: "restart" (the largest value of the dtype separates strips), "degenerate" (degenerate triangles join strips, which become strips
+    ///         of their own), "separate" (one strip), or "list" (each triangle becomes a strip). Strips that draw nothing are left out.
     ///
     /// Raises:
-    ///     MeshError: indices are negative or too large.
+    ///     MeshError: indices are negative or too large, or a list does not have three per triangle.
     ///     ArrayTypeError: indices are no integers.
-    ///     ParameterError: the layout is unknown, or has no strips to tell apart ("separate").
+    ///     ParameterError: the layout is unknown.
     ///
     /// >>> import numpy, tristrip
     /// >>> buffer = numpy.array([0, 1, 2, 65535, 3, 4, 5], dtype="uint16")
@@ -161,7 +166,8 @@ impl Strips {
     ///     An array of shape (n,).
     ///
     /// Raises:
-    ///     ParameterError: the layout or the dtype is unknown, or a vertex does not fit the dtype.
+    ///     ParameterError: the layout or the dtype is unknown.
+    ///     LimitError: a vertex does not fit the dtype.
     ///
     /// >>> import tristrip
     /// >>> strips = tristrip.stripify([[0, 1, 2], [3, 4, 5]])
@@ -236,12 +242,10 @@ impl Strips {
                 verify_drawing(&faces, &drawn).map_err(|why| Failure::Unproven(why.to_string()))
             }
         })?;
-        if let Some(error) = ended.error {
-            return Err(error);
-        }
+        let proof = ended.result()?;
         let found = PyDict::new(py);
-        found.set_item("faces", ended.value.faces)?;
-        found.set_item("triangles", ended.value.triangles)?;
+        found.set_item("faces", proof.faces)?;
+        found.set_item("triangles", proof.triangles)?;
         Ok(found)
     }
 
@@ -298,6 +302,10 @@ impl Strips {
         Ok(PyArray1::from_slice(py, strip))
     }
 
+    fn __iter__(slf: Bound<'_, Self>) -> StripIterator {
+        StripIterator { strips: slf.unbind(), next: 0 }
+    }
+
     fn __repr__(&self) -> String {
         let (strips, triangles) = (self.strips.len(), self.strips.triangles().count());
         let indices = self.strips.index_count(Layout::Restart);
@@ -332,6 +340,27 @@ impl Strips {
         let Pickled { strips, options, stopped, notes, is_proven } = pickled;
         let stopped = stopped.map(|budget| if budget { Stopped::Budget } else { Stopped::Interrupt });
         Ok(Self { strips: Arc::new(strips), options, stopped, notes, is_proven })
+    }
+}
+
+/// Iterates over strips as arrays of vertices.
+#[pyclass(module = "tristrip")]
+#[derive(Debug)]
+pub(crate) struct StripIterator {
+    strips: Py<Strips>,
+    next: usize,
+}
+
+#[pymethods]
+impl StripIterator {
+    fn __iter__(slf: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        slf
+    }
+
+    fn __next__<'py>(&mut self, py: Python<'py>) -> Option<Bound<'py, PyArray1<u32>>> {
+        let strip = PyArray1::from_slice(py, self.strips.get().strips.get(self.next)?);
+        self.next += 1;
+        Some(strip)
     }
 }
 
@@ -400,7 +429,7 @@ pub(crate) fn stripify<'py>(
     faces: &Bound<'py, PyAny>,
     vertices: Option<&Bound<'py, PyAny>>,
     method: &str,
-    effort: Option<i64>,
+    effort: Option<&Bound<'py, PyAny>>,
     cost: Option<&str>,
     weld: bool,
     verify: bool,
@@ -415,6 +444,9 @@ pub(crate) fn stripify<'py>(
     let given = GivenFaces::of("faces", faces)?;
     let points = vertices.map(|vertices| positions("vertices", vertices)).transpose()?;
     let built = match (&given, &points) {
+        (_, None) if weld => {
+            Err(Failure::option("vertices", "None", "positions, by which vertices are welded"))
+        }
         (GivenFaces::Triangles(_), None) => {
             let corners = given.corners();
             watching.run(py, |watcher| of_triangles(corners, &options, verify, watcher))

@@ -42,7 +42,7 @@ const UPWARD: [f32; 3] = [0.0, 1.0, 0.0];
 const MIDDLE: [f32; 2] = [0.5, 0.5];
 
 /// A model of which each view has its own detail: a mesh, its strips, and collapses level by level (Skip Strips). Built by `ViewModel.build` from arrays and by
-/// `ViewModel.from_file` from a mesh file, or read by `ViewModel.load` from a `.tlod` file. It does not change; `view` starts a cursor over it.
+/// `ViewModel.from_scene` from a scene or a file, or read by `ViewModel.load` from a `.tlod` file. It does not change; `view` starts a cursor over it.
 ///
 /// References:
 ///     El-Sana, Azanli, Varshney: Skip Strips: Maintaining Triangle Strips for View-Dependent Rendering, 1999; Xia, El-Sana, Varshney: Adaptive Real-Time
@@ -181,12 +181,12 @@ impl ViewModel {
         Self::of_model(py, || Ok(model), options, watching)
     }
 
-    /// Build a model of a mesh file, or of the bytes of one. The parts of a file become one mesh, without the transformations of their nodes; attributes that not
+    /// Build a model of a scene, of a mesh file, or of the bytes of one. The parts become one mesh, without the transformations of their nodes; attributes that not
     /// all parts have are dropped, with a note.
     ///
     /// Args:
-    ///     input: a file, or the bytes of one.
-    ///     format: its format, by its extension; by default that of the name or of the content.
+    ///     input: a scene, a file, or the bytes of one.
+    ///     format: the format of a file, by its extension; by default that of the name or of the content.
     ///     method, order, verify, budget, progress, **options: as of `ViewModel.build`.
     ///
     /// Raises:
@@ -195,14 +195,14 @@ impl ViewModel {
     ///     ParameterError: an option is unknown or has a wrong value.
     ///
     /// >>> import tristrip
-    /// >>> tristrip.ViewModel.from_file(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", format="obj").triangle_count
+    /// >>> tristrip.ViewModel.from_scene(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", format="obj").triangle_count
     /// 1
     #[classmethod]
     #[pyo3(signature = (
         input, *, method = "best", order = "quadric", verify = true, budget = None, format = None, progress = None, **options
     ))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
-    fn from_file<'py>(
+    fn from_scene<'py>(
         _: &Bound<'py, PyType>,
         py: Python<'py>,
         input: &Bound<'py, PyAny>,
@@ -218,7 +218,7 @@ impl ViewModel {
         let watching = Watching::new(py, progress, budget, "raise")?;
         let (input, format) = (Input::of(input)?, format_of(format)?);
         let source = input.source();
-        Self::of_model(py, || source.model(format), options, watching)
+        Self::of_model(py, || Ok(source.scene(format)?.as_read().clone()), options, watching)
     }
 
     /// Read a model from a `.tlod` file, or from the bytes of one.
@@ -238,7 +238,7 @@ impl ViewModel {
         py: Python<'py>,
         input: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, Self>> {
-        let input = Input::of(input)?;
+        let input = Input::file(input)?;
         let source = input.source();
         let ended = Watching::default().run(py, |_| {
             let bytes = source.bytes()?;
@@ -416,10 +416,7 @@ impl ViewModel {
             let rows = fly(&self.tree, &cameras, &options, &mut Frames(watcher))?;
             Ok(FlightReport::of_model(&self.tree)?.with_frames(rows))
         })?;
-        if let Some(error) = ended.error {
-            return Err(error);
-        }
-        let flight = ended.value;
+        let flight = ended.result()?;
         let proven = flight.summary.as_ref().is_some_and(|summary| summary.frames_proven > 0);
         let proven = proven.then_some(true);
         report(py, &FlyReport { filter: filter.to_string(), path: path.name(), proven, flight })
@@ -833,10 +830,7 @@ impl View {
             };
             Ok(picture?)
         })?;
-        if let Some(error) = ended.error {
-            return Err(error);
-        }
-        Ok(PyBytes::new(py, &ended.value))
+        Ok(PyBytes::new(py, &ended.result()?))
     }
 
     /// The memory of the view in bytes, without that of the model.

@@ -144,6 +144,11 @@ pub(crate) struct Ended<T> {
 }
 
 impl<T> Ended<T> {
+    /// Returns the result, which an interrupt does not take with it.
+    pub(crate) fn result(self) -> PyResult<T> {
+        self.error.map_or(Ok(self.value), Err)
+    }
+
     /// Converts the result into a Python object, which an interrupt takes with it.
     pub(crate) fn object<'py, O>(
         self,
@@ -200,11 +205,36 @@ impl Watcher {
 
 impl Watch for Watcher {
     fn go_on(&self, progress: Progress) -> bool {
-        self.set(Stage::Stripify, progress);
-        if self.budget.is_some_and(|budget| self.started.elapsed() >= budget) {
-            self.is_over_budget.store(true, Ordering::Relaxed);
+        self.goes_on(progress, self.started, &self.is_over_budget)
+    }
+}
+
+impl Watcher {
+    /// Returns why a search was stopped, if it was.
+    pub(crate) fn stopped(&self) -> Option<Stopped> {
+        self.why_stopped(&self.is_over_budget)
+    }
+
+    /// Returns whether the calling thread wants the computation to end.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        self.is_stopped.load(Ordering::Relaxed)
+    }
+
+    fn why_stopped(&self, is_over_budget: &AtomicBool) -> Option<Stopped> {
+        if self.is_interrupted() {
+            Some(Stopped::Interrupt)
+        } else {
+            is_over_budget.load(Ordering::Relaxed).then_some(Stopped::Budget)
         }
-        let goes_on = self.stopped().is_none();
+    }
+
+    /// Reports the progress of a search, and returns whether it goes on.
+    fn goes_on(&self, progress: Progress, started: Instant, is_over_budget: &AtomicBool) -> bool {
+        self.set(Stage::Stripify, progress);
+        if self.budget.is_some_and(|budget| started.elapsed() >= budget) {
+            is_over_budget.store(true, Ordering::Relaxed);
+        }
+        let goes_on = self.why_stopped(is_over_budget).is_none();
         if !goes_on {
             self.has_best.store(self.keeps_best, Ordering::Relaxed);
         }
@@ -212,29 +242,22 @@ impl Watch for Watcher {
     }
 }
 
-impl Watcher {
-    /// Returns why a search was stopped, if it was.
-    pub(crate) fn stopped(&self) -> Option<Stopped> {
-        if self.is_stopped.load(Ordering::Relaxed) {
-            Some(Stopped::Interrupt)
-        } else {
-            self.is_over_budget.load(Ordering::Relaxed).then_some(Stopped::Budget)
-        }
-    }
+/// The watch of the searches of a model, which have a budget of their own.
+struct Searches<'a> {
+    watcher: &'a Watcher,
+    started: Instant,
+    is_over_budget: AtomicBool,
 }
-
-/// The watch of the searches of a model.
-struct Searches<'a>(&'a Watcher);
 
 impl Watch for Searches<'_> {
     fn go_on(&self, progress: Progress) -> bool {
-        self.0.go_on(progress)
+        self.watcher.goes_on(progress, self.started, &self.is_over_budget)
     }
 }
 
 impl Search for Searches<'_> {
     fn stopped(&self) -> Option<Stopped> {
-        self.0.stopped()
+        self.watcher.why_stopped(&self.is_over_budget)
     }
 }
 
@@ -246,7 +269,7 @@ impl Observer for Watcher {
     }
 
     fn search(&self, _: &StripifyOptions) -> Box<dyn Search + '_> {
-        Box::new(Searches(self))
+        Box::new(Searches { watcher: self, started: Instant::now(), is_over_budget: AtomicBool::new(false) })
     }
 
     fn is_cancelled(&self) -> bool {

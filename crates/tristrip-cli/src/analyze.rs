@@ -3,11 +3,11 @@
 use std::cell::RefCell;
 
 use serde::Serialize;
-use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+use tristrip::vertex_cache::FlushPolicy;
 use tristrip_lab::analysis::{self, Curve};
 use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{DrawMode, LengthBin, StoredFigures, rounded};
+use tristrip_pipeline::{DrawMode, LengthBin, PartReport, StoredFigures, VertexCacheReport};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -33,9 +33,9 @@ struct AnalyzeReport {
     indices_per_triangle: Option<f64>,
     lengths: Vec<LengthBin>,
     flushed: bool,
-    vertex_caches: Vec<VertexCacheRow>,
+    vertex_caches: Vec<VertexCacheReport>,
     parts: Option<usize>,
-    by_part: Vec<PartRow>,
+    by_part: Vec<PartReport>,
     notes: Vec<String>,
     plot: Option<String>,
     error: Option<String>,
@@ -46,26 +46,6 @@ struct AnalyzeReport {
 struct AnalyzeSeconds {
     load: Option<f64>,
     analyze: Option<f64>,
-}
-
-/// The misses of one vertex cache, summed over all parts.
-#[derive(Debug, Serialize)]
-struct VertexCacheRow {
-    vertex_cache: String,
-    misses: usize,
-    acmr: f64,
-    atvr: f64,
-}
-
-/// One part of a file.
-#[derive(Debug, Serialize)]
-struct PartRow {
-    name: Option<String>,
-    material: Option<String>,
-    #[serde(flatten)]
-    figures: StoredFigures,
-    /// In the order of the report's vertex caches.
-    misses: Vec<usize>,
 }
 
 impl InputReport for AnalyzeReport {
@@ -127,31 +107,13 @@ fn analyze(
     let caches = counted(analysis.vertex_caches.len(), "vertex cache");
     console.stage("analyze", &caches, report.seconds.analyze);
 
-    let parts = model.parts.iter().zip(&analysis.parts).map(|(part, analyzed)| PartRow {
-        name: part.name.clone(),
-        material: part.material.clone(),
-        figures: analyzed.figures,
-        misses: analyzed.misses.clone(),
-    });
-    report.by_part = parts.collect();
-    report.vertex_caches =
-        analysis.vertex_caches.iter().map(|&(cache, used)| VertexCacheRow::of(cache, used)).collect();
-    let figures = analysis.figures;
-    report.indices_per_triangle = Some(match figures.triangles {
-        0 => 0.0,
-        triangles => rounded(figures.indices as f64 / triangles as f64),
-    });
+    report.by_part = analysis.part_reports(&model);
+    report.vertex_caches = analysis.cache_reports();
+    report.indices_per_triangle = Some(analysis.indices_per_triangle());
     report.lengths = analysis.lengths.bins().to_vec();
-    report.figures = Some(figures);
+    report.figures = Some(analysis.figures);
     let lengths = analysis.lengths;
     Ok(curve.map(|each| Curve { file: short_name(&report.file), each, lengths }))
-}
-
-impl VertexCacheRow {
-    fn of(cache: VertexCache, used: VertexCacheStatistics) -> Self {
-        let (acmr, atvr) = (rounded(used.acmr()), rounded(used.atvr()));
-        Self { vertex_cache: cache.to_string(), misses: used.misses, acmr, atvr }
-    }
 }
 
 impl AnalyzeReport {
@@ -180,7 +142,7 @@ impl AnalyzeReport {
     fn cache_rows(&self) -> Vec<Vec<String>> {
         let name = if self.flushed { "  vertex cache, flushed between strips" } else { "  vertex cache" };
         let head = [name, "misses", "ACMR", "ATVR"].map(String::from).to_vec();
-        let row = |row: &VertexCacheRow| {
+        let row = |row: &VertexCacheReport| {
             vec![
                 format!("  {}", row.vertex_cache),
                 count(row.misses),
@@ -195,7 +157,7 @@ impl AnalyzeReport {
         let acmr =
             self.vertex_caches.first().map_or(String::new(), |row| format!("ACMR {}", row.vertex_cache));
         let head = ["  part", "name", "drawn as", "triangles", "strips", "indices", &acmr];
-        let row = |(number, part): (usize, &PartRow)| {
+        let row = |(number, part): (usize, &PartReport)| {
             let figures = &part.figures;
             let names = [&part.name, &part.material].map(Option::as_deref).into_iter().flatten();
             let misses = part.misses.first().copied().unwrap_or(0);

@@ -1,10 +1,9 @@
 //! `tristrip bound`: lower bounds on strips, vertices and indices, and how they were found.
 
 use serde::Serialize;
-use tristrip::stripify::bound::BoundMethod;
 use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{BoundGap, Bounds, Event, MeshFigures, bound_observed};
+use tristrip_pipeline::{BoundGap, Bounds, ComponentReport, Event, MeshFigures, bound_observed};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -44,15 +43,6 @@ struct BoundReport {
     error: Option<String>,
 }
 
-#[derive(Debug, Serialize)]
-struct ComponentReport {
-    part: usize,
-    triangles: usize,
-    strips: usize,
-    vertices_sent: usize,
-    proof: &'static str,
-}
-
 impl InputReport for BoundReport {
     fn outcome(&mut self) -> Outcome<'_> {
         Outcome { file: &self.file, proven: None, error: &mut self.error }
@@ -89,29 +79,11 @@ fn bound(
         _ => (),
     };
     let bounded = bound_observed(&model, task.options.weld(), &Stages::new(console, load, show))?;
-    for (part, found) in bounded.parts.iter().enumerate() {
-        report.components.extend(found.bound.components.iter().map(|component| ComponentReport {
-            part,
-            triangles: component.triangles,
-            strips: component.strips,
-            vertices_sent: component.vertices_sent,
-            proof: proof_name(component.method),
-        }));
-    }
+    report.components = bounded.components();
     console.stage("bound", &counted(report.components.len(), "component"), report.seconds.stripify);
     report.bound = Some(bounded.bounds);
     report.sequential = bounded.parts.iter().map(|part| part.sequential).collect();
     Ok(())
-}
-
-fn proof_name(proof: BoundMethod) -> &'static str {
-    match proof {
-        BoundMethod::Leaves => "leaves",
-        BoundMethod::Matching => "matching",
-        BoundMethod::Subproblems => "subproblems",
-        BoundMethod::Exact => "exact",
-        _ => "one-strip",
-    }
 }
 
 /// Returns a line on how a bound was found.

@@ -48,7 +48,7 @@ fn run_stages(
     if !task.options.verify {
         console.stage("verify", "skipped", None);
     }
-    report.record_levels(&chain);
+    report.chain = chain.level_reports();
     let Some(target) = &job.output else { return Ok(()) };
     report.layout = Some(target.layout.name());
     if target.in_directory {

@@ -1,11 +1,11 @@
 //! `tristrip compare`: all methods on the same model side by side, each result proven.
 
 use serde::Serialize;
-use tristrip::{Method, StripifyOptions};
+use tristrip::StripifyOptions;
 use tristrip_lab::text::{markdown, table};
 use tristrip_pipeline::text::{counted, grouped};
 use tristrip_pipeline::{
-    Event, Figures, MeshFigures, MethodReport, PreparedModel, Search, Stopped, Survey, methods_to_compare,
+    Event, Figures, MeshFigures, MethodReport, PreparedModel, Search, Stopped, Survey, compared_methods,
 };
 
 use crate::batch::{self, InputReport, Outcome};
@@ -73,7 +73,7 @@ fn ratio(x: f64) -> String {
 
 /// Compares the methods on all inputs in order; returns whether all results are proven.
 pub(crate) fn run(task: &CompareTask, console: &mut Console) -> bool {
-    let methods = methods(task);
+    let methods = compared_methods(task.options, task.effort, task.every_variant);
     let new_report = |input: &Input| CompareReport {
         file: input.name(),
         seconds: Seconds::default(),
@@ -97,16 +97,6 @@ pub(crate) fn run(task: &CompareTask, console: &mut Console) -> bool {
     let reports = batch::process_all(&task.inputs, Some(methods.len()), console, new_report, process, show);
     let proven = reports.iter().flat_map(|report| &report.methods).all(|row| row.proven);
     batch::finish(reports, console) && proven
-}
-
-/// Returns the options of each row: `best` at its default effort, then all methods at the effort of the task.
-fn methods(task: &CompareTask) -> Vec<StripifyOptions> {
-    let default = task.options.with_method(Method::Best);
-    let all = methods_to_compare(task.every_variant).into_iter();
-    let all = all.map(|method| task.options.with_method(method).with_effort(task.effort));
-    let is_default =
-        |options: &StripifyOptions| options.method() == Method::Best && options.effort() == default.effort();
-    std::iter::once(default).chain(all.filter(|options| !is_default(options))).collect()
 }
 
 fn compare(

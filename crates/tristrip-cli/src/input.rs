@@ -13,16 +13,7 @@ pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
     let name = input.name();
     let failure = |error| Failure::reading(&name, &error);
     match (&input.path, input.format) {
-        (Some(path), None) => tristrip_io::read_path(path).map_err(failure),
-        (Some(path), Some(format)) if Format::from_path(path) == Some(format) => {
-            tristrip_io::read_path(path).map_err(failure)
-        }
-        (Some(path), Some(format)) => {
-            let bytes = std::fs::read(path).map_err(|source| {
-                Failure::reading(&name, &tristrip_io::Error::Io { path: name.clone(), source })
-            })?;
-            tristrip_io::read(&bytes, format).map_err(failure)
-        }
+        (Some(path), format) => Ok(tristrip_io::read_file(path, format).map_err(failure)?.model),
         (None, format) => {
             let mut bytes = Vec::new();
             std::io::stdin().lock().read_to_end(&mut bytes).map_err(|source| {

@@ -5,11 +5,10 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use tristrip::Layout;
-use tristrip_io::{Format, Model};
-use tristrip_pipeline::default_layout;
+use tristrip_io::Format;
+use tristrip_pipeline::{Target, format_to_write, layout_to_write, path_of_level};
 
 use crate::args::{GeneralArgs, OutputArgs};
-use crate::values::WRITTEN_FORMATS;
 
 /// An input and its output.
 #[derive(Debug)]
@@ -56,8 +55,7 @@ impl Input {
 impl Output {
     /// Chooses a file in a format that can be written.
     fn new(path: Option<PathBuf>, in_directory: bool, format: Format, layout: Layout) -> Self {
-        let separate = format == Format::Gltf;
-        let format = if separate { Format::Glb } else { format };
+        let Target { format, separate, .. } = Target::new(None, format);
         Self { path, in_directory, format, separate, layout }
     }
 
@@ -71,13 +69,10 @@ impl Output {
         display_name(self.path.as_deref())
     }
 
-    /// Returns whether the material libraries of an OBJ are read for this result, or written beside it.
-    pub(crate) fn takes_materials(&self, model: &Model) -> bool {
-        match self.format {
-            Format::Obj => self.path.is_some(),
-            Format::Glb => model.scene.is_none() && model.materials.is_some(),
-            _ => false,
-        }
+    /// Returns the files of the result.
+    pub(crate) fn target(&self) -> Target<'_> {
+        let (path, format) = (self.path.as_deref(), self.format);
+        Target { path, format, separate: self.separate, creates_folder: self.in_directory }
     }
 
     /// Returns the output of a level of detail: a file beside this one, with the number of the level in its name.
@@ -85,17 +80,6 @@ impl Output {
         let path = self.path.as_deref().map(|path| path_of_level(path, level));
         Self { path, ..*self }
     }
-}
-
-/// Returns the name of a file with the number of a level before its extension.
-fn path_of_level(path: &Path, level: usize) -> PathBuf {
-    let mut name = path.file_stem().unwrap_or_default().to_owned();
-    name.push(format!("_{level}"));
-    if let Some(extension) = path.extension() {
-        name.push(".");
-        name.push(extension);
-    }
-    path.with_file_name(name)
 }
 
 /// Returns the name of a file, or `-` for a standard stream.
@@ -166,25 +150,8 @@ pub(crate) fn jobs_to(
     if inputs.len() > 1 || slash || target.is_dir() {
         return jobs_to_directory(inputs, target, args, level_count);
     }
-    let format = match (args.target.to, Format::from_path(target)) {
-        (Some(to), _) => to,
-        (None, Some(format)) if WRITTEN_FORMATS.contains(&format) => format,
-        (None, Some(format)) => {
-            let hint = "use .glb, .gltf, .ply or .obj";
-            return Err(format!("{}: cannot write {}; {hint}", target.display(), format.name()));
-        }
-        (None, None) => {
-            let target = target.display();
-            return Err(format!("{target}: unknown extension; use .glb, .gltf, .ply or .obj, or --to"));
-        }
-    };
-    let layout = layout(args, format)?;
-    if format == Format::Gltf && target.extension().is_some_and(|extension| extension == "bin") {
-        return Err(format!(
-            "{}: glTF has its buffer in this file; use .gltf for the document",
-            target.display()
-        ));
-    }
+    let format = format_to_write(target, args.target.to)?;
+    let layout = layout_to_write(format, args.layout)?;
     let output = |_: &Input| Output::new(Some(target.clone()), false, format, layout);
     Ok(inputs.into_iter().map(|input| Job { output: Some(output(&input)), input }).collect())
 }
@@ -202,7 +169,7 @@ fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, Str
     if format != Format::Obj && std::io::stdout().is_terminal() {
         return Err(format!("standard output is a terminal, and {} is binary: redirect it", format.name()));
     }
-    let layout = layout(args, format)?;
+    let layout = layout_to_write(format, args.layout)?;
     let output = || Some(Output::new(None, false, format, layout));
     Ok(inputs.into_iter().map(|input| Job { input, output: output() }).collect())
 }
@@ -214,7 +181,7 @@ fn jobs_to_directory(
     level_count: Option<usize>,
 ) -> Result<Vec<Job>, String> {
     let format = args.target.to.unwrap_or(Format::Glb);
-    let layout = layout(args, format)?;
+    let layout = layout_to_write(format, args.layout)?;
     // Remove a slash at the end: with it, `exists` is false for a file.
     let directory: &Path = &directory.components().collect::<PathBuf>();
     if directory.exists() && !directory.is_dir() {
@@ -254,14 +221,4 @@ fn jobs_to_directory(
         jobs.push(Job { input, output: Some(Output::new(Some(path), true, format, layout)) });
     }
     Ok(jobs)
-}
-
-/// Returns the requested layout, or the default of the format.
-fn layout(args: &OutputArgs, format: Format) -> Result<Layout, String> {
-    match (format, args.layout) {
-        (Format::Obj, None | Some(Layout::List)) => Ok(Layout::List),
-        (Format::Obj, Some(_)) => Err("OBJ has no strips, only --layout list; use .glb or .ply".into()),
-        (_, Some(layout)) => Ok(layout),
-        (_, None) => Ok(default_layout(format)),
-    }
 }

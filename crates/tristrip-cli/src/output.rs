@@ -1,10 +1,7 @@
 //! Writes results. The bytes are read back and verified before a file is replaced.
 
-use std::fs;
-use std::path::Path;
 use std::time::Duration;
 
-use tristrip_io::SideFile;
 use tristrip_lab::text;
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Encoded, Error, Event, Observer};
@@ -106,83 +103,31 @@ fn not_written(output: &Output, error: Error) -> Failure {
     }
 }
 
-/// Writes the file, or the document and the buffer of a `.gltf`; returns the size of all in bytes.
+/// Writes the file with those beside it, or the document and the buffer of a `.gltf`; returns the size in bytes.
 fn write_files(output: &Output, encoded: &Encoded, console: &mut Console) -> Result<usize, Failure> {
-    let Some(path) = &output.path else {
+    if output.path.is_none() {
         console.write_stdout(&encoded.bytes);
         return Ok(encoded.bytes.len());
-    };
-    if !output.separate {
-        write_bytes(output, path, &encoded.bytes)?;
-        write_side_files(output, path, &encoded.files, console)?;
-        return Ok(encoded.bytes.len());
     }
-    let buffer_path = path.with_extension("bin");
-    let Some(name) = buffer_path.file_name().and_then(|name| name.to_str()) else {
-        let invalid = std::io::Error::new(
-            std::io::ErrorKind::InvalidInput,
-            "a .gltf needs a name in UTF-8 for its buffer",
-        );
-        return Err(Failure::system(path, &invalid));
-    };
-    let files = encoded.separate(name).map_err(|error| not_written(output, error))?;
-    // The buffer first: a document is never without it.
-    if !files.buffer.is_empty() {
-        write_bytes(output, &buffer_path, &files.buffer)?;
-    }
-    write_bytes(output, path, &files.json)?;
-    Ok(files.json.len() + files.buffer.len())
+    let written = output.target().write(encoded).map_err(|error| not_written(output, error))?;
+    written.warnings.iter().for_each(|warning| console.warning(&output.name(), warning));
+    written.beside.iter().for_each(|file| console.stage("write", &file.display().to_string(), None));
+    Ok(written.bytes)
 }
 
 /// Writes the bytes of a single file.
 pub(crate) fn write_file(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(), Failure> {
     if let Some(path) = &output.path {
-        return write_bytes(output, path, bytes);
+        return Ok(output.target().write_bytes(path, bytes)?);
     }
     console.write_stdout(bytes);
     Ok(())
 }
 
-/// Writes the material libraries and images of an OBJ into its folder. Files of other content stay, with a warning, unless they are named after
-/// the OBJ.
-fn write_side_files(
-    output: &Output,
-    path: &Path,
-    files: &[SideFile],
-    console: &Console,
-) -> Result<(), Failure> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    for file in files {
-        let target = folder.join(&file.name);
-        match fs::read(&target) {
-            Ok(bytes) if bytes == **file.bytes => continue,
-            Ok(_) if !file.name.starts_with(&*stem) => {
-                let message = format!("{} exists with other content and was not replaced", target.display());
-                console.warning(&output.name(), &message);
-                continue;
-            }
-            _ => (),
-        }
-        if let Some(directory) = target.parent().filter(|directory| !directory.as_os_str().is_empty()) {
-            fs::create_dir_all(directory).map_err(|error| Failure::system(directory, &error))?;
-        }
-        tristrip_io::replace_file(&target, &file.bytes).map_err(|error| Failure::writing(&error))?;
-        console.stage("write", &target.display().to_string(), None);
-    }
-    Ok(())
-}
-
-fn write_bytes(output: &Output, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    if let Some(directory) = path.parent().filter(|directory| output.in_directory && !directory.exists()) {
-        // Create only the directory itself: a missing parent is more likely a typing error.
-        fs::create_dir(directory).map_err(|error| Failure::system(directory, &error))?;
-    }
-    tristrip_io::replace_file(path, bytes).map_err(|error| Failure::writing(&error))
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::task::Shared;
     use tristrip::{Layout, Strips};

@@ -3,15 +3,14 @@
 use std::path::Path;
 
 use serde::Serialize;
-use tristrip::simplify::Stopped;
 use tristrip_io::{Format, Model};
 use tristrip_lab::render::{Mode, TexturedModel, rows_of_sides};
 use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Collapses, Event, NormalCounts, SurfaceChange, rounded, simplify_observed};
+use tristrip_pipeline::{Event, SimplifyFigures, simplify_observed};
 
 use crate::batch::{self, InputReport, Outcome};
-use crate::collapses::collapse_fields;
+use crate::collapses::CollapseFields;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
@@ -39,69 +38,14 @@ struct SimplifyReport {
     file: String,
     proven: Option<bool>,
     seconds: SimplifySeconds,
-    /// The requested number of triangles; `null` for no limit.
-    target_triangles: Option<usize>,
-    /// The maximum error in mesh units; `null` for no limit.
-    target_error: Option<f32>,
-    /// Whether there are at most as many triangles as requested.
-    reached: Option<bool>,
-    triangles_before: Option<usize>,
-    triangles_after: Option<usize>,
-    /// Used vertices.
-    vertices_before: Option<usize>,
-    vertices_after: Option<usize>,
-    collapses: Option<usize>,
-    /// The greatest error of a collapse, in mesh units.
-    surface_error: Option<f32>,
-    surface_error_percent: Option<f64>,
-    /// The largest distance from the original surface found, in mesh units.
-    largest_deviation: Option<f64>,
-    largest_deviation_percent: Option<f64>,
-    /// The root mean square of the distances, in mesh units.
-    rms_deviation: Option<f64>,
-    rms_deviation_percent: Option<f64>,
-    /// The root mean square of the angles between normals.
-    normal_deviation_degrees: Option<f64>,
-    /// The root mean square of the distances between texture coordinates, in percent of the texture; `null` without any.
-    uv_deviation_percent: Option<f64>,
-    /// The same in texels of the textures of the base colours; `null` without any.
-    uv_deviation_texels: Option<f64>,
-    /// The numbers of parts by what happened to their normals.
-    normals: Option<NormalCounts>,
-    /// The diagonal of the model's bounding box, in mesh units.
-    diagonal: Option<f64>,
-    /// Small components that vanished within the error limit.
-    vanished_components: Option<usize>,
-    locked_vertices: Option<usize>,
-    parts: Option<usize>,
-    /// The number of vertices by the reason for which they stayed; `null` where the goal was reached.
-    stopped: Option<StoppedReport>,
-    /// A sentence on the goal, if it was not reached.
-    warning: Option<String>,
+    #[serde(flatten)]
+    figures: SimplifyFigures,
     notes: Vec<String>,
     output: Option<String>,
     /// The picture of the model before and after, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<String>,
     error: Option<String>,
-}
-
-/// The numbers of vertices by the reason for which they stayed.
-#[derive(Debug, Serialize)]
-struct StoppedReport {
-    error: usize,
-    locked: usize,
-    seam: usize,
-    non_manifold: usize,
-    topology: usize,
-    fold_over: usize,
-}
-
-impl From<Stopped> for StoppedReport {
-    fn from(stopped: Stopped) -> Self {
-        let Stopped { error, locked, seam, non_manifold, topology, fold_over, .. } = stopped;
-        Self { error, locked, seam, non_manifold, topology, fold_over }
-    }
 }
 
 impl InputReport for SimplifyReport {
@@ -116,7 +60,7 @@ pub(crate) fn run(task: &SimplifyTask, console: &mut Console) -> bool {
     let process =
         |job: &Job, console: &mut Console, report: &mut SimplifyReport| simplify(job, task, console, report);
     let show = |job: &Job, report: &SimplifyReport, title: &str, console: &mut Console| {
-        console.result(&format!("{title}{}", summary(report)), job.output.is_none());
+        console.result(&format!("{title}{}", summary(&report.figures)), job.output.is_none());
     };
     let reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
     batch::finish(reports, console)
@@ -137,8 +81,8 @@ fn simplify(
     if !task.options.verify {
         console.stage("verify", "skipped", None);
     }
-    report.vertices_after = Some(simplified.redrawn.used);
-    report.normals = Some(simplified.normals);
+    report.figures.vertices_after = Some(simplified.redrawn.used);
+    report.figures.normals = Some(simplified.normals);
     if let Some(path) = &task.picture {
         draw(path, [&model, &simplified.redrawn.model], console, &mut report.notes)?;
         report.picture = Some(path.display().to_string());
@@ -175,50 +119,32 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut Simplify
     match event {
         Event::Simplified(collapses) => {
             report.seconds.simplify = Some(seconds);
-            report.record(collapses);
-            console.stage("simplify", &line(report), Some(seconds));
+            report.figures.record(collapses);
+            console.stage("simplify", &line(&report.figures), Some(seconds));
         }
         Event::Compared(change) => {
             report.seconds.compare = Some(seconds);
-            report.compare(change);
-            console.stage("compare", &change_line(report), Some(seconds));
+            report.figures.compare(change);
+            console.stage("compare", &change_line(&report.figures), Some(seconds));
         }
-        other => collapse_fields!(report).show(other, seconds, console),
-    }
-}
-
-impl SimplifyReport {
-    fn record(&mut self, collapses: &Collapses) {
-        self.target_triangles = collapses.target_triangles;
-        self.target_error = collapses.target_error;
-        self.reached = Some(collapses.reached);
-        self.triangles_before = Some(collapses.triangles_before);
-        self.triangles_after = Some(collapses.triangles_after);
-        self.collapses = Some(collapses.collapse_count);
-        self.surface_error = Some(collapses.surface_error);
-        self.surface_error_percent = Some(collapses.surface_error_percent());
-        self.diagonal = Some(collapses.diagonal);
-        self.vanished_components = Some(collapses.vanished_components);
-        self.locked_vertices = Some(collapses.locked_vertices);
-        self.stopped = collapses.stopped.map(StoppedReport::from);
-    }
-
-    fn compare(&mut self, change: &SurfaceChange) {
-        let diagonal = self.diagonal.filter(|&diagonal| diagonal > 0.0);
-        let percent =
-            |distance: f64| Some(rounded(diagonal.map_or(0.0, |diagonal| 100.0 * distance / diagonal)));
-        self.largest_deviation = Some(rounded(change.largest));
-        self.largest_deviation_percent = percent(change.largest);
-        self.rms_deviation = Some(rounded(change.rms));
-        self.rms_deviation_percent = percent(change.rms);
-        self.normal_deviation_degrees = Some(rounded(change.normal_degrees));
-        self.uv_deviation_percent = change.uv.map(|uv| rounded(100.0 * uv));
-        self.uv_deviation_texels = change.uv_texels.map(rounded);
+        other => {
+            let fields = CollapseFields {
+                file: &report.file,
+                dual: &mut report.seconds.dual,
+                verify: &mut report.seconds.verify,
+                parts: &mut report.figures.parts,
+                vertices_before: &mut report.figures.vertices_before,
+                warning: &mut report.figures.warning,
+                notes: &mut report.notes,
+                proven: &mut report.proven,
+            };
+            fields.show(other, seconds, console);
+        }
     }
 }
 
 /// Returns a line on the triangles left and the collapses.
-fn line(report: &SimplifyReport) -> String {
+fn line(report: &SimplifyFigures) -> String {
     let collapses = counted(report.collapses.unwrap_or(0), "collapse");
     format!("{} after {collapses}", counted(report.triangles_after.unwrap_or(0), "triangle"))
 }
@@ -229,7 +155,7 @@ fn distance(x: f64) -> String {
 }
 
 /// Returns a table of the sizes before and after.
-fn summary(report: &SimplifyReport) -> String {
+fn summary(report: &SimplifyFigures) -> String {
     let row = |name: &str, before: Option<usize>, after: Option<usize>| {
         let (before, after) = (before.unwrap_or(0), after.unwrap_or(0));
         let share = 100.0 * after as f64 / before.max(1) as f64;
@@ -245,7 +171,7 @@ fn summary(report: &SimplifyReport) -> String {
 }
 
 /// Returns a line on the normals that were rebuilt, if there are any.
-fn normals_line(report: &SimplifyReport) -> String {
+fn normals_line(report: &SimplifyFigures) -> String {
     let counts = report.normals.unwrap_or_default();
     let rebuilt = [
         (counts.repaired, "where they no longer fitted"),
@@ -261,7 +187,7 @@ fn normals_line(report: &SimplifyReport) -> String {
 }
 
 /// Returns a line on how far the result is from the original.
-fn change_line(report: &SimplifyReport) -> String {
+fn change_line(report: &SimplifyFigures) -> String {
     let deviation = |what: &str, units: Option<f64>, percent: Option<f64>| {
         let (units, percent) = (units.unwrap_or(0.0), percent.unwrap_or(0.0));
         format!("{what} {} ({percent:.3} % of the diagonal)", distance(units))

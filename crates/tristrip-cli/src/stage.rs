@@ -1,12 +1,11 @@
 //! The stages of an input as the command shows them: an observer of the pipeline that measures their times and watches searches.
 
-use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use tristrip::StripifyOptions;
-use tristrip_io::{Format, Model};
+use tristrip_io::Model;
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Event, MeshFigures, Observer, Search, Stopped};
 
@@ -14,7 +13,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::mesh_line;
 use crate::input::load;
-use crate::job::{Input, Job, Output};
+use crate::job::{Input, Job};
 use crate::search::SearchWatch;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
@@ -45,19 +44,8 @@ pub(crate) fn load_timed(input: &Input, console: &Console) -> Result<(Model, f64
 /// where they are for a `.gltf` in the folder of the input. A result with materials gets those of an OBJ and its libraries, and an OBJ those of glTF.
 pub(crate) fn load_job(job: &Job, console: &Console) -> Result<(Model, f64), Failure> {
     let (mut model, seconds) = load_timed(&job.input, console)?;
-    let path = job.input.path.as_deref();
-    let takes_images = |output: &Output| {
-        let stays = output.separate && same_folder(path, output.path.as_deref());
-        output.format == Format::Glb && !stays
-    };
-    if let Some(output) = job.output.as_ref().filter(|output| output.takes_materials(&model)) {
-        let stem = output.path.as_ref().and_then(|path| path.file_stem()).unwrap_or_default();
-        tristrip_io::load_materials(&mut model, path, &stem.to_string_lossy());
-    }
-    if !job.output.as_ref().is_some_and(takes_images) {
-        return Ok((model, seconds));
-    }
-    let (images, image_seconds) = timed(|| tristrip_io::embed_images(&mut model, path));
+    let Some(output) = &job.output else { return Ok((model, seconds)) };
+    let (images, image_seconds) = timed(|| output.target().complete(&mut model, job.input.path.as_deref()));
     let images = images.map_err(|error| Failure::reading(&job.input.name(), &error))?;
     if let Some(first) = images.left.first() {
         let message = format!("images that the file only refers to: {}, such as {first}", images.left.len());
@@ -79,15 +67,6 @@ pub(crate) fn show_search(
         console.note(stopped.note());
         notes.push(stopped.note().into());
     }
-}
-
-/// Returns whether two files are in one folder, links followed.
-fn same_folder(a: Option<&Path>, b: Option<&Path>) -> bool {
-    let folder = |path: Option<&Path>| match path?.parent()? {
-        here if here.as_os_str().is_empty() => Path::new(".").canonicalize().ok(),
-        parent => parent.canonicalize().ok(),
-    };
-    folder(a).is_some_and(|a| folder(b).is_some_and(|b| a == b))
 }
 
 /// Shows the stages of an input. `handle` receives each event with the time of its stage in seconds, to report it.

@@ -10,9 +10,8 @@ use tristrip_lab::render::{self, RenderOptions};
 use tristrip_lab::text as lab_text;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
-    BoundGap, DrawCost, DrawnAs, DrawnParts, EncodeOptions, Event, Figures, MeshFigures, MethodReport,
-    Observer, PreparedModel, Search, Stopped, StripOptions, Stripped, encode_observed, rounded,
-    strip_observed,
+    BoundGap, DrawnAs, DrawnParts, EncodeOptions, Event, Figures, FileFigures, MeshFigures, MethodReport,
+    Observer, PreparedModel, Search, Stopped, StripOptions, Stripped, encode_observed, strip_observed,
 };
 
 use crate::batch::{self, InputReport, Outcome};
@@ -65,31 +64,17 @@ struct StripReport {
     error: Option<String>,
 }
 
-/// What a file draws, and its size.
-#[derive(Debug, Serialize)]
-struct FileFigures {
-    indices: usize,
-    acmr_fifo_16: f64,
-    /// `null` for standard input, and for a .gltf, of which parts may be in other files.
-    bytes: Option<u64>,
-}
-
-impl FileFigures {
-    fn of(cost: &DrawCost, bytes: Option<u64>) -> Self {
-        Self { indices: cost.indices, acmr_fifo_16: rounded(cost.acmr()), bytes }
-    }
-
-    fn row(&self, name: &str) -> Vec<String> {
-        let bytes = self.bytes.map_or_else(|| "unknown".into(), |bytes| lab_text::bytes(bytes as usize));
-        vec![format!("  {name}"), count(self.indices), format!("{:.3}", self.acmr_fifo_16), bytes]
-    }
+/// Returns the row of a file in a table.
+fn file_row(name: &str, figures: &FileFigures) -> Vec<String> {
+    let bytes = figures.bytes.map_or_else(|| "unknown".into(), |bytes| lab_text::bytes(bytes as usize));
+    vec![format!("  {name}"), count(figures.indices), format!("{:.3}", figures.acmr_fifo_16), bytes]
 }
 
 /// Returns a table of the input and the file that was written; nothing if none was.
 fn before_and_after(report: &StripReport) -> String {
     let (Some(before), Some(after)) = (&report.before, &report.after) else { return String::new() };
     let head = ["", "indices", "ACMR, FIFO 16", "file"].map(str::to_owned).to_vec();
-    lab_text::table(&[head, before.row("before"), after.row("after")], 1..4)
+    lab_text::table(&[head, file_row("before", before), file_row("after", after)], 1..4)
 }
 
 impl InputReport for StripReport {

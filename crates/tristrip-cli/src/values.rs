@@ -12,9 +12,6 @@ use tristrip::{Layout, Method};
 use tristrip_io::Format;
 use tristrip_lab::render::MAX_SIZE;
 
-/// The formats that can be written.
-pub(crate) const WRITTEN_FORMATS: [Format; 4] = [Format::Glb, Format::Gltf, Format::Ply, Format::Obj];
-
 /// Returns a parser for the names of formats, which are their file name extensions.
 pub(crate) fn format_parser(formats: &'static [Format]) -> impl TypedValueParser<Value = Format> {
     let names = formats.iter().map(|format| format.extension());

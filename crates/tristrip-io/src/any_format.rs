@@ -7,7 +7,8 @@ use tristrip::Layout;
 use crate::error::Error;
 use crate::format::Format;
 use crate::gltf::BufferFiles;
-use crate::model::{Drawing, Model};
+use crate::materials::PlainMaterial;
+use crate::model::{Drawing, Model, Part};
 use crate::{gltf, obj, off, ply, stl, tlod};
 
 /// Reads a model from the bytes of a file. A glTF file must contain its buffers; [`read_path`](crate::read_path) also finds
@@ -130,7 +131,7 @@ pub fn material_losses(model: &Model, format: Format) -> Vec<String> {
         }
         (Some(materials), Format::Obj) => materials.problems.clone(),
         (None, Format::Obj) if of_scene => vec!["materials are not written beside the OBJ".into()],
-        (Some(materials), _) if of_scene || !materials.libraries.is_empty() => {
+        (Some(materials), _) if of_scene || !materials.libraries.is_empty() || !materials.is_empty() => {
             vec![format!("materials are not written: {} has none", format.name())]
         }
         (None, Format::Ply) if of_scene => {
@@ -138,6 +139,53 @@ pub fn material_losses(model: &Model, format: Format) -> Vec<String> {
         }
         _ => Vec::new(),
     }
+}
+
+/// Returns the material of each part, as far as both glTF and OBJ can hold it, and notes on what they leave out, in words. A part without a
+/// material has none. A model in OBJ must have its materials, which [`load_materials`](crate::load_materials) reads.
+///
+/// # Errors
+/// The materials, textures or images of a scene are not valid glTF 2.0.
+///
+/// ```
+/// use tristrip_io::{Format, Materials, PlainMaterial, plain_materials, read};
+/// let mut model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n", Format::Obj)?;
+/// let red = PlainMaterial { base_colour: [1.0, 0.0, 0.0, 1.0], ..PlainMaterial::default() };
+/// model.materials.get_or_insert_default().add_plain("red", &red);
+/// assert_eq!(plain_materials(&model)?.0, [Some(red.clone())]);
+/// let glb = tristrip_io::write(&model, &[tristrip_io::Drawing::Faces], Format::Glb, tristrip::Layout::List)?;
+/// assert_eq!(plain_materials(&read(&glb, Format::Glb)?)?.0, [Some(red)]);
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn plain_materials(model: &Model) -> Result<(Vec<Option<PlainMaterial>>, Vec<String>), Error> {
+    let Some(scene) = &model.scene else {
+        let known = |part: &Part| model.materials.as_ref()?.plain(part.material.as_deref()?);
+        return Ok((model.parts.iter().map(known).collect(), Vec::new()));
+    };
+    let surfaces = scene.surfaces()?;
+    let images: Vec<Arc<Vec<u8>>> =
+        surfaces.images.iter().map(|image| Arc::new(image.bytes().to_vec())).collect();
+    let mut notes = surfaces.notes;
+    let mut elsewhere = 0;
+    let plain = |(part, material): (&Part, &gltf::Material)| {
+        if part.material.is_none() && *material == gltf::Material::default() {
+            return None;
+        }
+        elsewhere += usize::from(material.texture.is_some_and(|texture| texture.coordinates != 0));
+        let image = material.texture.filter(|texture| texture.coordinates == 0);
+        Some(PlainMaterial {
+            base_colour: material.base_colour,
+            metalness: material.metalness,
+            roughness: material.roughness,
+            is_blended: material.is_blended,
+            image: image.and_then(|texture| images.get(texture.image).cloned()),
+        })
+    };
+    let materials = model.parts.iter().zip(&surfaces.materials).map(plain).collect();
+    if elsewhere > 0 {
+        notes.push(format!("textures at other coordinates than TEXCOORD_0, left out: {elsewhere}"));
+    }
+    Ok((materials, notes))
 }
 
 /// Lists what a format cannot hold of a model with one drawing for each part, in words, with counts, the scene around the

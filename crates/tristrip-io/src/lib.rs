@@ -50,17 +50,19 @@ mod text;
 pub mod tlod;
 mod vertex_group;
 
-pub use any_format::{losses, material_losses, read, read_shared, write};
+pub use any_format::{losses, material_losses, plain_materials, read, read_shared, write};
 pub use error::Error;
 pub use format::Format;
 #[cfg(feature = "fs")]
 pub use gltf::images::EmbeddedImages;
 pub use levels::{LeveledModel, PartLevel, SceneLevels, in_level_order};
-pub use materials::{Materials, SideFile};
+pub use materials::{Materials, PlainMaterial, SideFile};
 pub use model::{Drawing, Model, Part, StoredStrips};
 pub use new_vertices::{Extended, NewVertices, fixed_vertices, with_new_vertices};
 #[cfg(feature = "fs")]
-pub use path::{embed_images, load_materials, read_beside, read_path, replace_file, write_path};
+pub use path::{
+    ReadFile, embed_images, load_materials, read_beside, read_file, read_path, replace_file, write_path,
+};
 pub use redraw::{KeptVertices, Redrawn, merge_equal_vertices, with_triangles};
 pub use reorder::{Reordered, reorder};
 pub use vertex_group::VertexGroup;

@@ -42,7 +42,30 @@ pub struct Materials {
     pub problems: Vec<String>,
     /// What glTF cannot hold, in words.
     pub losses: Vec<String>,
+    /// Whether the texture coordinates of the model count downwards from the upper edge of an image, as those of glTF; those of OBJ count upwards.
+    pub counts_down: bool,
     by_name: BTreeMap<String, ObjMaterial>,
+}
+
+/// A material that both glTF and the library of an OBJ can hold. The default is white, rough and no metal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlainMaterial {
+    /// Red, green and blue in linear light, and the opacity, from 0 to 1.
+    pub base_colour: [f32; 4],
+    /// From 0 to 1.
+    pub metalness: f32,
+    /// From 0 to 1.
+    pub roughness: f32,
+    /// Whether the opacity counts.
+    pub is_blended: bool,
+    /// The bytes of a PNG or JPEG by which the base colour is multiplied, at the texture coordinates `TEXCOORD_0`.
+    pub image: Option<Arc<Vec<u8>>>,
+}
+
+impl Default for PlainMaterial {
+    fn default() -> Self {
+        Self { base_colour: [1.0; 4], metalness: 0.0, roughness: 1.0, is_blended: false, image: None }
+    }
 }
 
 /// A material as glTF has it.
@@ -77,6 +100,60 @@ impl Materials {
     /// Returns the width and height in pixels of the image of a material's colour; `None` without one, or if it is no PNG or JPEG.
     pub fn image_size(&self, material: &str) -> Option<[u32; 2]> {
         image_size(&self.image(self.get(material)?.images[0].as_deref()?)?.bytes)
+    }
+
+    /// Adds a material to those of a model that a program builds; returns whether it was added, which it is not if there is another one of this name.
+    ///
+    /// ```
+    /// use tristrip_io::{Materials, PlainMaterial};
+    /// let mut materials = Materials::default();
+    /// let red = PlainMaterial { base_colour: [1.0, 0.0, 0.0, 1.0], ..PlainMaterial::default() };
+    /// assert!(materials.add_plain("paint", &red) && materials.add_plain("paint", &red));
+    /// assert!(!materials.add_plain("paint", &PlainMaterial::default()));
+    /// assert_eq!(materials.plain("paint"), Some(red));
+    /// ```
+    pub fn add_plain(&mut self, name: &str, material: &PlainMaterial) -> bool {
+        if let Some(known) = self.plain(name) {
+            return known == *material;
+        }
+        let image = material.image.as_ref().map(|image| self.store(image));
+        let colour = material.base_colour;
+        let PlainMaterial { metalness, roughness, is_blended, .. } = *material;
+        let images = [image, None, None];
+        self.add(
+            name.to_owned(),
+            ObjMaterial { colour, emissive: [0.0; 3], roughness, metalness, is_blended, images },
+        )
+    }
+
+    /// Returns a material; `None` if there is none of this name.
+    pub fn plain(&self, name: &str) -> Option<PlainMaterial> {
+        let known = self.get(name)?;
+        let image = known.images[0].as_deref().and_then(|image| self.image(image));
+        Some(PlainMaterial {
+            base_colour: known.colour,
+            metalness: known.metalness,
+            roughness: known.roughness,
+            is_blended: known.is_blended,
+            image: image.map(|image| Arc::clone(&image.bytes)),
+        })
+    }
+
+    /// Stores an image once, and returns its name.
+    fn store(&mut self, image: &Arc<Vec<u8>>) -> Arc<str> {
+        let known = self.files.iter().find(|file| Arc::ptr_eq(&file.bytes, image) || file.bytes == *image);
+        let name = known.map(|file| file.name.clone()).unwrap_or_else(|| {
+            let name = format!("image_{}.{}", self.files.len(), image_extension(image));
+            self.files.push(SideFile { name: name.clone(), bytes: Arc::clone(image) });
+            name
+        });
+        name.into()
+    }
+
+    /// Returns the names of the materials, with what they hold.
+    #[cfg(feature = "fs")]
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, &ObjMaterial)> {
+        self.by_name.iter().map(|(name, material)| (name.as_str(), material))
     }
 
     /// Adds a material, unless there is one of this name.
@@ -161,6 +238,11 @@ pub(crate) fn image_size(bytes: &[u8]) -> Option<[u32; 2]> {
     let size = imagesize::blob_size(bytes).ok()?;
     let side = |side: usize| u32::try_from(side).ok().filter(|&side| side > 0);
     Some([side(size.width)?, side(size.height)?])
+}
+
+/// Returns the file name extension of a JPEG, or of a PNG.
+pub(crate) fn image_extension(bytes: &[u8]) -> &'static str {
+    if bytes.starts_with(b"\xff\xd8\xff") { "jpg" } else { "png" }
 }
 
 /// The lines of a material: the last one of each keyword.

@@ -6,8 +6,8 @@ use crate::error::Error;
 use crate::gltf::scene::Scene;
 use crate::materials::Materials;
 
-/// A file's geometry, in the order of the file.
-#[derive(Debug, Default)]
+/// A file's geometry, in the order of the file. Clones share positions, attributes, buffers and images.
+#[derive(Debug, Clone, Default)]
 pub struct Model {
     /// The meshes, each of which is stripified and drawn separately.
     pub parts: Vec<Part>,
@@ -15,7 +15,8 @@ pub struct Model {
     pub notes: Vec<String>,
     /// The document around the parts, for glTF and GLB.
     pub scene: Option<Scene>,
-    /// The materials in files beside an OBJ; `None` for other formats. Texture coordinates count upwards where there are any.
+    /// The materials in files beside an OBJ, or those of a model that a program builds; `None` for other formats. With a scene, those of an OBJ that it
+    /// will be written as.
     pub materials: Option<Materials>,
 }
 
@@ -45,7 +46,7 @@ impl Model {
 }
 
 /// One mesh: the faces of one material (OBJ), one primitive (glTF), or the whole file (PLY, OFF, STL).
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Part {
     /// Object, group or mesh name, where the file has one.
     pub name: Option<String>,

@@ -16,7 +16,7 @@ use crate::gltf::BufferFiles;
 use crate::gltf::images::{EmbeddedImages, embed};
 use crate::materials::SideFile;
 use crate::model::{Drawing, Model};
-use crate::obj::scene_library::library_of;
+use crate::obj::scene_library::{library_of, library_of_added};
 
 /// Reads a model from a file, in the format of its extension, or of its content if the extension is unknown. The separate
 /// buffers of a `.gltf` are looked for in the folder of the path and, where that is a link, then in the folder of the file
@@ -30,6 +30,36 @@ use crate::obj::scene_library::library_of;
 /// assert!(wrong.to_string().starts_with("no/such/model.ply: "));
 /// ```
 pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
+    Ok(read_file(path, None)?.model)
+}
+
+/// A model with the file that it was read from.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct ReadFile {
+    /// The model.
+    pub model: Model,
+    /// The bytes of the file, which a model in glTF shares.
+    pub bytes: Arc<Vec<u8>>,
+    /// The format of the file.
+    pub format: Format,
+}
+
+/// Reads a model as [`read_path`] does, in a format that may be given, and returns it with the bytes of the file.
+///
+/// # Errors
+/// As of [`read_path`].
+///
+/// ```
+/// use tristrip_io::{Format, read_file};
+/// # let dir = tempfile::tempdir().unwrap();
+/// # let path = dir.path().join("model.dat");
+/// std::fs::write(&path, "OFF\n0 0 0\n")?;
+/// assert_eq!(read_file(&path, None)?.format, Format::Off);
+/// assert!(read_file(&path, Some(Format::Ply)).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_file(path: impl AsRef<Path>, format: Option<Format>) -> Result<ReadFile, Error> {
     let path = path.as_ref();
     let io_error = |source| Error::Io { path: path.display().to_string(), source };
     if fs::metadata(path).map_err(io_error)?.is_dir() {
@@ -39,10 +69,12 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
         )));
     }
     let bytes = fs::read(path).map_err(io_error)?;
-    let format = Format::from_path(path).unwrap_or_else(|| Format::from_bytes(&bytes));
+    let format = format.or_else(|| Format::from_path(path)).unwrap_or_else(|| Format::from_bytes(&bytes));
+    let bytes = Arc::new(bytes);
     let target = target_of(path);
     let folders = folders(path, &target);
-    read_with_files(&Arc::new(bytes), format, &mut BufferFiles::new(&folders))
+    let model = read_with_files(&bytes, format, &mut BufferFiles::new(&folders))?;
+    Ok(ReadFile { model, bytes, format })
 }
 
 /// Reads a model from bytes, and takes the materials and images that belong to it into it, for a program that serves the result to others: the files that
@@ -134,8 +166,8 @@ fn embed_from(model: &mut Model, files: &mut BufferFiles<'_>) -> Result<Embedded
 }
 
 /// Reads the material libraries of a model in OBJ, and the images that they name: files in the folder of `path`, that of the file that the model was
-/// read from, or below it. A model in glTF gets a library for an OBJ file with this `stem` as name instead. What is not found is among the
-/// problems of [`Model::materials`].
+/// read from, or below it. A model in glTF, or one with materials that a program added, gets a library for an OBJ file with this `stem` as name
+/// instead. What is not found is among the problems of [`Model::materials`].
 ///
 /// ```
 /// # let dir = tempfile::tempdir().unwrap();
@@ -151,6 +183,12 @@ fn embed_from(model: &mut Model, files: &mut BufferFiles<'_>) -> Result<Embedded
 pub fn load_materials(model: &mut Model, path: Option<&Path>, stem: &str) {
     if let Some(scene) = &model.scene {
         model.materials = Some(library_of(scene, &model.parts, stem));
+        return;
+    }
+    if let Some(added) =
+        model.materials.as_ref().filter(|known| known.libraries.is_empty() && !known.is_empty())
+    {
+        model.materials = Some(library_of_added(added, stem));
         return;
     }
     let target = path.map(target_of);

@@ -23,7 +23,7 @@ use crate::shared_vertices::{parts_by_vertices, renumber};
 use crate::vertex_group::Renumbering;
 
 /// A model with new triangles, and counts of its vertices.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Redrawn {
     /// The parts in their order, each with its new triangles as faces.
     pub model: Model,

@@ -1,5 +1,6 @@
 //! Index and vertex-cache statistics of a model as its file stores it. No strips are built.
 
+mod report;
 mod stored;
 mod vertex_caches;
 
@@ -7,6 +8,7 @@ use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip_io::{Model, Part};
 
 use crate::parts::map;
+pub use report::{PartReport, VertexCacheReport};
 pub use stored::{DrawMode, LengthBin, StoredFigures, StripLengths};
 use stored::{StoredPart, vertices_of};
 pub use vertex_caches::VertexCacheList;

@@ -1,7 +1,8 @@
 //! Lower bounds on the strips, vertices and indices of a whole model.
 
+use serde::Serialize;
 use tristrip::StripifyOptions;
-use tristrip::stripify::bound::{Bound, sequential_strip};
+use tristrip::stripify::bound::{Bound, BoundMethod, sequential_strip};
 use tristrip_io::Model;
 
 use crate::bounds::Bounds;
@@ -19,6 +20,57 @@ pub struct PartBound {
     pub bound: Bound,
     /// Whether one strip without swaps draws the part completely.
     pub sequential: bool,
+}
+
+/// The bound of a component of a part; the keys are those of the JSON report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct ComponentReport {
+    /// The number of the part.
+    pub part: usize,
+    /// The triangles of the component.
+    pub triangles: usize,
+    /// The lower bound of its strips.
+    pub strips: usize,
+    /// The lower bound of the vertices sent.
+    pub vertices_sent: usize,
+    /// How the bound was found: `leaves`, `matching`, `subproblems`, `exact` or `one-strip`.
+    pub proof: &'static str,
+}
+
+impl Bounded {
+    /// Returns the bounds of all components, part by part.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+    /// let components = tristrip_pipeline::bound(&model, false)?.components();
+    /// assert_eq!((components.len(), components[0].strips), (1, 1));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn components(&self) -> Vec<ComponentReport> {
+        let of_part = |(part, found): (usize, &PartBound)| {
+            let report = move |component: &tristrip::stripify::bound::ComponentBound| ComponentReport {
+                part,
+                triangles: component.triangles,
+                strips: component.strips,
+                vertices_sent: component.vertices_sent,
+                proof: proof_name(component.method),
+            };
+            found.bound.components.iter().map(report).collect::<Vec<_>>()
+        };
+        self.parts.iter().enumerate().flat_map(of_part).collect()
+    }
+}
+
+fn proof_name(proof: BoundMethod) -> &'static str {
+    match proof {
+        BoundMethod::Leaves => "leaves",
+        BoundMethod::Matching => "matching",
+        BoundMethod::Subproblems => "subproblems",
+        BoundMethod::Exact => "exact",
+        _ => "one-strip",
+    }
 }
 
 /// The bounds of a model and of its parts.

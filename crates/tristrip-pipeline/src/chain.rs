@@ -23,6 +23,7 @@ mod collapsed;
 mod coverage;
 mod encode;
 mod ratios;
+mod report;
 
 use tristrip::StripifyOptions;
 use tristrip_io::{Format, LeveledModel, Model, PartLevel};
@@ -43,6 +44,7 @@ use collapsed::CollapsedLevel;
 use coverage::{PartExtent, coverages};
 pub use encode::EncodedChain;
 pub use ratios::ChainRatios;
+pub use report::LevelReport;
 
 /// How a chain is built.
 #[derive(Debug, Clone, PartialEq)]

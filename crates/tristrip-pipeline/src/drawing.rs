@@ -17,7 +17,7 @@ use tristrip::{Layout, Mesh, Strips};
 use tristrip_io::{Drawing, Format, Model, Part};
 
 use crate::encode::EncodeOptions;
-use crate::figures::PartFigures;
+use crate::figures::{PartFigures, rounded};
 use crate::parts::map;
 use crate::text::counted;
 
@@ -94,6 +94,25 @@ impl std::iter::Sum for DrawCost {
             triangles: a.triangles + b.triangles,
             misses: a.misses + b.misses,
         })
+    }
+}
+
+/// What a file draws, and its size; the keys are those of the JSON report.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct FileFigures {
+    /// The indices, restarts and degenerate triangles included. Polygons count as fans.
+    pub indices: usize,
+    /// Misses per triangle of a FIFO vertex cache of 16 entries.
+    pub acmr_fifo_16: f64,
+    /// The size in bytes; `None` for what is no file, and for a `.gltf`, of which parts may be in other files.
+    pub bytes: Option<u64>,
+}
+
+impl FileFigures {
+    /// Reports a cost and a size.
+    pub fn of(cost: &DrawCost, bytes: Option<u64>) -> Self {
+        Self { indices: cost.indices, acmr_fifo_16: rounded(cost.acmr()), bytes }
     }
 }
 

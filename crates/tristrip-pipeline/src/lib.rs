@@ -8,7 +8,7 @@
 //!   ├▶ simplify: parts that share borders together ─▶ smaller model
 //!   └▶ levels: strips ─ collapses of all parts in one order ─▶ display strips of any level, proven
 //! ```
-//! The functions take a model in memory and return owned results. They read no files, no clock and no terminal: an [`Observer`] learns
+//! The functions take a model in memory and return owned results. Except for `Target`, which exists under the feature `fs`, they read no files, no clock and no terminal: an [`Observer`] learns
 //! of every stage, may measure its time, and may stop a search or cancel. All parts are processed in parallel, on the threads of the
 //! current `rayon` pool; the results are the same for any number of threads.
 //!
@@ -35,6 +35,8 @@ mod drawing;
 mod encode;
 mod error;
 mod figures;
+#[cfg(feature = "fs")]
+mod files;
 mod goal;
 mod join;
 mod levels;
@@ -55,36 +57,40 @@ mod verify;
 mod view_model;
 
 pub use analyze::{
-    Analysis, AnalyzeOptions, DrawMode, LengthBin, PartAnalysis, StoredFigures, StripLengths,
-    VertexCacheList, analyze,
+    Analysis, AnalyzeOptions, DrawMode, LengthBin, PartAnalysis, PartReport, StoredFigures, StripLengths,
+    VertexCacheList, VertexCacheReport, analyze,
 };
-pub use bound::{Bounded, PartBound, bound, bound_observed};
+pub use bound::{Bounded, ComponentReport, PartBound, bound, bound_observed};
 pub use bounds::{BoundGap, Bounds};
-pub use chain::{Chain, ChainLevel, ChainOptions, ChainRatios, EncodedChain, chain, chain_observed};
+pub use chain::{
+    Chain, ChainLevel, ChainOptions, ChainRatios, EncodedChain, LevelReport, chain, chain_observed,
+};
 pub use collapses::Collapses;
 pub use convert::{ConvertOptions, Converted, convert, convert_observed, strips_as_stored};
-pub use drawing::{DrawCost, Drawn, DrawnAs, DrawnParts};
+pub use drawing::{DrawCost, Drawn, DrawnAs, DrawnParts, FileFigures};
 pub use encode::{EncodeOptions, Encoded, default_layout, encode, encode_observed};
 pub use error::Error;
 pub use figures::{Figures, MeshFigures, rounded};
+#[cfg(feature = "fs")]
+pub use files::{Target, WRITTEN_FORMATS, WrittenFiles, format_to_write, layout_to_write, path_of_level};
 pub use goal::{Amount, Deviation, Goal, Ratio};
 pub use join::{Joined, join};
 pub use levels::{
     DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
     ModelLevels, levels, levels_observed, parse_levels,
 };
-pub use method::{MethodReport, method_of_flags, methods_to_compare, parse_method};
+pub use method::{MethodReport, compared_methods, method_of_flags, methods_to_compare, parse_method};
 pub use observer::{Event, Observer, Search, Stage, Stopped};
 pub use pack::{PackOptions, Packed, PackedReport, pack};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
 pub use published::{Published, is_published, pack_as_published, unpack_published};
 pub use simplify::{
-    CollapseRules, LevelOrder, NormalCounts, Normals, Simplified, SimplifyOptions, simplify,
-    simplify_observed, simplify_parts,
+    CollapseRules, LevelOrder, NormalCounts, Normals, Simplified, SimplifyFigures, SimplifyOptions,
+    StoppedReport, simplify, simplify_observed, simplify_parts,
 };
 pub use stream::{StreamedMesh, stream_of_mesh};
-pub use strip::{StripOptions, Stripped, strip, strip_observed};
+pub use strip::{StripOptions, Stripped, strip, strip_observed, with_strips};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
 pub use unpack::{
     ChunkFigures, ComponentBits, StreamFigures, StreamGoal, StreamReport, Unpacked, UnpackedReport,

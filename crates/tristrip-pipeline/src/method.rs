@@ -213,6 +213,27 @@ pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
     methods
 }
 
+/// Returns the options of each row of a comparison: `best` at its default effort, then all methods at an effort. Other options, such as the seed, are
+/// those given.
+///
+/// ```
+/// use tristrip::{Effort, StripifyOptions};
+/// let all = tristrip_pipeline::compared_methods(StripifyOptions::default(), Effort::default(), true);
+/// assert_eq!(all.len(), 45);
+/// ```
+pub fn compared_methods(
+    options: StripifyOptions,
+    effort: Effort,
+    every_variant: bool,
+) -> Vec<StripifyOptions> {
+    let default = options.with_method(Method::Best);
+    let all = methods_to_compare(every_variant).into_iter();
+    let all = all.map(|method| options.with_method(method).with_effort(effort));
+    let is_default =
+        |options: &StripifyOptions| options.method() == Method::Best && options.effort() == default.effort();
+    std::iter::once(default).chain(all.filter(|options| !is_default(options))).collect()
+}
+
 /// Parses a method and its options in the flags of the command: `--method eta --start input`. Flags that are not given have the default of
 /// the method.
 ///
@@ -275,7 +296,7 @@ impl<'a> Flags<'a> {
 
     fn number<T: FromStr>(&mut self, flag: &'static str) -> Result<Option<T>, Error> {
         let number =
-            |text: &str| text.parse().map_err(|_| invalid(flag, text, "a number in the range of the flag"));
+            |text: &str| text.parse().map_err(|_| invalid(flag, text, "a whole number of 0 or more"));
         self.take(flag).map(number).transpose()
     }
 
@@ -310,11 +331,10 @@ impl<'a> Flags<'a> {
             }
         }
         if matches!(name, "best" | "fewest" | "cache")
-            && let Some(level) = self.number("--effort")?
+            && let Some(text) = self.take("--effort")
         {
-            let effort = Effort::new(level);
-            options =
-                options.with_effort(effort.ok_or_else(|| invalid("--effort", &level.to_string(), "0 to 9"))?);
+            let effort = text.parse().ok().and_then(Effort::new);
+            options = options.with_effort(effort.ok_or_else(|| invalid("--effort", text, "0 to 9"))?);
         }
         if !matches!(name, "sequential" | "input" | "sgi" | "tunnel")
             && let Some(seed) = self.number("--seed")?

@@ -34,6 +34,8 @@ pub enum Stage {
     Prove,
     /// Half-edges are collapsed.
     Simplify,
+    /// Vertices are moved closer to the original surface.
+    Fit,
     /// The simplified surface is compared with the original.
     Compare,
     /// Strips of a level of detail are filtered.
@@ -56,6 +58,7 @@ impl fmt::Display for Stage {
             Self::Bound => "bound",
             Self::Prove | Self::ReadBack => "verify",
             Self::Simplify => "simplify",
+            Self::Fit => "fit",
             Self::Compare => "compare",
             Self::Filter => "filter",
             Self::Reorder => "reorder",

@@ -137,8 +137,48 @@ pub fn strip_observed(
     options: &StripOptions,
     observer: &dyn Observer,
 ) -> Result<Stripped, Error> {
-    let Survey { prepared, options: stripify, mesh, notes } = Survey::new(model, options.stripify, observer)?;
-    let (strips, stopped) = prepared.search(&stripify, observer)?;
+    let survey = Survey::new(model, options.stripify, observer)?;
+    let (strips, stopped) = survey.prepared.search(&survey.options, observer)?;
+    measured(survey, strips, stopped, options.verify, observer)
+}
+
+/// Measures strips of a model that were found before, one item per part, and proves them; `options` and `stopped` are those of their search.
+///
+/// # Errors
+/// There is not one item per part, the strips are not proven, or the observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{StripOptions, strip, with_strips};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
+/// let found = strip(&model, &StripOptions::default())?;
+/// let again = with_strips(&model, found.strips.clone(), None, &StripOptions::default(), &())?;
+/// assert_eq!(again.figures, found.figures);
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn with_strips(
+    model: &Model,
+    strips: Vec<Strips>,
+    stopped: Option<Stopped>,
+    options: &StripOptions,
+    observer: &dyn Observer,
+) -> Result<Stripped, Error> {
+    if strips.len() != model.parts.len() {
+        let (found, expected) = (strips.len(), model.parts.len());
+        return Err(Error::Unproven(format!("found strips of {found} parts, expected {expected}")));
+    }
+    measured(Survey::new(model, options.stripify, observer)?, strips, stopped, options.verify, observer)
+}
+
+/// Measures strips, compares them with their lower bounds, and proves them if requested.
+fn measured(
+    survey: Survey<'_>,
+    strips: Vec<Strips>,
+    stopped: Option<Stopped>,
+    verify: bool,
+    observer: &dyn Observer,
+) -> Result<Stripped, Error> {
+    let Survey { prepared, options: stripify, mesh, notes } = survey;
     begin(observer, Stage::Measure)?;
     let (figures, of_parts) = prepared.figures_with_parts(&strips, &stripify)?;
     observer.event(Event::Measured(&figures));
@@ -148,22 +188,12 @@ pub fn strip_observed(
         bound = Bounds::of(prepared.parts())?.gap(&stripify, &figures);
         observer.event(Event::Bounded(bound.as_ref()));
     }
-    if options.verify {
+    if verify {
         begin(observer, Stage::Prove)?;
         prepared.prove(&strips)?;
         observer.event(Event::Proven { faces: mesh.faces });
     }
-    Ok(Stripped {
-        strips,
-        figures,
-        mesh,
-        bound,
-        options: stripify,
-        stopped,
-        notes,
-        proven: options.verify,
-        of_parts,
-    })
+    Ok(Stripped { strips, figures, mesh, bound, options: stripify, stopped, notes, proven: verify, of_parts })
 }
 
 /// Returns whether the options ask for a search that takes longer than the bound of its result.

@@ -21,7 +21,7 @@ use tristrip::random::Random;
 use crate::error::Error;
 use crate::parts::map;
 use side::Attributes;
-pub(crate) use side::Side;
+pub(crate) use side::{Facet, Side, dot, sub};
 
 /// The number of boxes of triangles that the searches on one surface may visit, by estimate.
 pub(crate) const MOST_VISITS: f64 = 2e7;

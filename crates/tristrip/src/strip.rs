@@ -266,10 +266,24 @@ impl Strips {
     /// assert_eq!(strips.iter().map(|strip| strip.len()).max(), Some(5));
     /// ```
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
-        (0..self.ends.len()).map(|i| {
-            let start = if i == 0 { 0 } else { self.ends[i - 1] as usize };
-            &self.vertices[start..self.ends[i] as usize]
-        })
+        (0..self.ends.len()).map(|i| self.strip(i))
+    }
+
+    /// Returns one strip, in constant time; `None` if there are not so many.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2]);
+    /// strips.push(&[3, 4, 5, 6, 7]);
+    /// assert_eq!((strips.get(1), strips.get(2)), (Some(&[3, 4, 5, 6, 7][..]), None));
+    /// ```
+    pub fn get(&self, index: usize) -> Option<&[u32]> {
+        (index < self.ends.len()).then(|| self.strip(index))
+    }
+
+    fn strip(&self, index: usize) -> &[u32] {
+        let start = if index == 0 { 0 } else { self.ends[index - 1] as usize };
+        &self.vertices[start..self.ends[index] as usize]
     }
 
     /// Iterates over the triangles drawn, with the winding of their faces; degenerate ones are omitted.

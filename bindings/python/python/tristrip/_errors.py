@@ -50,3 +50,8 @@ class Interrupted(KeyboardInterrupt):
 
     def __reduce__(self) -> tuple[type[Interrupted], tuple[Any]]:
         return (type(self), (self.best,))
+
+
+# The public names, which tracebacks show and pickles hold.
+for _error in [TristripError, *TristripError.__subclasses__(), Interrupted]:
+    _error.__module__ = "tristrip"

@@ -6,6 +6,7 @@ from typing import Any, Literal, TypeAlias, TypedDict, final, overload
 
 import numpy as np
 import numpy.typing as npt
+from typing_extensions import NotRequired
 
 from ._progress import ProgressArgument
 from ._streams import Packed, Unpacked
@@ -13,7 +14,18 @@ from ._streams import Packed, Unpacked
 VERSION: str
 
 Method: TypeAlias = Literal[
-    "best", "fewest", "cache", "sequential", "input", "sgi", "stripe-local", "stripe-global", "quad-rows", "tunnel", "eta", "guided-tunnels"
+    "best",
+    "fewest",
+    "cache",
+    "sequential",
+    "input",
+    "sgi",
+    "stripe-local",
+    "stripe-global",
+    "quad-rows",
+    "tunnel",
+    "eta",
+    "guided-tunnels",
 ]
 Cost: TypeAlias = Literal["restart", "degenerate", "opengl", "gl"]
 Layout: TypeAlias = Literal["restart", "degenerate", "separate", "list"]
@@ -38,7 +50,7 @@ class Proof(TypedDict):
     faces: int
     triangles: int
 
-class Metrics(TypedDict, total=False):
+class Metrics(TypedDict):
     triangles: int
     strips: int
     isolated: int
@@ -54,14 +66,15 @@ class Metrics(TypedDict, total=False):
     acmr_fifo_32: float
     atvr_fifo_16: float
     atvr_fifo_32: float
-    acmr: float
-    atvr: float
+    acmr: NotRequired[float]
+    atvr: NotRequired[float]
 
 class CacheStatistics(TypedDict):
     misses: int
     acmr: float
     atvr: float
 
+@final
 class Strips:
     @classmethod
     def from_indices(cls, indices: npt.ArrayLike, layout: Layout = "restart") -> Strips: ...
@@ -78,9 +91,13 @@ class Strips:
     @property
     def proven(self) -> bool: ...
     @overload
-    def indices(self, layout: Layout = "restart", *, dtype: type[np.uint8] | Literal["uint8"]) -> npt.NDArray[np.uint8]: ...
+    def indices(
+        self, layout: Layout = "restart", *, dtype: type[np.uint8] | Literal["uint8"]
+    ) -> npt.NDArray[np.uint8]: ...
     @overload
-    def indices(self, layout: Layout = "restart", *, dtype: type[np.uint16] | Literal["uint16"]) -> npt.NDArray[np.uint16]: ...
+    def indices(
+        self, layout: Layout = "restart", *, dtype: type[np.uint16] | Literal["uint16"]
+    ) -> npt.NDArray[np.uint16]: ...
     @overload
     def indices(self, layout: Layout = "restart", *, dtype: type[np.uint32] | Literal["uint32"]) -> Uint32Array: ...
     @overload
@@ -90,9 +107,9 @@ class Strips:
     def metrics(self) -> Metrics: ...
     def vertex_cache(self, cache: str = "fifo:16", flush: bool = False) -> CacheStatistics: ...
     def __len__(self) -> int: ...
-    def __getitem__(self, index: int) -> Uint32Array: ...
+    def __getitem__(self, index: int, /) -> Uint32Array: ...
     def __iter__(self) -> Iterator[Uint32Array]: ...
-    def __eq__(self, other: object) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
     def _repr_html_(self) -> str: ...
 
 def stripify(
@@ -112,6 +129,7 @@ def stripify(
 
 # --- simplification
 
+@final
 class Simplified:
     @property
     def vertices(self) -> Float32Array: ...
@@ -159,11 +177,11 @@ def simplify(
     lock_borders: bool = False,
     weld_distance: float | str | None = None,
     normals_mode: Literal["auto", "keep", "rebuild"] = "auto",
+    fit: bool = True,
     measure: bool = False,
     verify: bool = True,
     progress: ProgressArgument = None,
 ) -> Simplified: ...
-
 
 # --- levels of detail
 
@@ -183,9 +201,10 @@ class LevelMemory(TypedDict):
     model: int
     cursor: int
 
+@final
 class Levels:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         vertices: npt.ArrayLike,
         faces: Faces,
         *,
@@ -202,7 +221,7 @@ class Levels:
         verify: bool = True,
         progress: ProgressArgument = None,
         **options: Any,
-    ) -> None: ...
+    ) -> Levels: ...
     @property
     def level(self) -> int: ...
     @property
@@ -302,7 +321,7 @@ class InspectReport(TypedDict):
     notes: list[str]
 
 def pack(
-    input: Input,
+    input: Input | Scene,
     output: FilePath | None = None,
     *,
     format: FormatName | None = None,
@@ -319,6 +338,7 @@ def unpack(
     level: int | str | None = None,
     triangles: int | None = None,
     bytes: int | None = None,
+    to: FormatName | None = None,
     verify: bool = True,
     progress: ProgressArgument = None,
 ) -> Unpacked: ...
@@ -354,6 +374,7 @@ class Decoder:
     def full_triangle_count(self) -> int: ...
     @property
     def error(self) -> float | None: ...
+    def scene(self) -> Scene | None: ...
     def __copy__(self) -> Decoder: ...
     def __deepcopy__(self, memo: dict[int, Any], /) -> Decoder: ...
     def _repr_html_(self) -> str: ...
@@ -490,9 +511,9 @@ class ViewModel:
         **options: Any,
     ) -> ViewModel: ...
     @classmethod
-    def from_file(
+    def from_scene(
         cls,
-        input: Input,
+        input: Input | Scene,
         *,
         format: FormatName | None = None,
         method: Method | str = "best",
@@ -595,3 +616,481 @@ class View:
     def _repr_png_(self) -> bytes | None: ...
 
 # --- scenes
+
+Path: TypeAlias = str | PathLike[str]
+ReadFormat: TypeAlias = Literal["obj", "ply", "off", "stl", "gltf", "glb"]
+WrittenFormat: TypeAlias = Literal["glb", "gltf", "ply", "obj"]
+UvOrigin: TypeAlias = Literal["bottom", "top"]
+Price: TypeAlias = Literal["distance", "planes", "quadric"]
+
+#: A name, or a dictionary with any of the keys of `MaterialProperties` and "name".
+Material: TypeAlias = str | Mapping[str, object]
+
+class MaterialProperties(TypedDict):
+    base_color: tuple[float, float, float, float]
+    base_color_image: bytes | None
+    metallic: float
+    roughness: float
+    blend: bool
+
+class MeshCounts(TypedDict):
+    vertices: int
+    faces: int
+    triangles: int
+    components: int
+    boundary_edges: int
+    non_manifold_edges: int
+    inconsistent_edges: int
+    isolated_faces: int
+    degenerate_faces: int
+    duplicate_faces: int
+    unreferenced_vertices: int
+    cut_polygons: int
+    fanned_polygons: int
+    welded_vertices: int
+
+class BoundGap(TypedDict):
+    figure: str
+    found: int
+    bound: int
+    gap: int
+    optimal: bool
+
+class Bounds(TypedDict):
+    strips: int
+    vertices_sent: int
+    gl_cost: int
+    indices_restart: int
+    indices_degenerate: int
+
+class ComponentBound(TypedDict):
+    part: int
+    triangles: int
+    strips: int
+    vertices_sent: int
+    proof: Literal["leaves", "matching", "subproblems", "exact", "one-strip"]
+
+class BoundReport(TypedDict):
+    mesh: MeshCounts
+    parts: int
+    bound: Bounds
+    sequential: list[bool]
+    components: list[ComponentBound]
+    notes: list[str]
+
+class StoredFigures(TypedDict):
+    drawn: Literal["list", "strips", "fans", "mixed"]
+    triangles: int
+    vertices: int
+    indices: int
+    restarts: int
+    degenerate: int
+    strips: int | None
+    isolated: int | None
+    swaps: int | None
+    vertices_sent: int | None
+
+class PartStatistics(StoredFigures):
+    name: str | None
+    material: str | None
+    misses: list[int]
+
+class CacheRow(TypedDict):
+    vertex_cache: str
+    misses: int
+    acmr: float
+    atvr: float
+
+LengthBin = TypedDict("LengthBin", {"from": int, "to": int, "strips": int, "triangles": int})
+
+class AnalyzeReport(StoredFigures):
+    indices_per_triangle: float
+    lengths: list[LengthBin]
+    flushed: bool
+    vertex_caches: list[CacheRow]
+    parts: int
+    by_part: list[PartStatistics]
+    notes: list[str]
+
+class MethodSeconds(TypedDict):
+    stripify: float | None
+    verify: float | None
+
+class _MethodOptions(TypedDict, total=False):
+    triangulation: str
+    ties: str
+    last_tie: str
+    patches: str
+    cutoff: int
+    cost: str
+    vertex_cache: str
+    objective: str
+    effort: int
+    tunnel_length: int
+    threshold: int
+    start: str
+    acceptance: str
+    localization: str
+    seed: int
+
+class MethodRow(_MethodOptions, Metrics):
+    method: str
+    proven: bool
+    seconds: MethodSeconds
+    stopped: Literal["budget", "interrupt"] | None
+    error: str | None
+
+class SceneProof(TypedDict):
+    proven: bool
+    faces: int
+    triangles: int
+    notes: list[str]
+
+class FileReport(TypedDict):
+    output: str
+    proven: bool | None
+    faces: int | None
+    bytes: int
+    beside: list[str]
+    layout: Layout | None
+    notes: list[str]
+
+class ConvertReport(FileReport):
+    triangles: int
+    strips: int | None
+    parts: int
+
+class FileFigures(TypedDict):
+    indices: int
+    acmr_fifo_16: float
+    bytes: int | None
+
+class DrawnParts(TypedDict):
+    found: int
+    stored: int
+    list: int
+
+class VertexOrder(TypedDict):
+    parts: list[int]
+    vertices: int
+    moved: int
+    new_to_old: Uint32Array
+    kept: str | None
+
+class StripFileReport(FileReport):
+    drawn: DrawnParts
+    before: FileFigures
+    after: FileFigures
+    vertex_order: list[VertexOrder] | None
+
+class NormalCounts(TypedDict):
+    kept: int
+    repaired: int
+    flat: int
+    creased: int
+
+class StoppedCounts(TypedDict):
+    error: int
+    locked: int
+    seam: int
+    non_manifold: int
+    topology: int
+    fold_over: int
+
+class SimplifyReport(TypedDict):
+    target_triangles: int | None
+    target_error: float | None
+    reached: bool
+    triangles_before: int
+    triangles_after: int
+    vertices_before: int
+    vertices_after: int
+    collapses: int
+    surface_error: float
+    surface_error_percent: float
+    largest_deviation: float | None
+    largest_deviation_percent: float | None
+    rms_deviation: float | None
+    rms_deviation_percent: float | None
+    normal_deviation_degrees: float | None
+    uv_deviation_percent: float | None
+    uv_deviation_texels: float | None
+    normals: NormalCounts
+    diagonal: float
+    vanished_components: int
+    locked_vertices: int
+    parts: int
+    stopped: StoppedCounts | None
+    warning: str | None
+
+class ChainLevel(TypedDict):
+    level: int
+    ratio: float
+    target_triangles: int
+    triangles: int
+    vertices: int
+    surface_error: float
+    surface_error_percent: float
+    screen_coverage: float
+    reached: bool
+    bytes: int | None
+    output: str | None
+
+class ChainReport(_MethodOptions):
+    method: str
+    proven: bool
+    target_error: float | None
+    triangles_before: int
+    vertices_before: int
+    diagonal: float
+    chain: list[ChainLevel]
+    locked_vertices: int
+    parts: int
+    warning: str | None
+    notes: list[str]
+
+class ChainFileReport(TypedDict):
+    output: str | None
+    layout: Layout
+    proven: bool | None
+    chain: list[ChainLevel]
+    notes: list[str]
+    beside: list[str]
+
+class Part:
+    def __init__(
+        self,
+        vertices: npt.ArrayLike,
+        faces: Faces,
+        *,
+        normals: npt.ArrayLike | None = None,
+        uv: npt.ArrayLike | None = None,
+        colors: npt.ArrayLike | None = None,
+        attributes: Mapping[str, npt.ArrayLike] | None = None,
+        name: str | None = None,
+        material: Material | None = None,
+        uv_origin: UvOrigin = "bottom",
+        normalized: Sequence[str] | None = None,
+    ) -> None: ...
+    @property
+    def name(self) -> str | None: ...
+    @property
+    def material(self) -> str | None: ...
+    @property
+    def material_properties(self) -> MaterialProperties | None: ...
+    @property
+    def vertices(self) -> Float32Array: ...
+    @property
+    def faces(self) -> Uint32Array: ...
+    @property
+    def polygons(self) -> tuple[npt.NDArray[np.int64], Uint32Array] | None: ...
+    @property
+    def attributes(self) -> dict[str, npt.NDArray[Any]]: ...
+    @property
+    def normalized(self) -> list[str]: ...
+    @property
+    def normals(self) -> npt.NDArray[Any] | None: ...
+    @property
+    def uv(self) -> npt.NDArray[Any] | None: ...
+    @property
+    def uv_origin(self) -> UvOrigin | None: ...
+    @property
+    def colors(self) -> npt.NDArray[Any] | None: ...
+    @property
+    def strips(self) -> Strips | None: ...
+
+class Scene:
+    @classmethod
+    def from_bytes(cls, data: bytes | bytearray | memoryview, format: ReadFormat | str | None = None) -> Scene: ...
+    @classmethod
+    def from_arrays(
+        cls,
+        vertices: npt.ArrayLike,
+        faces: Faces,
+        *,
+        normals: npt.ArrayLike | None = None,
+        uv: npt.ArrayLike | None = None,
+        colors: npt.ArrayLike | None = None,
+        attributes: Mapping[str, npt.ArrayLike] | None = None,
+        name: str | None = None,
+        material: Material | None = None,
+        uv_origin: UvOrigin = "bottom",
+        normalized: Sequence[str] | None = None,
+    ) -> Scene: ...
+    @classmethod
+    def from_parts(cls, parts: Sequence[Part]) -> Scene: ...
+    @property
+    def parts(self) -> list[Part]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def format(self) -> ReadFormat | None: ...
+    def strip(
+        self,
+        *,
+        method: Method | str = "best",
+        effort: int | None = None,
+        cost: Cost | None = None,
+        weld: bool = False,
+        verify: bool = True,
+        budget: float | None = None,
+        progress: ProgressArgument = None,
+        on_interrupt: OnInterrupt = "raise",
+        **options: Any,
+    ) -> StrippedScene: ...
+    def simplify(
+        self,
+        *,
+        ratio: float | None = None,
+        triangles: int | None = None,
+        error: float | str | None = None,
+        weight: str | None = None,
+        price: Price = "distance",
+        permissive: bool = False,
+        lock_borders: bool = False,
+        weld_distance: float | str | None = None,
+        normals: Literal["auto", "keep", "rebuild"] = "auto",
+        compact: bool = False,
+        measure: bool = True,
+        verify: bool = True,
+        progress: ProgressArgument = None,
+    ) -> SimplifiedScene: ...
+    def chain(
+        self,
+        ratios: str | Sequence[float],
+        *,
+        error: float | str | None = None,
+        weight: str | None = None,
+        price: Price = "distance",
+        permissive: bool = False,
+        lock_borders: bool = False,
+        weld_distance: float | str | None = None,
+        layout: Layout | None = None,
+        method: Method | str | None = None,
+        effort: int | None = None,
+        cost: Cost | None = None,
+        weld: bool = False,
+        verify: bool = True,
+        budget: float | None = None,
+        progress: ProgressArgument = None,
+        **options: Any,
+    ) -> Chain: ...
+    def bound(self, weld: bool = False) -> BoundReport: ...
+    def analyze(self, vertex_caches: str | Sequence[str] | None = None, flush: bool = False) -> AnalyzeReport: ...
+    def compare(
+        self,
+        *,
+        all: bool = False,
+        effort: int = 3,
+        cost: Cost = "restart",
+        seed: int = 0,
+        weld: bool = False,
+        budget: float | None = None,
+        progress: ProgressArgument = None,
+    ) -> list[MethodRow]: ...
+    def verify(self, result: Scene | Path) -> SceneProof: ...
+    def save(
+        self, path: Path, *, format: WrittenFormat | str | None = None, layout: Layout | None = None, verify: bool = True
+    ) -> ConvertReport: ...
+    def to_bytes(
+        self, format: WrittenFormat | str = "glb", *, layout: Layout | None = None, verify: bool = True
+    ) -> bytes: ...
+    def picture(
+        self,
+        width: int = 1200,
+        height: int = 900,
+        *,
+        mode: Literal["textured", "normals", "uv", "shaded"] = "textured",
+    ) -> bytes: ...
+    def _repr_html_(self) -> str: ...
+
+class StrippedScene:
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def parts(self) -> list[Strips]: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def stopped(self) -> Literal["budget", "interrupt"] | None: ...
+    @property
+    def proven(self) -> bool: ...
+    @property
+    def mesh(self) -> MeshCounts: ...
+    @property
+    def bound(self) -> BoundGap | None: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def metrics(self) -> Metrics: ...
+    def save(
+        self,
+        path: Path,
+        *,
+        format: WrittenFormat | str | None = None,
+        layout: Layout | None = None,
+        reorder_vertices: bool = False,
+        verify: bool = True,
+    ) -> StripFileReport: ...
+    def to_bytes(
+        self,
+        format: WrittenFormat | str = "glb",
+        *,
+        layout: Layout | None = None,
+        reorder_vertices: bool = False,
+        verify: bool = True,
+    ) -> bytes: ...
+    def picture(self, width: int = 1200, height: int = 900) -> bytes: ...
+    def _repr_html_(self) -> str: ...
+
+class SimplifiedScene:
+    @property
+    def source(self) -> Scene: ...
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def report(self) -> SimplifyReport: ...
+    @property
+    def proven(self) -> bool: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def warning(self) -> str | None: ...
+    def save(self, path: Path, *, format: WrittenFormat | str | None = None, verify: bool = True) -> FileReport: ...
+    def to_bytes(self, format: WrittenFormat | str = "glb", *, verify: bool = True) -> bytes: ...
+    def picture(self, size: int = 256) -> bytes: ...
+    def _repr_html_(self) -> str: ...
+
+class Chain:
+    @property
+    def source(self) -> Scene: ...
+    @property
+    def levels(self) -> list[ChainLevel]: ...
+    @property
+    def report(self) -> ChainReport: ...
+    @property
+    def warning(self) -> str | None: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def save(
+        self,
+        path: Path,
+        *,
+        format: WrittenFormat | str | None = None,
+        verify: bool = True,
+        progress: ProgressArgument = None,
+    ) -> ChainFileReport: ...
+    def to_bytes(self, *, verify: bool = True) -> bytes: ...
+    def __len__(self) -> int: ...
+    def _repr_html_(self) -> str: ...
+
+def load(path: Path, format: ReadFormat | str | None = None) -> Scene: ...
+def verify(source: Scene | Path, result: Scene | Path) -> SceneProof: ...
+def convert(
+    input: Path,
+    output: Path,
+    *,
+    format: ReadFormat | str | None = None,
+    to: WrittenFormat | str | None = None,
+    layout: Layout | None = None,
+    verify: bool = True,
+) -> ConvertReport: ...

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ._native import Decoder, Levels, Simplified, Strips
+    from ._native import Chain, Decoder, Levels, Scene, Simplified, SimplifiedScene, StrippedScene, Strips
 
 _SHOWN = {
     "triangles": "triangles",
@@ -91,3 +92,82 @@ def decoder_html(decoder: Decoder) -> str:
         "error": decoder.error,
     }
     return table("decoder", {name: value for name, value in rows.items() if value is not None})
+
+
+#: Scenes with more triangles are shown without a picture, which would take seconds.
+_MOST_DRAWN = 1_000_000
+
+
+def picture(png: bytes) -> str:
+    """Return a picture as HTML."""
+    return f'<img src="data:image/png;base64,{b64encode(png).decode()}" style="max-width:100%">'
+
+
+def _drawn(triangles: int, draw: Any) -> str:
+    from ._errors import TristripError
+
+    if triangles > _MOST_DRAWN:
+        return ""
+    try:
+        return picture(draw())
+    except TristripError as error:
+        return f"<p>{escape(str(error))}</p>"
+
+
+def _notes(notes: list[str]) -> str:
+    return "".join(f"<li>{escape(note)}</li>" for note in notes[:20]).join(("<ul>", "</ul>")) if notes else ""
+
+
+def scene_html(scene: Scene) -> str:
+    """Return the summary of a scene."""
+    parts = scene.parts
+    triangles = sum(len(part.faces) for part in parts)
+    rows: dict[str, Any] = {
+        "format": (scene.format or "arrays").upper(),
+        "parts": len(parts),
+        "triangles": triangles,
+        "materials": len({part.material for part in parts if part.material is not None}),
+    }
+    drawn = _drawn(triangles, lambda: scene.picture(600, 450))
+    return table("scene", rows) + drawn + _notes(scene.notes)
+
+
+def stripped_html(stripped: StrippedScene) -> str:
+    """Return the summary of the strips of a scene."""
+    metrics: dict[str, Any] = dict(stripped.metrics())
+    rows = {name: metrics[key] for key, name in _SHOWN.items()}
+    if stripped.bound is not None:
+        rows["lower bound"] = stripped.bound["bound"]
+    rows["proven"] = stripped.proven
+    drawn = _drawn(metrics["triangles"], lambda: stripped.picture(600, 450))
+    return table(stripped.method, rows) + drawn + _notes(stripped.notes)
+
+
+def simplified_scene_html(simplified: SimplifiedScene) -> str:
+    """Return the summary of a simplified scene."""
+    report: dict[str, Any] = dict(simplified.report)
+    shown = {
+        "triangles_before": "triangles before",
+        "triangles_after": "triangles after",
+        "surface_error": "surface error",
+        "surface_error_percent": "percent of the diagonal",
+        "rms_deviation": "RMS deviation",
+        "normal_deviation_degrees": "normals turned by, degrees",
+    }
+    rows = {name: report[key] for key, name in shown.items() if report[key] is not None}
+    if simplified.warning:
+        rows["warning"] = simplified.warning
+    drawn = _drawn(report["triangles_before"], lambda: simplified.picture(128))
+    return table("simplified scene", rows) + drawn + _notes(simplified.notes)
+
+
+def chain_html(chain: Chain) -> str:
+    """Return the summary of a chain of levels."""
+    heads = ["level", "triangles", "vertices", "error, % of the diagonal", "drawn down to this part of the screen"]
+    keys = ["level", "triangles", "vertices", "surface_error_percent", "screen_coverage"]
+    head = "".join(f"<th>{escape(text)}</th>" for text in heads)
+    levels: list[dict[str, Any]] = [dict(level) for level in chain.levels]
+    cells = ("".join(f"<td>{escape(_text(level[key]))}</td>" for key in keys) for level in levels)
+    rows = "".join(f"<tr>{row}</tr>" for row in cells)
+    warning = f"<p>{escape(chain.warning)}</p>" if chain.warning else ""
+    return f"<table><caption>chain of levels</caption><tr>{head}</tr>{rows}</table>{warning}{_notes(chain.notes)}"

@@ -10,7 +10,7 @@ from . import _notebook
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from ._native import Buffer, Decoder, Float32Array, PackReport, Uint32Array, UnpackReport
+    from ._native import Buffer, Decoder, Float32Array, PackReport, Scene, Uint32Array, UnpackReport
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,14 @@ class Unpacked:
     vertices: positions, float32 of shape (n, 3).
     faces: triangles, uint32 of shape (m, 3).
     attributes: arrays by name: "NORMAL", "TEXCOORD_0", …
+    scene: the level as a scene, with the parts, materials and nodes of the file.
     """
 
     report: UnpackReport
     vertices: Float32Array
     faces: Uint32Array
     attributes: dict[str, Any]
+    scene: Scene
 
     def __iter__(self) -> Iterator[Any]:
         return iter((self.vertices, self.faces))

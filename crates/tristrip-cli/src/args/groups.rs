@@ -6,9 +6,9 @@ use clap::Args;
 use tristrip::Layout;
 use tristrip::simplify::{AttributeWeights, Price};
 use tristrip_io::Format;
-use tristrip_pipeline::{CollapseRules, Deviation};
+use tristrip_pipeline::{CollapseRules, Deviation, WRITTEN_FORMATS};
 
-use crate::values::{WRITTEN_FORMATS, format_parser, layout_help, named};
+use crate::values::{format_parser, layout_help, named};
 
 /// The flags of every subcommand that takes a list of inputs.
 #[derive(Debug, Args)]

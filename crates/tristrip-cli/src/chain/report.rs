@@ -3,7 +3,7 @@
 use serde::Serialize;
 use tristrip_lab::text::{bytes, table};
 use tristrip_pipeline::text::count;
-use tristrip_pipeline::{Chain, ChainLevel, Collapses, MethodReport};
+use tristrip_pipeline::{Collapses, LevelReport, MethodReport};
 
 use crate::batch::{InputReport, Outcome};
 
@@ -45,59 +45,17 @@ pub(crate) struct ChainReport {
     pub(crate) error: Option<String>,
 }
 
-/// A level.
-#[derive(Debug, Serialize)]
-pub(crate) struct LevelReport {
-    /// The number of the level; 0 is the finest.
-    pub(crate) level: usize,
-    pub(crate) ratio: f64,
-    pub(crate) target_triangles: usize,
-    pub(crate) triangles: usize,
-    /// The number of vertices, from the first on, that the level uses.
-    pub(crate) vertices: usize,
-    pub(crate) surface_error: f32,
-    pub(crate) surface_error_percent: f64,
-    pub(crate) screen_coverage: f64,
-    pub(crate) reached: bool,
-    /// The size of the level's file, or of the indices and vertices that it uses of a file with all levels.
-    pub(crate) bytes: Option<usize>,
-    /// The file of the level; `null` where one file has all levels.
-    pub(crate) output: Option<String>,
-}
-
-impl LevelReport {
-    fn new(number: usize, level: &ChainLevel) -> Self {
-        Self {
-            level: number,
-            ratio: level.ratio.value(),
-            target_triangles: level.target_triangles,
-            triangles: level.triangles,
-            vertices: level.vertices,
-            surface_error: level.surface_error,
-            surface_error_percent: level.surface_error_percent,
-            screen_coverage: level.screen_coverage,
-            reached: level.reached,
-            bytes: None,
-            output: None,
-        }
-    }
-
-    /// Returns the row of the table.
-    fn row(&self) -> Vec<String> {
-        vec![
-            format!("  level {}", self.level),
-            count(self.triangles),
-            count(self.vertices),
-            format!("{:.3} %", self.surface_error_percent),
-            format!("{:.2} %", 100.0 * self.screen_coverage),
-            self.bytes.map_or_else(|| "-".into(), bytes),
-            if self.reached {
-                String::new()
-            } else {
-                format!("{} not reached", count(self.target_triangles))
-            },
-        ]
-    }
+/// Returns the row of a level in the table.
+fn row(level: &LevelReport) -> Vec<String> {
+    vec![
+        format!("  level {}", level.level),
+        count(level.triangles),
+        count(level.vertices),
+        format!("{:.3} %", level.surface_error_percent),
+        format!("{:.2} %", 100.0 * level.screen_coverage),
+        level.bytes.map_or_else(|| "-".into(), bytes),
+        if level.reached { String::new() } else { format!("{} not reached", count(level.target_triangles)) },
+    ]
 }
 
 impl ChainReport {
@@ -131,21 +89,14 @@ impl ChainReport {
         self.locked_vertices = Some(collapses.locked_vertices);
     }
 
-    /// Fills in the levels.
-    pub(crate) fn record_levels(&mut self, chain: &Chain) {
-        self.chain =
-            (0..).zip(&chain.levels).map(|(number, level)| LevelReport::new(number, level)).collect();
-    }
-
     /// Returns a table of the levels.
     pub(crate) fn summary(&self) -> String {
         if self.chain.is_empty() {
             return String::new();
         }
         let head = ["", "triangles", "vertices", "error", "down to coverage", "size", ""];
-        let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
-            .chain(self.chain.iter().map(LevelReport::row))
-            .collect();
+        let rows: Vec<Vec<String>> =
+            std::iter::once(head.map(str::to_owned).to_vec()).chain(self.chain.iter().map(row)).collect();
         table(&rows, 1..6)
     }
 }

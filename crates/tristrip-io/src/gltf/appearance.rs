@@ -64,18 +64,24 @@ pub struct Instance {
     pub skin: Option<usize>,
 }
 
-/// The base colour of a material. The default is white without a texture.
+/// The surface of a material, without maps other than that of the base colour. The default is that of glTF: white metal without a texture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Red, green and blue in linear light, and alpha.
     pub base_colour: [f32; 4],
     /// The texture that the base colour is multiplied by.
     pub texture: Option<Texture>,
+    /// The factor of the metalness, from 0 to 1.
+    pub metalness: f32,
+    /// The factor of the roughness, from 0 to 1.
+    pub roughness: f32,
+    /// Whether the alpha of the base colour mixes it with what is behind.
+    pub is_blended: bool,
 }
 
 impl Default for Material {
     fn default() -> Self {
-        Self { base_colour: [1.0; 4], texture: None }
+        Self { base_colour: [1.0; 4], texture: None, metalness: 1.0, roughness: 1.0, is_blended: false }
     }
 }
 
@@ -246,10 +252,18 @@ struct MaterialReader<'a> {
 
 impl<'a> MaterialReader<'a> {
     fn material(&mut self, material: &Located<'a>) -> Result<Material, Error> {
-        let mut read = Material::default();
+        let is_blended = material.field("alphaMode").is_some_and(|mode| mode.value.as_str() == Some("BLEND"));
+        let mut read = Material { is_blended, ..Material::default() };
         let Some(base) = material.field("pbrMetallicRoughness") else { return Ok(read) };
         if let Some(factor) = base.field("baseColorFactor") {
             read.base_colour = factor.numbers()?.map(|x| x.clamp(0.0, 1.0) as f32);
+        }
+        for (name, value) in
+            [("metallicFactor", &mut read.metalness), ("roughnessFactor", &mut read.roughness)]
+        {
+            if let Some(factor) = base.field(name) {
+                *value = factor.number()?.clamp(0.0, 1.0) as f32;
+            }
         }
         if let Some(texture) = base.field("baseColorTexture") {
             read.texture = self.texture(&texture)?;
@@ -377,7 +391,7 @@ mod tests {
         let texture = Texture { image: 0, coordinates: 1, wrap: [Wrap::Clamp, Wrap::Mirror] };
         assert_eq!(
             found.materials[0],
-            Material { base_colour: [0.5, 1.0, 0.0, 1.0], texture: Some(texture) }
+            Material { base_colour: [0.5, 1.0, 0.0, 1.0], texture: Some(texture), ..Material::default() }
         );
         assert_eq!(found.materials[1], Material::default());
         assert_eq!(

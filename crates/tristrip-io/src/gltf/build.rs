@@ -77,7 +77,8 @@ pub fn losses(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
 
 /// Writes the minimal document; the caller has checked the drawings.
 pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
-    let mut builder = DocumentBuilder { flips: model.materials.is_some(), ..DocumentBuilder::default() };
+    let flips = model.materials.as_ref().is_some_and(|materials| !materials.counts_down);
+    let mut builder = DocumentBuilder { flips, ..DocumentBuilder::default() };
     let mut meshes: Vec<Value> = Vec::new();
     let mut names: Vec<Option<&str>> = Vec::new();
     let mut materials = MaterialBuilder::new(model.materials.as_ref());
@@ -212,16 +213,22 @@ impl<'a> DocumentBuilder<'a> {
     pub(super) fn attribute(&mut self, attribute: &Attribute, count: usize) -> usize {
         let components = usize::from(attribute.components);
         let start = self.bytes.len();
+        let flips = self.flips && components == 2 && attribute.name.starts_with("TEXCOORD_");
         let component = match &attribute.data {
+            AttributeData::U8(v) if flips && attribute.normalized => {
+                let flipped = flipped(v, |x| u8::MAX - x);
+                self.values(&flipped, components, ComponentType::U8, u8::to_le_bytes)
+            }
+            AttributeData::U16(v) if flips && attribute.normalized => {
+                let flipped = flipped(v, |x| u16::MAX - x);
+                self.values(&flipped, components, ComponentType::U16, u16::to_le_bytes)
+            }
             AttributeData::U8(v) => self.values(v, components, ComponentType::U8, u8::to_le_bytes),
             AttributeData::I8(v) => self.values(v, components, ComponentType::I8, i8::to_le_bytes),
             AttributeData::U16(v) => self.values(v, components, ComponentType::U16, u16::to_le_bytes),
             AttributeData::I16(v) => self.values(v, components, ComponentType::I16, i16::to_le_bytes),
-            AttributeData::F32(v)
-                if self.flips && components == 2 && attribute.name.starts_with("TEXCOORD_") =>
-            {
-                let flip = |(i, &x): (usize, &f32)| if i % 2 == 1 { 1.0 - x } else { x };
-                let flipped: Vec<f32> = v.iter().enumerate().map(flip).collect();
+            AttributeData::F32(v) if flips => {
+                let flipped = flipped(v, |x| 1.0 - x);
                 self.values(&flipped, components, ComponentType::F32, f32::to_le_bytes)
             }
             AttributeData::F32(v) => self.values(v, components, ComponentType::F32, f32::to_le_bytes),
@@ -309,6 +316,11 @@ impl<'a> DocumentBuilder<'a> {
         let json = serde_json::to_vec(&root).map_err(|e| Error::Unsupported(e.to_string()))?;
         container::write(&json, &[&self.bytes])
     }
+}
+
+/// Returns texture coordinates with the second of each two changed.
+fn flipped<T: Copy>(values: &[T], flip: impl Fn(T) -> T) -> Vec<T> {
+    values.iter().enumerate().map(|(i, &x)| if i % 2 == 1 { flip(x) } else { x }).collect()
 }
 
 /// Returns the name that each attribute of a mesh is written under, or the reason why it is not written.

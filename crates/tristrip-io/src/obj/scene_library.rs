@@ -1,4 +1,5 @@
-//! A material library for the parts of a glTF scene: their base colours, as OBJ can hold them.
+//! A material library for the parts of a glTF scene, or for the materials of a model that a program built: their base colours, as OBJ can hold
+//! them.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -6,7 +7,7 @@ use std::sync::Arc;
 use crate::gltf::appearance::Appearance;
 use crate::gltf::scene::Scene;
 use crate::join::{clean, material_name};
-use crate::materials::{Materials, ObjMaterial, SideFile};
+use crate::materials::{Materials, ObjMaterial, SideFile, image_extension};
 use crate::model::Part;
 
 /// Builds the library, and the images that it names. `stem` is the name of the OBJ file without its extension.
@@ -23,8 +24,7 @@ pub(crate) fn library_of(scene: &Scene, parts: &[Part], stem: &str) -> Materials
     let mut out = Materials::new(vec![library.clone()]);
     let mut images = Vec::with_capacity(appearance.images.len());
     for (number, image) in appearance.images.iter().enumerate() {
-        let extension = if image.bytes().starts_with(b"\xff\xd8\xff") { "jpg" } else { "png" };
-        images.push(format!("{stem}_{number}.{extension}"));
+        images.push(format!("{stem}_{number}.{}", image_extension(image.bytes())));
         out.files.push(SideFile { name: images[number].clone(), bytes: Arc::new(image.bytes().to_vec()) });
     }
     let text = text_of(&appearance, &images, parts, &mut out);
@@ -35,6 +35,34 @@ pub(crate) fn library_of(scene: &Scene, parts: &[Part], stem: &str) -> Materials
         let which = "materials with maps or emitted light";
         out.problems.push(format!("{which}: {shaded}, the library has only their base colours"));
     }
+    out
+}
+
+/// Builds the library of materials that a program added, and names their images after the OBJ file.
+pub(crate) fn library_of_added(materials: &Materials, stem: &str) -> Materials {
+    let library = format!("{stem}.mtl");
+    let mut out = Materials::new(vec![library.clone()]);
+    out.counts_down = materials.counts_down;
+    for (number, file) in materials.files.iter().enumerate() {
+        let name = format!("{stem}_{number}.{}", image_extension(&file.bytes));
+        out.files.push(SideFile { name, bytes: Arc::clone(&file.bytes) });
+    }
+    let mut text = String::new();
+    for (name, material) in materials.iter() {
+        let [r, g, b, opacity] = material.colour;
+        let number =
+            materials.files.iter().position(|file| material.images[0].as_deref() == Some(&*file.name));
+        let image = number.map(|number| out.files[number].name.clone());
+        let (name, roughness, metalness) = (clean(name), material.roughness, material.metalness);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "newmtl {name}\nKd {r} {g} {b}\nd {opacity}\nPr {roughness}\nPm {metalness}");
+        if let Some(image) = &image {
+            let _ = writeln!(text, "map_Kd {}", clean(image));
+        }
+        let images = [image.map(Into::into), None, None];
+        out.add(name, ObjMaterial { images, ..material.clone() });
+    }
+    out.files.push(SideFile { name: library, bytes: Arc::new(text.into_bytes()) });
     out
 }
 

@@ -28,7 +28,8 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Erro
         out.push('\n');
     }
     // The texture coordinates of a scene count downwards.
-    let flips = model.scene.is_some();
+    let counts_down = model.materials.as_ref().is_some_and(|materials| materials.counts_down);
+    let flips = model.scene.is_some() || counts_down;
     // Texture coordinates and normals are counted separately: a block may lack them.
     let mut bases = vec![[0u64; 2]; model.parts.len()];
     let mut next = [0u64; 2];

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
+mod added_materials;
 mod compressed;
 mod doubling;
 mod draco;

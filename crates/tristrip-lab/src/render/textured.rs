@@ -196,7 +196,7 @@ impl TexturedModel {
 fn without_scene(model: &Model) -> Appearance {
     let transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     let [red, green, blue] = Tones::new().linear(PLAIN);
-    let grey = Material { base_colour: [red, green, blue, 1.0], texture: None };
+    let grey = Material { base_colour: [red, green, blue, 1.0], ..Material::default() };
     let place = |part| Instance { part, transform, node: None, skin: None };
     let mut appearance = Appearance::default();
     appearance.instances = (0..model.parts.len()).map(place).collect();

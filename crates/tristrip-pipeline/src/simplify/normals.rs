@@ -220,7 +220,7 @@ impl RebuiltPart {
 pub(super) fn redraw(
     model: &Model,
     parts: &[Part<'_>],
-    rebuilt: Vec<Option<RebuiltPart>>,
+    rebuilt: &[Option<RebuiltPart>],
     mut triangles: Vec<Vec<u32>>,
     format: Format,
 ) -> Result<(Redrawn, Vec<Option<Copies>>), Error> {
@@ -231,10 +231,11 @@ pub(super) fn redraw(
     }
     let mut added = Vec::with_capacity(parts.len());
     for ((part, rebuilt), triangles) in parts.iter().zip(rebuilt).zip(&mut triangles) {
-        added.push(rebuilt.map(|mut rebuilt| {
-            part.compact.used.outward(&mut rebuilt.new.sources);
-            *triangles = rebuilt.triangles;
-            rebuilt.new
+        added.push(rebuilt.as_ref().map(|rebuilt| {
+            let mut new = rebuilt.new.clone();
+            part.compact.used.outward(&mut new.sources);
+            triangles.clone_from(&rebuilt.triangles);
+            new
         }));
     }
     let extended = tristrip_io::with_new_vertices(model, &added, format)?;

@@ -21,13 +21,22 @@ pub(crate) struct Facet {
 }
 
 impl Facet {
+    /// Returns a triangle of vertices with these positions.
+    pub(crate) fn new(vertices: [u32; 3], corners: [Point; 3]) -> Self {
+        Self { vertices, corners }
+    }
+
+    pub(crate) fn vertices(&self) -> [u32; 3] {
+        self.vertices
+    }
+
     /// Returns the point with these shares of the corners.
-    pub(super) fn at(&self, shares: [f64; 3]) -> Point {
+    pub(crate) fn at(&self, shares: [f64; 3]) -> Point {
         mix(self.corners, shares)
     }
 
     /// Returns the normal, of twice the triangle's area as length.
-    fn normal(&self) -> Point {
+    pub(crate) fn normal(&self) -> Point {
         let [a, b, c] = self.corners;
         cross(sub(b, a), sub(c, a))
     }
@@ -66,7 +75,7 @@ pub(crate) struct Side {
 }
 
 impl Side {
-    pub(super) fn new(mesh: &Mesh, triangles: &[u32]) -> Result<Self, Error> {
+    pub(crate) fn new(mesh: &Mesh, triangles: &[u32]) -> Result<Self, Error> {
         let mut side = Self::default();
         side.add(mesh, triangles)?;
         Ok(side)
@@ -78,7 +87,7 @@ impl Side {
         let mesh = mesh.with_faces(faces)?;
         let facet = |vertices: [u32; 3]| {
             let corners = vertices.map(|v| mesh.positions()[v as usize].map(f64::from));
-            Facet { vertices, corners }
+            Facet::new(vertices, corners)
         };
         self.facets.extend(triangles.chunks_exact(3).map(|t| facet([t[0], t[1], t[2]])));
         Ok(())
@@ -119,7 +128,7 @@ impl Side {
     }
 
     /// Visits about `points` points, spread in proportion to area: each triangle has its share of them, at random places.
-    pub(super) fn sample(&self, points: f64, random: &mut Random, mut visit: impl FnMut(&Facet, [f64; 3])) {
+    pub(crate) fn sample(&self, points: f64, random: &mut Random, mut visit: impl FnMut(&Facet, [f64; 3])) {
         let total = self.area();
         if total <= 0.0 {
             return;
@@ -145,7 +154,7 @@ pub(super) struct Attributes<'a> {
 }
 
 impl<'a> Attributes<'a> {
-    pub(super) fn new(mesh: &'a Mesh) -> Self {
+    pub(crate) fn new(mesh: &'a Mesh) -> Self {
         let named = |name: &str, components: u8| {
             mesh.attributes().iter().find(|a| a.name == name && a.components == components)
         };
@@ -186,7 +195,7 @@ fn mix(corners: [Point; 3], shares: [f64; 3]) -> Point {
     [0, 1, 2].map(|k| shares[0] * corners[0][k] + shares[1] * corners[1][k] + shares[2] * corners[2][k])
 }
 
-fn sub(a: Point, b: Point) -> Point {
+pub(crate) fn sub(a: Point, b: Point) -> Point {
     [0, 1, 2].map(|k| a[k] - b[k])
 }
 
@@ -194,7 +203,7 @@ fn cross(a: Point, b: Point) -> Point {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn dot(a: Point, b: Point) -> f64 {
+pub(crate) fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

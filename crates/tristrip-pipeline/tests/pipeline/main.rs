@@ -2,6 +2,8 @@
 
 mod chain;
 mod drawing;
+#[cfg(feature = "fs")]
+mod files;
 mod filters;
 mod flat_shaded;
 mod models;

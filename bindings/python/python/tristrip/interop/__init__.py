@@ -1,0 +1,29 @@
+"""Conversions from and to the meshes of other packages: trimesh, PyVista, Open3D and meshio.
+
+None of them is required: each is imported when a function that needs it is called. What a package cannot hold is
+named by a warning of the class `ConversionWarning`.
+"""
+
+from __future__ import annotations
+
+from ._arrays import ConversionWarning, split_corners
+from ._meshio import from_meshio, to_meshio
+from ._open3d import from_open3d, to_open3d
+from ._pyvista import from_pyvista, plot_strips, strip_colours, strips_from_pyvista, to_pyvista
+from ._trimesh import from_trimesh, to_trimesh
+
+__all__ = [
+    "ConversionWarning",
+    "from_meshio",
+    "from_open3d",
+    "from_pyvista",
+    "from_trimesh",
+    "plot_strips",
+    "split_corners",
+    "strip_colours",
+    "strips_from_pyvista",
+    "to_meshio",
+    "to_open3d",
+    "to_pyvista",
+    "to_trimesh",
+]

@@ -1,0 +1,552 @@
+//! Scenes: whole files, and what the command does with them.
+//!
+//! ```text
+//! file, bytes, arrays ─▶ data ─▶ class Scene ─┬▶ parts: arrays, materials
+//!                                             ├▶ strip, simplify, chain: results that are saved ─▶ output ─▶ file, bytes
+//!                                             ├▶ checks: bound, analyze, compare, verify
+//!                                             └▶ picture
+//! ```
+//! Files are written by the rules of the command, which stand in `tristrip_pipeline::Target`.
+
+pub(crate) mod chain;
+mod checks;
+pub(crate) mod class;
+pub(crate) mod data;
+pub(crate) mod functions;
+mod materials;
+pub(crate) mod output;
+pub(crate) mod part;
+mod parts;
+mod picture;
+mod saving;
+pub(crate) mod simplify;
+pub(crate) mod strip;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyList, PyType};
+use tristrip::{Effort, StripifyOptions};
+use tristrip_pipeline::StripOptions;
+use tristrip_pipeline::text::counted;
+
+use crate::arrays::type_name;
+use crate::errors::{Failure, with_best};
+use crate::input::bytes_of;
+use crate::method;
+use crate::stream::{Wire, pack_object};
+use crate::strips::layout_of;
+use crate::work::Watching;
+use chain::Chain;
+use class::Scene;
+use data::SceneData;
+use functions::loaded;
+use output::format_of;
+use part::Part;
+use simplify::SimplifiedScene;
+use strip::StrippedScene;
+
+#[pymethods]
+impl Scene {
+    /// Read a scene from the bytes of a file.
+    ///
+    /// Args:
+    ///     data: bytes, or another object with a buffer of bytes.
+    ///     format: as of `load`; by default that of the content.
+    ///
+    /// Raises:
+    ///     As `load`. A glTF must contain its buffers.
+    ///
+    /// >>> import tristrip
+    /// >>> tristrip.Scene.from_bytes(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    /// Scene(OFF, 1 part, 1 face, 3 vertices)
+    #[classmethod]
+    #[pyo3(signature = (data, format = None))]
+    fn from_bytes(kind: &Bound<'_, PyType>, data: &Bound<'_, PyAny>, format: Option<&str>) -> PyResult<Self> {
+        let format = format.map(format_of).transpose()?;
+        let py = kind.py();
+        let wrong = || Failure::Type(format!("data: found {}, expected bytes", type_name(data)));
+        let bytes = bytes_of(data)?.ok_or_else(wrong)?.as_bytes().to_vec();
+        let read = Watching::default().run(py, |_| SceneData::of_bytes(bytes, format));
+        Ok(Self::new(read?.result()?))
+    }
+
+    /// Build a scene of one part. The arguments are those of `Part`.
+    ///
+    /// >>> import tristrip
+    /// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]], name="square")
+    /// >>> scene.parts
+    /// [Part('square', 4 vertices, 1 face)]
+    #[classmethod]
+    #[pyo3(signature = (vertices, faces, *, normals = None, uv = None, colors = None, attributes = None, name = None, material = None, uv_origin = "bottom", normalized = None))]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn from_arrays(
+        _: &Bound<'_, PyType>,
+        vertices: &Bound<'_, PyAny>,
+        faces: &Bound<'_, PyAny>,
+        normals: Option<&Bound<'_, PyAny>>,
+        uv: Option<&Bound<'_, PyAny>>,
+        colors: Option<&Bound<'_, PyAny>>,
+        attributes: Option<&Bound<'_, PyDict>>,
+        name: Option<String>,
+        material: Option<&Bound<'_, PyAny>>,
+        uv_origin: &str,
+        normalized: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        let part = Part::new(
+            vertices, faces, normals, uv, colors, attributes, name, material, uv_origin, normalized,
+        )?;
+        Ok(Self::new(parts::scene_of(&[part])?))
+    }
+
+    /// Build a scene of parts, which may be those of other scenes.
+    ///
+    /// Raises:
+    ///     ParameterError: two materials have the same name and look different.
+    ///
+    /// >>> import tristrip
+    /// >>> square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    /// >>> halves = [tristrip.Part(square, [face], material={"base_color": (red, 0, 0)}) for face, red in [([0, 1, 2], 1), ([0, 2, 3], 0.5)]]
+    /// >>> [part.material for part in tristrip.Scene.from_parts(halves).parts]
+    /// ['material_0', 'material_1']
+    #[classmethod]
+    fn from_parts(_: &Bound<'_, PyType>, parts: Vec<Bound<'_, Part>>) -> PyResult<Self> {
+        let parts: Vec<Part> = parts.iter().map(|part| part.get().clone()).collect();
+        Ok(Self::new(parts::scene_of(&parts)?))
+    }
+
+    /// The parts, in the order of the file. A part of a glTF is one primitive, without the transformations of the nodes that place it.
+    #[getter]
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        PyList::new(py, parts::parts_of(&self.data)?)
+    }
+
+    /// Notes of the reader: what was dropped or changed.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.data.model().notes.clone()
+    }
+
+    /// The format of the file that was read, as "glb"; None for a scene of arrays.
+    #[getter]
+    fn format(&self) -> Option<&'static str> {
+        self.data.format().map(tristrip_io::Format::extension)
+    }
+
+    /// Find strips of all parts.
+    ///
+    /// Args:
+    ///     method, effort, cost, weld, **options: as of `stripify`.
+    ///     verify: whether to prove the strips.
+    ///     budget, progress, on_interrupt: as of `stripify`.
+    ///
+    /// Returns:
+    ///     The strips of each part, with metrics; they can be saved.
+    ///
+    /// Raises:
+    ///     ParameterError: an option is unknown or has a wrong value, or does not belong to the method.
+    ///     Interrupted: Ctrl-C during a search; `best` has the best strips so far.
+    #[pyo3(signature = (*, method = "best", effort = None, cost = None, weld = false, verify = true, budget = None, progress = None, on_interrupt = "raise", **options))]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn strip<'py>(
+        &self,
+        py: Python<'py>,
+        method: &str,
+        effort: Option<i64>,
+        cost: Option<&str>,
+        weld: bool,
+        verify: bool,
+        budget: Option<f64>,
+        progress: Option<Bound<'py, PyAny>>,
+        on_interrupt: &str,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, StrippedScene>> {
+        let flags = method::flags(py, options, effort, cost)?;
+        let stripify = method::options(method, weld, Some(&flags))?;
+        let options = StripOptions::default().with_stripify(stripify).with_verify(verify);
+        let watching = Watching::new(py, progress, budget, on_interrupt)?;
+        let found = strip::strip(py, &self.data, options, watching)?;
+        found.object(py, |stripped| StrippedScene::new(Arc::clone(&self.data), stripped))
+    }
+
+    /// Simplify all parts by half-edge collapses, the cheapest first. Parts that share borders are simplified as one surface.
+    ///
+    /// Args:
+    ///     ratio: the ratio of all triangles to keep, from 0 to 1; the parts share the triangles.
+    ///     triangles: the number of triangles to keep, instead of a ratio.
+    ///     error: the maximum error in mesh units, or of the diagonal as "0.1%". By default "1%"; "100%" allows any.
+    ///     weight, price, permissive, lock_borders, weld_distance: as of `simplify`.
+    ///     normals: "auto" (those of flat-shaded parts are rebuilt, others kept where they fit), "keep" or "rebuild".
+    ///     compact: whether joint weights are rounded to 8 bits and rotations of animations to 16 bits in a GLB.
+    ///     measure: whether the distance from the original is measured, which takes as long again.
+    ///     verify: whether the collapses are proven.
+    ///     progress: as of `stripify`.
+    ///
+    /// Returns:
+    ///     The result with its report; it can be saved.
+    ///
+    /// Raises:
+    ///     ParameterError: an option has a wrong value.
+    ///
+    /// >>> import tristrip
+    /// >>> fan = tristrip.Scene.from_bytes(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
+    /// >>> fan.simplify(triangles=2).scene
+    /// Scene(1 part, 2 faces, 4 vertices)
+    #[pyo3(signature = (*, ratio = None, triangles = None, error = None, weight = None, price = "distance", permissive = false, lock_borders = false, weld_distance = None, normals = "auto", compact = false, measure = true, verify = true, progress = None))]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn simplify<'py>(
+        &self,
+        py: Python<'py>,
+        ratio: Option<f64>,
+        triangles: Option<i64>,
+        error: Option<&Bound<'py, PyAny>>,
+        weight: Option<&str>,
+        price: &str,
+        permissive: bool,
+        lock_borders: bool,
+        weld_distance: Option<&Bound<'py, PyAny>>,
+        normals: &str,
+        compact: bool,
+        measure: bool,
+        verify: bool,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<SimplifiedScene> {
+        let arguments = PyDict::new(py);
+        arguments.set_item("ratio", ratio)?;
+        arguments.set_item("triangles", triangles)?;
+        arguments.set_item("error", error)?;
+        arguments.set_item("weight", weight)?;
+        arguments.set_item("price", price)?;
+        arguments.set_item("permissive", permissive)?;
+        arguments.set_item("lock_borders", lock_borders)?;
+        arguments.set_item("weld_distance", weld_distance)?;
+        arguments.set_item("normals", normals)?;
+        arguments.set_item("compact", compact)?;
+        arguments.set_item("measure", measure)?;
+        arguments.set_item("verify", verify)?;
+        simplify::simplify(py, &self.data, &arguments, Watching::new(py, progress, None, "raise")?)
+    }
+
+    /// Build several levels of detail over one list of vertices, as the command `lod --chain` does.
+    ///
+    /// Args:
+    ///     ratios: the ratios of triangles that the levels keep, the finest first: [1, 0.5, 0.25], or "100%,50%,25%"; up to 16.
+    ///     error, weight, price, permissive, lock_borders, weld_distance: as of `Scene.simplify`.
+    ///     layout: of the files: "restart", "degenerate", "separate" or "list". By default "degenerate" for glTF and "restart" for PLY; a part is then drawn as a
+    ///         list where that takes fewer indices.
+    ///     method: the method of the strips, as of `stripify`; default "best", or "cache" for layout "list".
+    ///     effort, cost, weld, **options: as of `stripify`.
+    ///     verify: whether the collapses are proven.
+    ///     budget: the time in seconds after which each search for strips is stopped when files are written.
+    ///     progress: as of `stripify`.
+    ///
+    /// Returns:
+    ///     The levels, which can be saved.
+    ///
+    /// Raises:
+    ///     ParameterError: an option is unknown or has a wrong value.
+    ///
+    /// >>> import tristrip
+    /// >>> fan = tristrip.Scene.from_bytes(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
+    /// >>> fan.chain([1, 0.5])
+    /// Chain(2 levels of 4 / 2 triangles)
+    #[pyo3(signature = (ratios, *, error = None, weight = None, price = "distance", permissive = false, lock_borders = false, weld_distance = None, layout = None, method = None, effort = None, cost = None, weld = false, verify = true, budget = None, progress = None, **options))]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn chain<'py>(
+        &self,
+        py: Python<'py>,
+        ratios: &Bound<'py, PyAny>,
+        error: Option<&Bound<'py, PyAny>>,
+        weight: Option<&str>,
+        price: &str,
+        permissive: bool,
+        lock_borders: bool,
+        weld_distance: Option<&Bound<'py, PyAny>>,
+        layout: Option<&str>,
+        method: Option<&str>,
+        effort: Option<i64>,
+        cost: Option<&str>,
+        weld: bool,
+        verify: bool,
+        budget: Option<f64>,
+        progress: Option<Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Chain> {
+        let layout = layout.map(layout_of).transpose()?.map(tristrip::Layout::name);
+        let arguments = PyDict::new(py);
+        arguments.set_item("ratios", ratios)?;
+        arguments.set_item("error", error)?;
+        arguments.set_item("weight", weight)?;
+        arguments.set_item("price", price)?;
+        arguments.set_item("permissive", permissive)?;
+        arguments.set_item("lock_borders", lock_borders)?;
+        arguments.set_item("weld_distance", weld_distance)?;
+        arguments.set_item("layout", layout)?;
+        arguments.set_item("method", method)?;
+        arguments.set_item("effort", effort)?;
+        arguments.set_item("cost", cost)?;
+        arguments.set_item("weld", weld)?;
+        arguments.set_item("verify", verify)?;
+        arguments.set_item("budget", budget)?;
+        arguments.set_item("options", options)?;
+        chain::chain(py, &self.data, &arguments, Watching::new(py, progress, budget, "raise")?)
+    }
+
+    /// Pack the scene as a progressive GLB, which is drawn after its first bytes and refined by the others. The arguments and the result are those of `pack`.
+    ///
+    /// >>> import tristrip
+    /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    /// >>> square.pack().report["triangles"]
+    /// 2
+    #[pyo3(signature = (output = None, *, eye = None, position_bits = None, wire = "tristrip", verify = true, progress = None))]
+    fn pack<'py>(
+        &self,
+        py: Python<'py>,
+        output: Option<PathBuf>,
+        eye: Option<[f32; 3]>,
+        position_bits: Option<u32>,
+        wire: &str,
+        verify: bool,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let wire = Wire::new(wire, eye, position_bits, verify)?;
+        let watching = Watching::new(py, progress, None, "raise")?;
+        pack_object(py, || Ok(Arc::clone(&self.data)), wire, output.as_deref(), watching)
+    }
+
+    /// Compute lower bounds on strips, vertices and indices, which hold for every method.
+    ///
+    /// Args:
+    ///     weld: whether vertices with the same bits in position and all attributes are one.
+    ///
+    /// Returns:
+    ///     A dictionary with the keys of the command's JSON: "bound" ("strips", "vertices_sent", "gl_cost", "indices_restart", "indices_degenerate"), "mesh",
+    ///     "parts", "sequential" (for each part, whether one strip without swaps draws it), "components" (with "proof": how the bound was found), "notes".
+    ///
+    /// >>> import tristrip
+    /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    /// >>> square.bound()["bound"]["indices_restart"]
+    /// 4
+    #[pyo3(signature = (weld = false))]
+    fn bound<'py>(&self, py: Python<'py>, weld: bool) -> PyResult<Bound<'py, PyDict>> {
+        checks::bound(py, &self.data, weld)
+    }
+
+    /// Report indices and vertex-cache statistics as the file has them; no strips are built. Each part starts with an empty cache.
+    ///
+    /// Args:
+    ///     vertex_caches: the caches to simulate: "fifo:16,lru:8..32" or a list of such texts. By default FIFO and LRU with 8, 16, 24, 32 and 64 entries.
+    ///     flush: whether caches are emptied between strips.
+    ///
+    /// Returns:
+    ///     A dictionary with the keys of the command's JSON: "drawn", "triangles", "indices", "indices_per_triangle", "restarts", "degenerate", "strips",
+    ///     "lengths" (a histogram), "vertex_caches" (with "misses", "acmr" per triangle and "atvr" per used vertex), "by_part", "notes", …
+    ///
+    /// Raises:
+    ///     ParameterError: a cache is unknown.
+    ///
+    /// >>> import tristrip
+    /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    /// >>> square.analyze("fifo:16")["vertex_caches"]
+    /// [{'vertex_cache': 'fifo:16', 'misses': 4, 'acmr': 2.0, 'atvr': 1.0}]
+    #[pyo3(signature = (vertex_caches = None, flush = false))]
+    fn analyze<'py>(
+        &self,
+        py: Python<'py>,
+        vertex_caches: Option<&Bound<'py, PyAny>>,
+        flush: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let options = checks::analyze_options(vertex_caches, flush)?;
+        checks::statistics(py, &self.data, &options, flush)
+    }
+
+    /// Compare all methods. Each result is proven.
+    ///
+    /// Args:
+    ///     all: whether all variants of published methods are compared.
+    ///     effort: 0 to 9, of the methods that search; "best" also runs at its default effort.
+    ///     cost: what "best" minimizes, as of `stripify`.
+    ///     seed: of the methods that break ties at random.
+    ///     weld: whether vertices with the same bits in position and all attributes are one.
+    ///     budget: the time in seconds after which each search is stopped.
+    ///     progress: as of `stripify`.
+    ///
+    /// Returns:
+    ///     A list of dictionaries, one per method, with the keys of the command's JSON: "method" and its options, "proven", "seconds" ("stripify", "verify"), "error",
+    ///     and the metrics, as of `Strips.metrics`. `pandas.DataFrame` takes it.
+    ///
+    /// Raises:
+    ///     ParameterError: an option has a wrong value.
+    ///     Interrupted: Ctrl-C; `best` has the rows so far.
+    ///
+    /// >>> import tristrip
+    /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    /// >>> [row["strips"] for row in square.compare() if row["method"] in ("best", "sgi")]
+    /// [1, 1, 1]
+    #[pyo3(signature = (*, all = false, effort = 3, cost = "restart", seed = 0, weld = false, budget = None, progress = None))]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn compare<'py>(
+        &self,
+        py: Python<'py>,
+        all: bool,
+        effort: i64,
+        cost: &str,
+        seed: u64,
+        weld: bool,
+        budget: Option<f64>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyList>> {
+        let options = StripifyOptions::default().with_seed(seed).with_weld(weld);
+        let options = options.with_cost(cost.parse().map_err(Failure::from)?);
+        let level = u8::try_from(effort).ok().and_then(Effort::new);
+        let effort = level.ok_or_else(|| Failure::option("effort", effort, "0 to 9"))?;
+        let watching = Watching::new(py, progress, budget, "raise")?;
+        let ended = checks::compare(py, &self.data, options, effort, all, watching)?;
+        match ended.error {
+            None => Ok(ended.value),
+            Some(error) => Err(with_best(py, error, ended.value.into_any().unbind())),
+        }
+    }
+
+    /// Prove that another scene draws exactly the faces of this one, each once, with its winding. Vertices are compared by the bits of their positions;
+    /// attributes are not compared.
+    ///
+    /// Args:
+    ///     result: the other scene, or the path of a file.
+    ///
+    /// Returns:
+    ///     A dictionary with the keys of the command's JSON: "proven", "faces" (of this scene), "triangles" (of the other), "notes".
+    ///
+    /// Raises:
+    ///     NotProvenError: the other scene draws other faces. `difference` is a dictionary with "kind", "missing", "extra", "flipped", "face" and "first" (positions).
+    ///
+    /// >>> import tristrip
+    /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    /// >>> square.verify(tristrip.Scene.from_bytes(square.strip().to_bytes()))["faces"]
+    /// 1
+    fn verify<'py>(&self, py: Python<'py>, result: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+        let result = loaded(result)?;
+        checks::prove(py, &self.data, &result)
+    }
+
+    /// Write the scene without new strips, as the command `convert` does: polygons stay polygons where the format has them, and strips stay strips.
+    ///
+    /// Args:
+    ///     path: the file; one that exists is replaced once the new one is complete. A .gltf gets its buffer in a .bin beside it, and an OBJ its materials and
+    ///         images.
+    ///     format: "glb", "gltf", "ply" or "obj"; by default that of the extension.
+    ///     layout: "restart", "degenerate", "separate" or "list": all faces become strips in their stored order.
+    ///     verify: whether the bytes are read back and proven before the file is replaced.
+    ///
+    /// Returns:
+    ///     A dictionary with keys of the command's JSON: "output", "layout", "faces", "triangles", "strips", "parts", "notes"; and "proven", "bytes", "beside".
+    ///
+    /// Raises:
+    ///     FileError: the file cannot be written.
+    ///     ParameterError: the format or the layout is unknown, or do not fit.
+    ///     NotProvenError: the bytes do not draw the scene; nothing was written.
+    #[pyo3(signature = (path, *, format = None, layout = None, verify = true))]
+    fn save<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        format: Option<&str>,
+        layout: Option<&str>,
+        verify: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        saving::save(py, &self.data, &path, format, layout, verify)
+    }
+
+    /// Return the bytes that `save` would write into one file.
+    ///
+    /// Args:
+    ///     format: "glb", "ply" or "obj".
+    ///     layout, verify: as of `save`.
+    ///
+    /// >>> import tristrip
+    /// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    /// >>> print(scene.to_bytes("obj").decode())
+    /// v 0 0 0
+    /// v 1 0 0
+    /// v 0 1 0
+    /// f 1 2 3
+    /// <BLANKLINE>
+    #[pyo3(signature = (format = "glb", *, layout = None, verify = true))]
+    fn to_bytes<'py>(
+        &self,
+        py: Python<'py>,
+        format: &str,
+        layout: Option<&str>,
+        verify: bool,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        saving::to_bytes(py, &self.data, format, layout, verify)
+    }
+
+    /// Draw the scene as its nodes place it, with base colours and textures, without animations.
+    ///
+    /// Args:
+    ///     width, height: from 1 to 8192 pixels.
+    ///     mode: "textured", "normals", "uv" or "shaded".
+    ///
+    /// Returns:
+    ///     The bytes of a PNG file, which `IPython.display.Image` shows.
+    ///
+    /// Raises:
+    ///     ParameterError: the size or the mode is wrong, or an image of the scene cannot be decoded.
+    #[pyo3(signature = (width = 1200, height = 900, *, mode = "textured"))]
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        width: i64,
+        height: i64,
+        mode: &str,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        picture::of_scene(py, &self.data, mode, (width, height))
+    }
+
+    fn __repr__(&self) -> String {
+        let model = self.data.as_read();
+        let format = self.data.format().map(|format| format!("{}, ", format.name())).unwrap_or_default();
+        let faces = model.parts.iter().map(|part| part.mesh.faces().face_count()).sum();
+        let vertices = model.parts.iter().map(|part| part.mesh.vertex_count()).sum();
+        let (parts, faces) = (counted(model.parts.len(), "part"), counted(faces, "face"));
+        format!("Scene({format}{parts}, {faces}, {})", counted(vertices, "vertex"))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("tristrip._notebook")?.call_method1("scene_html", (slf,))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let notes = this.notes();
+        let kind = slf.get_type();
+        if this.data.as_read().scene.is_none() {
+            let state = (this.parts(py)?, notes, this.format()).into_pyobject(py)?;
+            return Ok((kind.getattr("_of_parts")?, state.into_any()));
+        }
+        let (bytes, format) = this.data.self_contained()?;
+        let state = (PyBytes::new(py, &bytes), format.extension(), notes).into_pyobject(py)?;
+        Ok((kind.getattr("_of_bytes")?, state.into_any()))
+    }
+
+    #[classmethod]
+    fn _of_parts(
+        _: &Bound<'_, PyType>,
+        parts: Vec<Bound<'_, Part>>,
+        notes: Vec<String>,
+        format: Option<&str>,
+    ) -> PyResult<Self> {
+        let parts: Vec<Part> = parts.iter().map(|part| part.get().clone()).collect();
+        let format = format.map(format_of).transpose()?;
+        Ok(Self::new(parts::scene_of(&parts)?.restored(notes, format)))
+    }
+
+    #[classmethod]
+    fn _of_bytes(kind: &Bound<'_, PyType>, bytes: &[u8], format: &str, notes: Vec<String>) -> PyResult<Self> {
+        let (bytes, format) = (bytes.to_vec(), format_of(format)?);
+        let read = Watching::default().run(kind.py(), |_| SceneData::of_bytes(bytes, Some(format)));
+        Ok(Self::new(read?.result()?.restored(notes, Some(format))))
+    }
+}

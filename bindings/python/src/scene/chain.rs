@@ -1,0 +1,380 @@
+//! Chains of levels of detail of a whole scene.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyList, PyTuple, PyType};
+use tristrip::Layout;
+use tristrip_io::{Format, Model};
+use tristrip_pipeline::{
+    ChainOptions, ChainRatios, EncodeOptions, Encoded, MethodReport, WrittenFiles, chain_observed,
+    path_of_level,
+};
+
+use super::class::Scene;
+use super::data::SceneData;
+use super::output::{Destination, Noting};
+use super::simplify::rules_of;
+use crate::errors::Failure;
+use crate::method;
+use crate::reports::report;
+use crate::simplify::deviation;
+use crate::work::{Watcher, Watching};
+
+/// Several levels of detail of a scene over one list of vertices, the finest first; each level uses the first vertices of the one before it. Made by
+/// `Scene.chain`.
+#[pyclass(frozen, module = "tristrip")]
+#[derive(Debug)]
+pub(crate) struct Chain {
+    source: Arc<SceneData>,
+    /// The arguments of `Scene.chain`.
+    arguments: Py<PyDict>,
+    options: ChainOptions,
+    /// What a GLB is made of; of a chain that was unpickled, it is computed when a file is asked for.
+    built: OnceLock<tristrip_pipeline::Chain>,
+    report: Py<PyDict>,
+}
+
+/// Builds the levels of a scene.
+pub(crate) fn chain(
+    py: Python<'_>,
+    source: &Arc<SceneData>,
+    arguments: &Bound<'_, PyDict>,
+    watching: Watching,
+) -> PyResult<Chain> {
+    let options = options_of(arguments)?;
+    let built = watching.run(py, |watcher| Ok(chain_observed(source.model(), &options, watcher)?));
+    let built = built?.result()?;
+    let found = report(py, &MethodReport::of(&options.stripify))?.cast_into::<PyDict>()?;
+    found.set_item("proven", options.verify)?;
+    found.set_item("target_error", built.collapses.target_error)?;
+    found.set_item("triangles_before", built.collapses.triangles_before)?;
+    found.set_item("vertices_before", built.mesh.vertices - built.mesh.unreferenced_vertices)?;
+    found.set_item("diagonal", built.collapses.diagonal)?;
+    found.set_item("chain", report(py, &built.level_reports())?)?;
+    found.set_item("locked_vertices", built.collapses.locked_vertices)?;
+    found.set_item("parts", source.model().parts.len())?;
+    found.set_item("warning", &built.warning)?;
+    found.set_item("notes", &built.notes)?;
+    let (report, arguments) = (found.unbind(), arguments.clone().unbind());
+    Ok(Chain { source: Arc::clone(source), arguments, options, built: built.into(), report })
+}
+
+/// Reads the options of a chain from the arguments of `Scene.chain`.
+fn options_of(arguments: &Bound<'_, PyDict>) -> PyResult<ChainOptions> {
+    let py = arguments.py();
+    let item = |key: &str| PyResult::Ok(arguments.get_item(key)?.filter(|value| !value.is_none()));
+    let ratios: ChainRatios = match item("ratios")? {
+        Some(given) => ratios(&given)?,
+        None => return Err(Failure::option("ratios", "None", "ratios that decrease").into()),
+    };
+    let effort = item("effort")?.map(|effort| effort.extract()).transpose()?;
+    let cost: Option<String> = item("cost")?.map(|cost| cost.extract()).transpose()?;
+    let others = item("options")?.map(Bound::cast_into::<PyDict>).transpose()?;
+    let flags = method::flags(py, others.as_ref(), effort, cost.as_deref())?;
+    // In triangle lists strips save nothing, but the order of triangles does.
+    let layout: Option<String> = item("layout")?.map(|layout| layout.extract()).transpose()?;
+    let usual = if layout.as_deref() == Some("list") { "cache" } else { "best" };
+    let method: Option<String> = item("method")?.map(|method| method.extract()).transpose()?;
+    let weld = item("weld")?.map(|weld| weld.extract()).transpose()?.unwrap_or(false);
+    let stripify = method::options(method.as_deref().unwrap_or(usual), weld, Some(&flags))?;
+    let error = item("error")?.map(|error| deviation("error", &error)).transpose()?.unwrap_or_default();
+    let verify = item("verify")?.map(|verify| verify.extract()).transpose()?.unwrap_or(true);
+    let options = ChainOptions::new(ratios, Format::Glb).with_deviation(error).with_stripify(stripify);
+    Ok(options.with_rules(rules_of(arguments)?).with_verify(verify))
+}
+
+/// Reads ratios: a text such as "100%,50%", or a sequence of numbers.
+fn ratios(given: &Bound<'_, PyAny>) -> Result<ChainRatios, Failure> {
+    let text = match given.extract::<String>() {
+        Ok(text) => text,
+        Err(_) => {
+            let expected = "numbers from 0 to 1 that decrease, or a text such as '100%,50%,25%'";
+            let numbers: Vec<f64> =
+                given.extract().map_err(|_| Failure::option("ratios", given, expected))?;
+            numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
+        }
+    };
+    text.parse().map_err(|why| Failure::Parameter(format!("ratios: {why}")))
+}
+
+/// A file that was written, or bytes.
+struct ChainFile {
+    encoded: Encoded,
+    /// The bytes that each level uses of it.
+    level_bytes: Vec<usize>,
+    written: WrittenFiles,
+    output: Option<String>,
+    layout: Layout,
+}
+
+impl Chain {
+    fn layout(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        self.arguments.bind(py).get_item("layout")?.map_or(Ok(None), |layout| layout.extract())
+    }
+
+    fn watching(&self, py: Python<'_>, progress: Option<Bound<'_, PyAny>>) -> PyResult<Watching> {
+        let budget =
+            self.arguments.bind(py).get_item("budget")?.map_or(Ok(None), |budget| budget.extract())?;
+        Ok(Watching::new(py, progress, budget, "raise")?)
+    }
+
+    /// Calls a function with the levels as a destination needs them: they are built again for another format or with other images.
+    fn with_levels<T>(
+        &self,
+        destination: &Destination<'_>,
+        watcher: &Watcher,
+        call: impl FnOnce(&Model, &tristrip_pipeline::Chain) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        let model = self.source.model_for(&destination.target);
+        let is_same = matches!(&model, Cow::Borrowed(model) if std::ptr::eq(*model, self.source.model()));
+        let format = destination.target.format;
+        if is_same && format == self.options.format {
+            let built = match self.built.get() {
+                Some(built) => built,
+                None => {
+                    let built = chain_observed(&model, &self.options, watcher)?;
+                    self.built.get_or_init(|| built)
+                }
+            };
+            return call(&model, built);
+        }
+        let options = self.options.clone().with_format(format);
+        call(&model, &chain_observed(&model, &options, watcher)?)
+    }
+
+    fn encode_options(destination: &Destination<'_>, verify: bool) -> EncodeOptions {
+        let options = EncodeOptions::new(destination.target.format).with_layout(destination.layout);
+        options.with_list(!destination.is_chosen).with_verify(verify)
+    }
+
+    /// Encodes all levels as one GLB.
+    fn encode_scene(
+        &self,
+        destination: &Destination<'_>,
+        verify: bool,
+        watcher: &Watcher,
+        noting: &Noting<'_>,
+    ) -> Result<(Encoded, Vec<usize>), Failure> {
+        if destination.target.format != Format::Glb {
+            let found = format!("'{}'", destination.target.format.extension());
+            return Err(Failure::option(
+                "format",
+                found,
+                "'glb' or 'gltf', or a directory for a file per level",
+            ));
+        }
+        let options = Self::encode_options(destination, verify);
+        self.with_levels(destination, watcher, |model, chain| {
+            let file = chain.encode(model, &options, noting)?;
+            Ok((file.encoded, file.level_bytes))
+        })
+    }
+
+    /// Writes each level into a file of its own.
+    fn write_levels(
+        &self,
+        directory: &Path,
+        format: &str,
+        layout: Option<&str>,
+        verify: bool,
+        watcher: &Watcher,
+    ) -> Result<Vec<(ChainFile, Vec<String>)>, Failure> {
+        let stem = self.source.path().and_then(Path::file_stem).unwrap_or("scene".as_ref());
+        let mut name = stem.to_owned();
+        name.push(format!(".{}", format.strip_prefix('.').unwrap_or(format)));
+        let file = directory.join(name);
+        let mut destination = Destination::file(&file, Some(format), layout)?;
+        destination.target.creates_folder = true;
+        let options = Self::encode_options(&destination, verify);
+        self.with_levels(&destination, watcher, |model, chain| {
+            let each = (0..chain.levels.len()).map(|level| {
+                let path = path_of_level(&file, level);
+                let mut destination = destination;
+                destination.target.path = Some(&path);
+                let noting = Noting::new(watcher);
+                let encoded = chain.encode_level(model, level, &options, &noting);
+                let encoded = encoded.map_err(|error| destination.unproven(error.into()))?;
+                let written = destination.write(&encoded)?;
+                let notes = noting.into_notes(encoded.losses.iter().cloned());
+                let (level_bytes, output) = (vec![written.bytes], Some(path.display().to_string()));
+                let layout = destination.layout;
+                Ok((ChainFile { encoded, level_bytes, written, output, layout }, notes))
+            });
+            each.collect()
+        })
+    }
+
+    /// Reports the levels with their bytes and files.
+    fn levels_with<'py>(
+        &self,
+        py: Python<'py>,
+        bytes: &[usize],
+        outputs: &[Option<String>],
+    ) -> PyResult<Bound<'py, PyList>> {
+        let found = PyList::empty(py);
+        for (number, level) in self.levels(py)?.try_iter()?.enumerate() {
+            let level = level?.cast_into::<PyDict>()?.copy()?;
+            level.set_item("bytes", bytes.get(number))?;
+            level.set_item("output", outputs.get(number).cloned().flatten())?;
+            found.append(level)?;
+        }
+        Ok(found)
+    }
+}
+
+#[pymethods]
+impl Chain {
+    /// The scene that the levels are of.
+    #[getter]
+    fn source(&self) -> Scene {
+        Scene { data: Arc::clone(&self.source) }
+    }
+
+    /// The levels, the finest first: dictionaries with "level", "ratio", "target_triangles", "triangles", "vertices" (the first ones, which it uses), "surface_error" (in
+    /// mesh units), "surface_error_percent" (of the diagonal), "screen_coverage" (down to which the level is drawn) and "reached".
+    #[getter]
+    fn levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.report.bind(py).as_any().get_item("chain")
+    }
+
+    /// All that was reached: a dictionary with the keys of the command's JSON.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.report.bind(py).copy()
+    }
+
+    /// A sentence on the levels that were not reached, if there are any.
+    #[getter]
+    fn warning<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.report.bind(py).as_any().get_item("warning")
+    }
+
+    /// Notes of the reader, on what was dropped, and on locked vertices.
+    #[getter]
+    fn notes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.report.bind(py).as_any().get_item("notes")
+    }
+
+    /// Write all levels, as the command `lod --chain` does: as one GLB or .gltf whose nodes name those of lower levels with `MSFT_lod`, or into a directory as a
+    /// file per level.
+    ///
+    /// Args:
+    ///     path: the file, or a directory, which is created if it does not exist and the path ends with a slash.
+    ///     format: that of the files in a directory: "glb", "gltf", "ply" or "obj"; default "glb".
+    ///     verify: whether the bytes are read back and proven before a file is replaced.
+    ///     progress: as of `stripify`.
+    ///
+    /// Returns:
+    ///     A dictionary: "output", "layout", "proven", "chain" (the levels with "bytes" and "output"), "notes", "beside".
+    ///
+    /// Raises:
+    ///     FileError: a file cannot be written.
+    ///     ParameterError: the format is unknown, or holds one level only.
+    ///     NotProvenError: the bytes do not draw a level; that file was not written.
+    #[pyo3(signature = (path, *, format = None, verify = true, progress = None))]
+    fn save<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        format: Option<&str>,
+        verify: bool,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let layout = self.layout(py)?;
+        let layout = layout.as_deref();
+        let last = path.as_os_str().as_encoded_bytes().last().copied();
+        let is_directory = path.is_dir() || last.is_some_and(|last| std::path::is_separator(last.into()));
+        let watching = self.watching(py, progress)?;
+        let (files, notes, output) = if is_directory {
+            let format = format.unwrap_or("glb");
+            let write = |watcher: &Watcher| self.write_levels(&path, format, layout, verify, watcher);
+            let (files, all): (Vec<_>, Vec<_>) = watching.run(py, write)?.result()?.into_iter().unzip();
+            // The levels have most of their notes in common.
+            let mut notes: Vec<String> = Vec::new();
+            for note in all.concat() {
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
+            }
+            (files, notes, None)
+        } else {
+            let destination = Destination::file(&path, format, layout)?;
+            let write = |watcher: &Watcher| {
+                let noting = Noting::new(watcher);
+                let found = self.encode_scene(&destination, verify, watcher, &noting);
+                let (encoded, level_bytes) = found.map_err(|failure| destination.unproven(failure))?;
+                let written = destination.write(&encoded)?;
+                let notes = noting.into_notes(encoded.losses.iter().cloned());
+                let (output, layout) = (None, destination.layout);
+                Ok((ChainFile { encoded, level_bytes, written, output, layout }, notes))
+            };
+            let (file, notes) = watching.run(py, write)?.result()?;
+            (vec![file], notes, Some(path.display().to_string()))
+        };
+        let bytes = files.iter().flat_map(|file| file.level_bytes.iter().copied()).collect::<Vec<_>>();
+        let outputs: Vec<_> = files.iter().map(|file| file.output.clone()).collect();
+        let found = PyDict::new(py);
+        found.set_item("output", output)?;
+        found.set_item("layout", files.first().map(|file| file.layout.name()))?;
+        found.set_item("proven", files.iter().all(|file| file.encoded.faces.is_some()).then_some(true))?;
+        found.set_item("chain", self.levels_with(py, &bytes, &outputs)?)?;
+        let warnings = files.iter().flat_map(|file| file.written.warnings.iter().cloned());
+        found.set_item("notes", notes.into_iter().chain(warnings).collect::<Vec<_>>())?;
+        let beside = files.iter().flat_map(|file| &file.written.beside);
+        found.set_item("beside", beside.map(|path| path.display().to_string()).collect::<Vec<_>>())?;
+        Ok(found)
+    }
+
+    /// Return the bytes of a GLB with all levels.
+    ///
+    /// Args:
+    ///     verify: as of `save`.
+    #[pyo3(signature = (*, verify = true))]
+    fn to_bytes<'py>(&self, py: Python<'py>, verify: bool) -> PyResult<Bound<'py, PyBytes>> {
+        let layout = self.layout(py)?;
+        let destination = Destination::memory("glb", layout.as_deref())?;
+        let encode = |watcher: &Watcher| {
+            let noting = Noting::new(watcher);
+            Ok(self.encode_scene(&destination, verify, watcher, &noting)?.0)
+        };
+        Ok(PyBytes::new(py, &self.watching(py, None)?.run(py, encode)?.result()?.bytes))
+    }
+
+    fn __len__(&self) -> usize {
+        self.options.ratios.as_slice().len()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let levels = self.levels(py)?;
+        let triangles = levels.try_iter()?.map(|level| level?.get_item("triangles")?.extract::<usize>());
+        let triangles = triangles.map(|count| Ok(tristrip_pipeline::text::count(count?)));
+        let triangles = triangles.collect::<PyResult<Vec<_>>>()?;
+        let count = tristrip_pipeline::text::counted(triangles.len(), "level");
+        Ok(format!("Chain({count} of {} triangles)", triangles.join(" / ")))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("tristrip._notebook")?.call_method1("chain_html", (slf,))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let state = (this.source(), this.arguments.clone_ref(py), this.report.clone_ref(py));
+        Ok((slf.get_type().getattr("_restore")?, state.into_pyobject(py)?))
+    }
+
+    #[classmethod]
+    fn _restore(
+        _: &Bound<'_, PyType>,
+        source: &Bound<'_, Scene>,
+        arguments: Bound<'_, PyDict>,
+        report: Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        let options = options_of(&arguments)?;
+        let (source, built) = (Arc::clone(&source.get().data), OnceLock::new());
+        Ok(Self { source, arguments: arguments.unbind(), options, built, report: report.unbind() })
+    }
+}

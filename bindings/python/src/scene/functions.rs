@@ -1,0 +1,106 @@
+//! Functions on whole files: reading, proving, converting.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::checks;
+use super::class::Scene;
+use super::data::SceneData;
+use super::output::format_of;
+use super::saving::save;
+use crate::arrays::type_name;
+use crate::errors::Failure;
+use crate::work::Watching;
+
+/// Read a scene from a file: OBJ, PLY, OFF, STL, glTF or GLB, with the materials and images that belong to it.
+///
+/// Args:
+///     path: the file.
+///     format: "obj", "ply", "off", "stl", "gltf" or "glb"; by default that of the extension, or of the content if the extension is unknown.
+///
+/// Returns:
+///     The scene, which does not depend on the file any more. `notes` tells what was dropped or changed.
+///
+/// Raises:
+///     FileError: the file, or a buffer that it needs, cannot be read.
+///     FormatError: the bytes do not conform to the format.
+///     LimitError: the file states a size that is too large.
+///     MeshError: positions are not finite.
+///     ParameterError: the format is unknown, or the file requires an extension that is not supported.
+///
+/// >>> import tristrip
+/// >>> tristrip.load("no/such/file.ply")
+/// Traceback (most recent call last):
+/// tristrip.FileError: [Errno 2] No such file or directory: 'no/such/file.ply'
+#[pyfunction]
+#[pyo3(signature = (path, format = None))]
+pub(crate) fn load(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyResult<Scene> {
+    let format = format.map(format_of).transpose()?;
+    let read = Watching::default().run(py, |_| SceneData::read(&path, format));
+    Ok(Scene::new(read?.result()?))
+}
+
+/// Prove that one file or scene draws exactly the faces of another, each once, with its winding.
+///
+/// Args:
+///     source: the scene with the expected faces, or the path of a file.
+///     result: the scene to verify, or the path of a file.
+///
+/// Returns:
+///     As of `Scene.verify`.
+///
+/// Raises:
+///     NotProvenError: they draw other faces; the attribute `difference` tells which.
+///     FileError, FormatError, LimitError: as of `load`.
+#[pyfunction]
+pub(crate) fn verify<'py>(
+    py: Python<'py>,
+    source: &Bound<'py, PyAny>,
+    result: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (source, result) = (loaded(source)?, loaded(result)?);
+    checks::prove(py, &source, &result)
+}
+
+/// Convert a file into another format or strip layout, without new strips.
+///
+/// Args:
+///     input: the path of a file.
+///     output: the path of the file to write, as of `Scene.save`.
+///     format: the format of the input, as of `load`.
+///     to: the format of the output: "glb", "gltf", "ply" or "obj"; by default that of its extension.
+///     layout, verify: as of `Scene.save`.
+///
+/// Returns:
+///     As of `Scene.save`.
+///
+/// Raises:
+///     As of `load` and `Scene.save`.
+#[pyfunction]
+#[pyo3(signature = (input, output, *, format = None, to = None, layout = None, verify = true))]
+pub(crate) fn convert<'py>(
+    py: Python<'py>,
+    input: PathBuf,
+    output: PathBuf,
+    format: Option<&str>,
+    to: Option<&str>,
+    layout: Option<&str>,
+    verify: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    save(py, &load(py, input, format)?.data, &output, to, layout, verify)
+}
+
+/// Takes a scene, or reads a file.
+pub(crate) fn loaded(given: &Bound<'_, PyAny>) -> PyResult<Arc<SceneData>> {
+    if let Ok(scene) = given.cast::<Scene>() {
+        return Ok(Arc::clone(&scene.get().data));
+    }
+    let Ok(path) = given.extract::<PathBuf>() else {
+        let found = type_name(given);
+        return Err(Failure::Type(format!("found {found}, expected a scene or the path of a file")).into());
+    };
+    Ok(load(given.py(), path, None)?.data)
+}

@@ -1,0 +1,144 @@
+//! Results as files and bytes, by the rules of the command.
+
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use tristrip::{Layout, StripifyOptions};
+use tristrip_io::Format;
+use tristrip_pipeline::{
+    Encoded, Event, Observer, Search, Target, WRITTEN_FORMATS, WrittenFiles, format_to_write, layout_to_write,
+};
+
+use crate::errors::Failure;
+use crate::strips::layout_of;
+use crate::work::Watcher;
+
+/// A destination with its layout.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Destination<'a> {
+    pub(crate) target: Target<'a>,
+    pub(crate) layout: Layout,
+    /// Whether the user chose the layout.
+    pub(crate) is_chosen: bool,
+}
+
+impl<'a> Destination<'a> {
+    /// Chooses a file, in the format of its extension unless another is given.
+    pub(crate) fn file(path: &'a Path, format: Option<&str>, layout: Option<&str>) -> Result<Self, Failure> {
+        let format = format_to_write(path, format.map(written_format).transpose()?);
+        Self::new(Some(path), format.map_err(|text| Failure::Parameter(in_arguments(&text)))?, layout)
+    }
+
+    /// Chooses bytes in memory.
+    pub(crate) fn memory(format: &str, layout: Option<&str>) -> Result<Self, Failure> {
+        let format = written_format(format)?;
+        if format == Format::Gltf {
+            let expected = "'glb', 'ply' or 'obj': a .gltf has two files, which `save` writes";
+            return Err(Failure::option("format", "'gltf'", expected));
+        }
+        Self::new(None, format, layout)
+    }
+
+    fn new(path: Option<&'a Path>, format: Format, layout: Option<&str>) -> Result<Self, Failure> {
+        let chosen = layout.map(layout_of).transpose()?;
+        let target = Target::new(path, format);
+        let layout = layout_to_write(target.format, chosen);
+        let layout = layout.map_err(|text| Failure::Parameter(in_arguments(&text)))?;
+        Ok(Self { target, layout, is_chosen: chosen.is_some() })
+    }
+
+    /// Writes a result; names the file of one that is not proven.
+    pub(crate) fn write(&self, encoded: &Encoded) -> Result<WrittenFiles, Failure> {
+        self.target.write(encoded).map_err(|error| self.unproven(error.into()))
+    }
+
+    /// Names the file in the error of a result that is not proven.
+    pub(crate) fn unproven(&self, failure: Failure) -> Failure {
+        match (failure, self.target.path) {
+            (Failure::Unproven(why), Some(path)) => {
+                Failure::Unproven(format!("{} was not written: {why}", path.display()))
+            }
+            (failure, _) => failure,
+        }
+    }
+}
+
+/// Reads the name of a format, with or without a dot.
+pub(crate) fn format_of(name: &str) -> Result<Format, Failure> {
+    let extension = name.strip_prefix('.').unwrap_or(name);
+    let known = Format::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()));
+    known.ok_or_else(|| Failure::option("format", format!("{name:?}"), "obj, ply, off, stl, gltf or glb"))
+}
+
+fn written_format(name: &str) -> Result<Format, Failure> {
+    let format = format_of(name)?;
+    if WRITTEN_FORMATS.contains(&format) {
+        return Ok(format);
+    }
+    Err(Failure::option("format", format!("{name:?}"), "glb, gltf, ply or obj, which can be written"))
+}
+
+/// Returns a message on flags in the words of arguments.
+fn in_arguments(text: &str) -> String {
+    text.replace(", or --to", "").replace("--layout list", "layout \"list\"")
+}
+
+/// Collects the notes and warnings of a computation.
+pub(crate) struct Noting<'a> {
+    watcher: &'a Watcher,
+    notes: Mutex<Vec<String>>,
+}
+
+impl<'a> Noting<'a> {
+    pub(crate) fn new(watcher: &'a Watcher) -> Self {
+        Self { watcher, notes: Mutex::default() }
+    }
+
+    /// Returns the notes, and those of a result.
+    pub(crate) fn into_notes(self, more: impl IntoIterator<Item = String>) -> Vec<String> {
+        let mut notes = self.notes.into_inner().unwrap_or_else(PoisonError::into_inner);
+        notes.extend(more);
+        notes
+    }
+}
+
+impl Observer for Noting<'_> {
+    fn event(&self, event: Event<'_>) {
+        if let Event::Note(text) | Event::Warning(text) = event {
+            self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(text.into());
+        }
+        self.watcher.event(event);
+    }
+
+    fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
+        self.watcher.search(options)
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.watcher.is_cancelled()
+    }
+}
+
+/// Builds the report on a file, with the keys of the command's JSON.
+pub(crate) fn file_report<'py>(
+    py: Python<'py>,
+    destination: &Destination<'_>,
+    encoded: &Encoded,
+    written: &WrittenFiles,
+    notes: Vec<String>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    let path = destination.target.path.map(|path| path.display().to_string());
+    found.set_item("output", path)?;
+    found.set_item("proven", encoded.faces.map(|_| true))?;
+    found.set_item("faces", encoded.faces)?;
+    found.set_item("bytes", written.bytes)?;
+    let beside: Vec<String> = written.beside.iter().map(|path| path.display().to_string()).collect();
+    found.set_item("beside", beside)?;
+    found.set_item("layout", destination.layout.name())?;
+    let notes: Vec<String> = notes.into_iter().chain(written.warnings.iter().cloned()).collect();
+    found.set_item("notes", notes)?;
+    Ok(found)
+}

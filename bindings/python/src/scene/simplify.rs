@@ -1,0 +1,291 @@
+//! Simplification of a whole scene.
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
+use tristrip_io::Format;
+use tristrip_io::gltf::Rounding;
+use tristrip_pipeline::{
+    CollapseRules, Encoded, Normals, Observer, Simplified, SimplifyFigures, SimplifyOptions,
+    simplify_observed,
+};
+
+use super::class::Scene;
+use super::data::SceneData;
+use super::output::{Destination, Noting, file_report};
+use super::picture;
+use crate::errors::Failure;
+use crate::reports::report;
+use crate::simplify::{deviation, goal};
+use crate::work::{Watcher, Watching};
+
+/// A simplified scene. Made by `Scene.simplify`.
+#[pyclass(frozen, module = "tristrip")]
+#[derive(Debug)]
+pub(crate) struct SimplifiedScene {
+    source: Arc<SceneData>,
+    result: Arc<SceneData>,
+    /// The arguments of `Scene.simplify`.
+    arguments: Py<PyDict>,
+    options: SimplifyOptions,
+    /// What files are made of; of a scene that was unpickled, it is computed when a file is asked for.
+    simplified: OnceLock<Simplified>,
+    report: Py<PyAny>,
+    proven: bool,
+    notes: Vec<String>,
+    warning: Option<String>,
+}
+
+/// The format for which a scene is simplified unless another is written: which vertices of several parts are shared, and which ones something else
+/// refers to, depends on it.
+pub(crate) const USUAL_FORMAT: Format = Format::Glb;
+
+/// Reads the options of a simplification from the arguments of `Scene.simplify`.
+fn options_of(arguments: &Bound<'_, PyDict>) -> PyResult<SimplifyOptions> {
+    let item = |key: &str| PyResult::Ok(arguments.get_item(key)?.filter(|value| !value.is_none()));
+    let ratio = item("ratio")?.map(|ratio| ratio.extract()).transpose()?;
+    let triangles = item("triangles")?.map(|count| count.extract()).transpose()?;
+    let goal = goal(ratio, triangles, item("error")?.as_ref())?;
+    let mut options = SimplifyOptions::new(goal).with_rules(rules_of(arguments)?);
+    if let Some(normals) = item("normals")? {
+        let normals: Result<Normals, String> = normals.extract::<String>()?.parse();
+        options = options.with_normals(normals.map_err(|why| Failure::Parameter(format!("normals: {why}")))?);
+    }
+    let is_set = |key: &str| item(key)?.map(|value| value.extract::<bool>()).transpose();
+    if is_set("compact")?.unwrap_or(false) {
+        options = options.with_rounding(Rounding::WeightsAndRotations);
+    }
+    Ok(options
+        .with_measure(is_set("measure")?.unwrap_or(true))
+        .with_verify(is_set("verify")?.unwrap_or(true)))
+}
+
+/// Reads what collapses may do, and what they cost, from keyword arguments.
+pub(crate) fn rules_of(arguments: &Bound<'_, PyDict>) -> PyResult<CollapseRules> {
+    let item = |key: &str| PyResult::Ok(arguments.get_item(key)?.filter(|value| !value.is_none()));
+    let mut rules = CollapseRules::default();
+    if let Some(weight) = item("weight")? {
+        rules.weights = weight.extract::<String>()?.parse().map_err(Failure::from)?;
+    }
+    if let Some(price) = item("price")? {
+        rules.price = price.extract::<String>()?.parse().map_err(Failure::from)?;
+    }
+    if let Some(distance) = item("weld_distance")? {
+        rules.weld_distance = deviation("weld_distance", &distance)?;
+    }
+    for (key, rule) in [("permissive", &mut rules.permissive), ("lock_borders", &mut rules.lock_borders)] {
+        if let Some(value) = item(key)? {
+            *rule = value.extract()?;
+        }
+    }
+    Ok(rules)
+}
+
+/// Simplifies a scene.
+pub(crate) fn simplify(
+    py: Python<'_>,
+    source: &Arc<SceneData>,
+    arguments: &Bound<'_, PyDict>,
+    watching: Watching,
+) -> PyResult<SimplifiedScene> {
+    let options = options_of(arguments)?.with_format(USUAL_FORMAT);
+    let simplified = watching.run(py, |watcher| Ok(simplify_observed(source.model(), &options, watcher)?));
+    let simplified = simplified?.result()?;
+    let result = Arc::new(SceneData::of_model(simplified.redrawn.model.clone()));
+    Ok(SimplifiedScene {
+        source: Arc::clone(source),
+        result,
+        arguments: arguments.clone().unbind(),
+        options,
+        report: report(py, &SimplifyFigures::of(&simplified))?.unbind(),
+        proven: simplified.proven,
+        notes: simplified.notes.clone(),
+        warning: simplified.warning.clone(),
+        simplified: simplified.into(),
+    })
+}
+
+impl SimplifiedScene {
+    /// Encodes the result for a destination. It is simplified again where the destination needs other vertices or images.
+    fn encode(
+        &self,
+        destination: &Destination<'_>,
+        verify: bool,
+        watcher: &Watcher,
+        observer: &dyn Observer,
+    ) -> Result<Encoded, Failure> {
+        let target = &destination.target;
+        let model = self.source.model_for(target);
+        let is_same = matches!(&model, Cow::Borrowed(model) if std::ptr::eq(*model, self.source.model()));
+        let is_single = model.scene.is_none() && model.parts.len() < 2;
+        if is_same && (target.format == self.options.format || is_single) {
+            let known = match self.simplified.get() {
+                Some(known) => known,
+                None => {
+                    let found = simplify_observed(&model, &self.options.with_measure(false), watcher)?;
+                    self.simplified.get_or_init(|| found)
+                }
+            };
+            return Ok(known.encode_as(target.format, verify, observer)?);
+        }
+        let options = self.options.with_format(target.format).with_verify(verify).with_measure(false);
+        let again = simplify_observed(&model, &options, watcher)?;
+        Ok(again.encode(observer)?)
+    }
+
+    fn destination<'a>(path: &'a PathBuf, format: Option<&str>) -> Result<Destination<'a>, Failure> {
+        Destination::file(path, format, Some("list"))
+    }
+}
+
+#[pymethods]
+impl SimplifiedScene {
+    /// The scene that was simplified.
+    #[getter]
+    fn source(&self) -> Scene {
+        Scene { data: Arc::clone(&self.source) }
+    }
+
+    /// The result as a scene, whose parts are in the order of the source.
+    #[getter]
+    fn scene(&self) -> Scene {
+        Scene { data: Arc::clone(&self.result) }
+    }
+
+    /// What was reached: a dictionary with the keys of the command's JSON, such as "triangles_before", "triangles_after", "surface_error" (in mesh units),
+    /// "surface_error_percent" (of the diagonal), "rms_deviation", "normal_deviation_degrees", "uv_deviation_percent", "stopped".
+    #[getter]
+    fn report(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let copied = self.report.bind(py).cast::<PyDict>()?.copy()?;
+        Ok(copied.into_any().unbind())
+    }
+
+    /// Whether the collapses are proven.
+    #[getter]
+    fn proven(&self) -> bool {
+        self.proven
+    }
+
+    /// Notes of the reader, on what was dropped, and on locked vertices.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    /// A sentence on the goal, if it was not reached: what held it back, and what to try.
+    #[getter]
+    fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
+    }
+
+    /// Write the result, as the command `simplify -o` does: triangle lists, without the vertices that became unused.
+    ///
+    /// Args:
+    ///     path: the file; one that exists is replaced once the new one is complete. A .gltf gets its buffer in a .bin beside it, and an OBJ its materials and
+    ///         images.
+    ///     format: "glb", "gltf", "ply" or "obj"; by default that of the extension. A glTF scene that is written in another format is simplified once more,
+    ///         since other formats keep no unused vertices.
+    ///     verify: whether the bytes are read back and proven before the file is replaced.
+    ///
+    /// Returns:
+    ///     A dictionary: "output", "proven", "faces", "bytes", "beside", "layout", "notes".
+    ///
+    /// Raises:
+    ///     FileError: the file cannot be written.
+    ///     ParameterError: the format is unknown.
+    ///     NotProvenError: the bytes do not draw the result; nothing was written.
+    #[pyo3(signature = (path, *, format = None, verify = true))]
+    fn save<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        format: Option<&str>,
+        verify: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let destination = Self::destination(&path, format)?;
+        let saved = Watching::default().run(py, |watcher| {
+            let noting = Noting::new(watcher);
+            let encoded = self.encode(&destination, verify, watcher, &noting);
+            let encoded = encoded.map_err(|failure| destination.unproven(failure))?;
+            let written = destination.write(&encoded)?;
+            let notes = self.source.image_notes(&destination.target).into_iter();
+            let notes = notes.chain(noting.into_notes(encoded.losses.iter().cloned())).collect();
+            Ok((encoded, written, notes))
+        });
+        let (encoded, written, notes) = saved?.result()?;
+        file_report(py, &destination, &encoded, &written, notes)
+    }
+
+    /// Return the bytes that `save` would write into one file.
+    ///
+    /// Args:
+    ///     format: "glb", "ply" or "obj".
+    ///     verify: as of `save`.
+    #[pyo3(signature = (format = "glb", *, verify = true))]
+    fn to_bytes<'py>(&self, py: Python<'py>, format: &str, verify: bool) -> PyResult<Bound<'py, PyBytes>> {
+        let destination = Destination::memory(format, Some("list"))?;
+        let encode = |watcher: &Watcher| self.encode(&destination, verify, watcher, watcher);
+        Ok(PyBytes::new(py, &Watching::default().run(py, encode)?.result()?.bytes))
+    }
+
+    /// Draw the scene before (upper row) and after, from eight sides, with base colours and textures.
+    ///
+    /// Args:
+    ///     size: the width and height of each view in pixels.
+    ///
+    /// Returns:
+    ///     The bytes of a PNG file.
+    #[pyo3(signature = (size = 256))]
+    fn picture<'py>(&self, py: Python<'py>, size: i64) -> PyResult<Bound<'py, PyBytes>> {
+        picture::before_and_after(py, [&self.source, &self.result], size)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let report = self.report.bind(py);
+        let number = |key: &str| report.get_item(key)?.extract::<usize>();
+        let (before, after) = (number("triangles_before")?, number("triangles_after")?);
+        let percent: f64 = report.get_item("surface_error_percent")?.extract()?;
+        let before = tristrip_pipeline::text::count(before);
+        let after = tristrip_pipeline::text::counted(after, "triangle");
+        Ok(format!("SimplifiedScene({after} of {before}, surface error {percent:.3} % of the diagonal)"))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("tristrip._notebook")?.call_method1("simplified_scene_html", (slf,))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let state = (
+            this.source(),
+            this.scene(),
+            this.arguments.clone_ref(py),
+            this.report(py)?,
+            this.proven,
+            this.notes(),
+            this.warning(),
+        );
+        Ok((slf.get_type().getattr("_restore")?, state.into_pyobject(py)?))
+    }
+
+    #[classmethod]
+    #[allow(clippy::too_many_arguments, reason = "what a pickle holds")]
+    fn _restore(
+        _: &Bound<'_, PyType>,
+        source: &Bound<'_, Scene>,
+        scene: &Bound<'_, Scene>,
+        arguments: Bound<'_, PyDict>,
+        report: Py<PyAny>,
+        proven: bool,
+        notes: Vec<String>,
+        warning: Option<String>,
+    ) -> PyResult<Self> {
+        let (source, result) = (Arc::clone(&source.get().data), Arc::clone(&scene.get().data));
+        let options = options_of(&arguments)?.with_format(USUAL_FORMAT);
+        let (simplified, arguments) = (OnceLock::new(), arguments.unbind());
+        Ok(Self { source, result, arguments, options, simplified, report, proven, notes, warning })
+    }
+}

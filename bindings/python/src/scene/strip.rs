@@ -1,0 +1,280 @@
+//! Strips of a whole scene.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyList, PyTuple, PyType};
+use tristrip::StripifyOptions;
+use tristrip_io::VertexGroup;
+use tristrip_pipeline::{
+    EncodeOptions, FileFigures, MethodReport, Stopped, StripOptions, Stripped, encode_observed,
+    strip_observed, with_strips,
+};
+
+use super::class::Scene;
+use super::data::SceneData;
+use super::output::{Destination, Noting, file_report};
+use super::picture;
+use crate::errors::Failure;
+use crate::reports::report;
+use crate::strips::Strips;
+use crate::work::{Ended, Watcher, Watching};
+
+/// The strips of all parts of a scene, and what was found of them. Made by `Scene.strip`.
+///
+/// >>> import tristrip
+/// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [2, 1, 3]])
+/// >>> stripped = scene.strip()
+/// >>> stripped
+/// StrippedScene(1 part, 2 triangles, 1 strip, 4 indices, proven, method best, cost restart, effort 2)
+/// >>> stripped.parts[0].indices().tolist()
+/// [3, 2, 1, 0]
+#[pyclass(frozen, module = "tristrip")]
+#[derive(Debug)]
+pub(crate) struct StrippedScene {
+    scene: Arc<SceneData>,
+    stripped: Stripped,
+}
+
+impl StrippedScene {
+    pub(crate) fn new(scene: Arc<SceneData>, stripped: Stripped) -> Self {
+        Self { scene, stripped }
+    }
+
+    fn options(&self, destination: &Destination<'_>, reorder: bool, verify: bool) -> EncodeOptions {
+        let options = EncodeOptions::new(destination.target.format).with_layout(destination.layout);
+        options.with_list(!destination.is_chosen).with_reorder(reorder).with_verify(verify)
+    }
+}
+
+/// Finds the strips of a scene.
+pub(crate) fn strip(
+    py: Python<'_>,
+    scene: &Arc<SceneData>,
+    options: StripOptions,
+    watching: Watching,
+) -> Result<Ended<Stripped>, Failure> {
+    let watching = watching.keeping_best();
+    watching.run(py, |watcher| Ok(strip_observed(scene.as_read(), &options, watcher)?))
+}
+
+#[pymethods]
+impl StrippedScene {
+    /// The scene.
+    #[getter]
+    fn scene(&self) -> Scene {
+        Scene { data: Arc::clone(&self.scene) }
+    }
+
+    /// The strips of each part, over its vertices.
+    #[getter]
+    fn parts(&self) -> Vec<Strips> {
+        let Stripped { strips, options, stopped, proven, .. } = &self.stripped;
+        let of_part = |strips: &tristrip::Strips| {
+            Strips::new(strips.clone(), Some(*options), *stopped).with_proof(*proven)
+        };
+        strips.iter().map(of_part).collect()
+    }
+
+    /// The method and its options, as the command prints them.
+    #[getter]
+    fn method(&self) -> String {
+        MethodReport::of(&self.stripped.options).description()
+    }
+
+    /// Why the search was stopped before its end: "budget", "interrupt", or None.
+    #[getter]
+    fn stopped(&self) -> Option<&'static str> {
+        let stopped = self.stripped.stopped?;
+        Some(if stopped == Stopped::Budget { "budget" } else { "interrupt" })
+    }
+
+    /// Whether the strips are proven to draw exactly the faces of the scene, each once, with its winding.
+    #[getter]
+    fn proven(&self) -> bool {
+        self.stripped.proven
+    }
+
+    /// The counts of the mesh: a dictionary with the keys of the command's JSON.
+    #[getter]
+    fn mesh<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        report(py, &self.stripped.mesh)
+    }
+
+    /// The gap between the result and its lower bound: "figure", "found", "bound", "gap" and "optimal"; None for methods that do not search, and for "best" up to
+    /// effort 2.
+    #[getter]
+    fn bound<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.stripped.bound.as_ref().map(|bound| report(py, bound)).transpose()
+    }
+
+    /// Notes of the reader, and on what was dropped, changed or unusual.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        let stopped = self.stripped.stopped.map(|stopped| stopped.note().to_owned());
+        self.stripped.notes.iter().cloned().chain(stopped).collect()
+    }
+
+    /// Return the metrics of all strips: a dictionary with the keys of the command's JSON, as `Strips.metrics`.
+    fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        report(py, &self.stripped.figures)
+    }
+
+    /// Write the scene with its strips, as the command `strip -o` does.
+    ///
+    /// Args:
+    ///     path: the file; one that exists is replaced once the new one is complete. A .gltf gets its buffer in a .bin beside it, and an OBJ its materials and
+    ///         images.
+    ///     format: "glb", "gltf", "ply" or "obj"; by default that of the extension.
+    ///     layout: "restart", "degenerate", "separate" or "list". By default "degenerate" for glTF and "restart" for PLY; a part is then drawn as a list where
+    ///         that takes fewer indices.
+    ///     reorder_vertices: whether vertices are numbered in the order of their first use.
+    ///     verify: whether the bytes are read back and proven before the file is replaced.
+    ///
+    /// Returns:
+    ///     A dictionary with keys of the command's JSON: "output", "layout", "drawn" (parts by what they are drawn as), "before" and "after" (indices, ACMR and
+    ///     bytes), "vertex_order" (parts, moved vertices and the old number of each vertex, if re-ordered), "notes"; and "proven", "faces", "bytes", "beside" (the
+    ///     files written beside an OBJ).
+    ///
+    /// Raises:
+    ///     FileError: the file cannot be written.
+    ///     ParameterError: the format or the layout is unknown, or do not fit.
+    ///     NotProvenError: the bytes do not draw the scene; nothing was written.
+    #[pyo3(signature = (path, *, format = None, layout = None, reorder_vertices = false, verify = true))]
+    fn save<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        format: Option<&str>,
+        layout: Option<&str>,
+        reorder_vertices: bool,
+        verify: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let destination = Destination::file(&path, format, layout)?;
+        let options = self.options(&destination, reorder_vertices, verify);
+        let before_bytes = self.scene.file_bytes();
+        let saved = Watching::default().run(py, |watcher| {
+            let model = self.scene.model_for(&destination.target);
+            let drawn = self.stripped.draw(&model, &options);
+            let noting = Noting::new(watcher);
+            let encoded = encode_observed(&model, &drawn.drawings, &options, &noting);
+            let encoded = encoded.map_err(|error| destination.unproven(error.into()))?;
+            let written = destination.write(&encoded)?;
+            let notes = drawn.parts().notes().into_iter().chain(self.scene.image_notes(&destination.target));
+            let notes = notes.chain(noting.into_notes(encoded.losses.iter().cloned())).collect();
+            Ok((encoded, written, notes, drawn.parts(), [drawn.before, drawn.after]))
+        });
+        let (encoded, written, notes, drawn, [before, after]) = saved?.result()?;
+        let found = file_report(py, &destination, &encoded, &written, notes)?;
+        found.set_item("drawn", report(py, &drawn)?)?;
+        found.set_item("before", report(py, &FileFigures::of(&before, before_bytes))?)?;
+        let bytes = (!destination.target.separate).then_some(encoded.bytes.len() as u64);
+        found.set_item("after", report(py, &FileFigures::of(&after, bytes))?)?;
+        let groups = encoded.groups.as_ref().map(|groups| vertex_order(py, groups)).transpose()?;
+        found.set_item("vertex_order", groups)?;
+        Ok(found)
+    }
+
+    /// Return the bytes that `save` would write into one file.
+    ///
+    /// Args:
+    ///     format: "glb", "ply" or "obj".
+    ///     layout, reorder_vertices, verify: as of `save`.
+    ///
+    /// >>> import tristrip
+    /// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    /// >>> scene.strip().to_bytes()[:4]
+    /// b'glTF'
+    #[pyo3(signature = (format = "glb", *, layout = None, reorder_vertices = false, verify = true))]
+    fn to_bytes<'py>(
+        &self,
+        py: Python<'py>,
+        format: &str,
+        layout: Option<&str>,
+        reorder_vertices: bool,
+        verify: bool,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let destination = Destination::memory(format, layout)?;
+        let options = self.options(&destination, reorder_vertices, verify);
+        let encoded = Watching::default().run(py, |watcher| {
+            let model = self.scene.model_for(&destination.target);
+            let drawn = self.stripped.draw(&model, &options);
+            Ok(encode_observed(&model, &drawn.drawings, &options, watcher)?)
+        });
+        Ok(PyBytes::new(py, &encoded?.result()?.bytes))
+    }
+
+    /// Draw the strips, one colour per strip: strips that share an edge have different colours.
+    ///
+    /// Args:
+    ///     width, height: from 1 to 8192 pixels.
+    ///
+    /// Returns:
+    ///     The bytes of a PNG file, which `IPython.display.Image` shows. Parts are drawn without the transformations of their nodes.
+    #[pyo3(signature = (width = 1200, height = 900))]
+    fn picture<'py>(&self, py: Python<'py>, width: i64, height: i64) -> PyResult<Bound<'py, PyBytes>> {
+        picture::of_strips(py, self.scene.as_read(), &self.stripped.strips, (width, height))
+    }
+
+    fn __repr__(&self) -> String {
+        let counted = tristrip_pipeline::text::counted;
+        let figures = &self.stripped.figures;
+        let words = [
+            counted(self.stripped.strips.len(), "part"),
+            counted(figures.triangles, "triangle"),
+            counted(figures.strips, "strip"),
+            counted(figures.indices_restart, "index"),
+        ];
+        let proven = if self.stripped.proven { "proven" } else { "not proven" };
+        format!("StrippedScene({}, {proven}, {})", words.join(", "), self.method())
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("tristrip._notebook")?.call_method1("stripped_html", (slf,))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let options =
+            serde_json::to_vec(&this.stripped.options).map_err(|e| Failure::Panic(e.to_string()))?;
+        let state = (this.scene(), this.parts(), PyBytes::new(py, &options), this.stopped(), this.proven());
+        Ok((slf.get_type().getattr("_restore")?, state.into_pyobject(py)?))
+    }
+
+    #[classmethod]
+    fn _restore(
+        kind: &Bound<'_, PyType>,
+        scene: &Bound<'_, Scene>,
+        parts: Vec<Bound<'_, Strips>>,
+        options: &[u8],
+        stopped: Option<&str>,
+        proven: bool,
+    ) -> PyResult<Self> {
+        let wrong = |error: serde_json::Error| Failure::Parameter(format!("pickle: {error}"));
+        let stripify: StripifyOptions = serde_json::from_slice(options).map_err(wrong)?;
+        let options = StripOptions::default().with_stripify(stripify).with_verify(proven);
+        let stopped = stopped.map(|why| if why == "budget" { Stopped::Budget } else { Stopped::Interrupt });
+        let strips: Vec<_> = parts.iter().map(|strips| (**strips.get().inner()).clone()).collect();
+        let scene = Arc::clone(&scene.get().data);
+        let again = |watcher: &Watcher| Ok(with_strips(scene.as_read(), strips, stopped, &options, watcher)?);
+        let stripped = Watching::default().run(kind.py(), again)?.result()?;
+        Ok(Self { scene, stripped })
+    }
+}
+
+/// Reports the new order of vertices.
+fn vertex_order<'py>(py: Python<'py>, groups: &[VertexGroup]) -> PyResult<Bound<'py, PyList>> {
+    let found = PyList::empty(py);
+    for group in groups {
+        let one = PyDict::new(py);
+        one.set_item("parts", &group.parts)?;
+        one.set_item("vertices", group.order.vertex_count())?;
+        one.set_item("moved", group.order.moved_count())?;
+        one.set_item("new_to_old", PyArray1::from_slice(py, group.order.new_to_old()))?;
+        one.set_item("kept", &group.kept)?;
+        found.append(one)?;
+    }
+    Ok(found)
+}
