@@ -10,6 +10,7 @@
 
 #![forbid(unsafe_code)]
 
+mod arguments;
 mod arrays;
 mod attributes;
 mod command;

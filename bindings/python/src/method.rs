@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tristrip::StripifyOptions;
 
+use crate::arguments::Arguments;
 use crate::errors::Failure;
 
 /// Joins the options that have arguments of their own with the others.
@@ -34,4 +35,11 @@ pub(crate) fn options(
     }
     let pairs: Vec<(&str, &str)> = pairs.iter().map(|(name, value)| (&**name, &**value)).collect();
     Ok(tristrip_pipeline::method_of_flags(&pairs)?.with_weld(weld))
+}
+
+/// Takes a method and its options from keyword arguments, all of which that are left belong to the method.
+pub(crate) fn taken(arguments: &Arguments<'_>, usual: &str) -> PyResult<StripifyOptions> {
+    let name: Option<String> = arguments.extract("method")?;
+    let weld = arguments.flag("weld")?;
+    Ok(options(name.as_deref().unwrap_or(usual), weld, Some(&arguments.rest()?))?)
 }

@@ -18,6 +18,7 @@ pub(crate) mod output;
 pub(crate) mod part;
 mod parts;
 mod picture;
+mod placements;
 mod saving;
 pub(crate) mod simplify;
 pub(crate) mod strip;
@@ -25,18 +26,19 @@ pub(crate) mod strip;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use numpy::PyArray2;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyList, PyType};
-use tristrip::{Effort, StripifyOptions};
+use pyo3::types::{PyBytes, PyDict, PyList, PyRange, PyType};
 use tristrip_pipeline::StripOptions;
 use tristrip_pipeline::text::counted;
 
+use crate::arguments::{Arguments, Keywords};
 use crate::arrays::type_name;
 use crate::errors::{Failure, with_best};
 use crate::input::bytes_of;
 use crate::method;
+use crate::reports::Report;
 use crate::stream::{Wire, pack_object};
-use crate::strips::layout_of;
 use crate::work::Watching;
 use chain::Chain;
 use class::Scene;
@@ -79,24 +81,18 @@ impl Scene {
     /// >>> scene.parts
     /// [Part('square', 4 vertices, 1 face)]
     #[classmethod]
-    #[pyo3(signature = (vertices, faces, *, normals = None, uv = None, colors = None, attributes = None, name = None, material = None, uv_origin = "bottom", normalized = None))]
-    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    #[pyo3(
+        signature = (vertices, faces, **given),
+        text_signature = "(vertices, faces, *, normals=None, uv=None, colors=None, attributes=None, name=None, material=None, uv_origin='bottom', normalized=None)"
+    )]
     fn from_arrays(
-        _: &Bound<'_, PyType>,
+        kind: &Bound<'_, PyType>,
         vertices: &Bound<'_, PyAny>,
         faces: &Bound<'_, PyAny>,
-        normals: Option<&Bound<'_, PyAny>>,
-        uv: Option<&Bound<'_, PyAny>>,
-        colors: Option<&Bound<'_, PyAny>>,
-        attributes: Option<&Bound<'_, PyDict>>,
-        name: Option<String>,
-        material: Option<&Bound<'_, PyAny>>,
-        uv_origin: &str,
-        normalized: Option<Vec<String>>,
+        given: Option<Keywords<'_, '_>>,
     ) -> PyResult<Self> {
-        let part = Part::new(
-            vertices, faces, normals, uv, colors, attributes, name, material, uv_origin, normalized,
-        )?;
+        let part = kind.py().get_type::<Part>().call((vertices, faces), given)?;
+        let part = part.cast::<Part>()?.get().clone();
         Ok(Self::new(parts::scene_of(&[part])?))
     }
 
@@ -120,6 +116,22 @@ impl Scene {
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         PyList::new(py, parts::parts_of(&self.data)?)
+    }
+
+    /// Where the nodes of a glTF place its parts: for each place the numbers of its parts, a `range`, and the transform from the part to the scene, float64 of
+    /// shape (4, 4), by which positions are multiplied as columns. Animations are not applied. Other scenes have all parts in one place.
+    ///
+    /// >>> import tristrip
+    /// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    /// >>> [(list(parts), transform.shape) for parts, transform in scene.placements]
+    /// [([0], (4, 4))]
+    #[getter]
+    #[allow(clippy::type_complexity, reason = "a pair per place")]
+    fn placements<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Vec<(Bound<'py, PyRange>, Bound<'py, PyArray2<f64>>)>> {
+        placements::placements(py, &self.data)
     }
 
     /// Notes of the reader: what was dropped or changed.
@@ -147,25 +159,20 @@ impl Scene {
     /// Raises:
     ///     ParameterError: an option is unknown or has a wrong value, or does not belong to the method.
     ///     Interrupted: Ctrl-C during a search; `best` has the best strips so far.
-    #[pyo3(signature = (*, method = "best", effort = None, cost = None, weld = false, verify = true, budget = None, progress = None, on_interrupt = "raise", **options))]
-    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    #[pyo3(
+        signature = (**given),
+        text_signature = "($self, *, method='best', effort=None, cost=None, weld=False, verify=True, budget=None, progress=None, on_interrupt='raise', **options)"
+    )]
     fn strip<'py>(
         &self,
         py: Python<'py>,
-        method: &str,
-        effort: Option<i64>,
-        cost: Option<&str>,
-        weld: bool,
-        verify: bool,
-        budget: Option<f64>,
-        progress: Option<Bound<'py, PyAny>>,
-        on_interrupt: &str,
-        options: Option<&Bound<'py, PyDict>>,
+        given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Bound<'py, StrippedScene>> {
-        let flags = method::flags(py, options, effort, cost)?;
-        let stripify = method::options(method, weld, Some(&flags))?;
+        let arguments = Arguments::of(py, given)?;
+        let watching = arguments.watching()?;
+        let verify = arguments.extract("verify")?.unwrap_or(true);
+        let stripify = method::taken(&arguments, "best")?;
         let options = StripOptions::default().with_stripify(stripify).with_verify(verify);
-        let watching = Watching::new(py, progress, budget, on_interrupt)?;
         let found = strip::strip(py, &self.data, options, watching)?;
         found.object(py, |stripped| StrippedScene::new(Arc::clone(&self.data), stripped))
     }
@@ -178,6 +185,7 @@ impl Scene {
     ///     error: the maximum error in mesh units, or of the diagonal as "0.1%". By default "1%"; "100%" allows any.
     ///     weight, price, permissive, lock_borders, weld_distance: as of `simplify`.
     ///     normals: "auto" (those of flat-shaded parts are rebuilt, others kept where they fit), "keep" or "rebuild".
+    ///     fit: whether the vertices that are left are moved closer to the original surface.
     ///     compact: whether joint weights are rounded to 8 bits and rotations of animations to 16 bits in a GLB.
     ///     measure: whether the distance from the original is measured, which takes as long again.
     ///     verify: whether the collapses are proven.
@@ -193,39 +201,12 @@ impl Scene {
     /// >>> fan = tristrip.Scene.from_bytes(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
     /// >>> fan.simplify(triangles=2).scene
     /// Scene(1 part, 2 faces, 4 vertices)
-    #[pyo3(signature = (*, ratio = None, triangles = None, error = None, weight = None, price = "distance", permissive = false, lock_borders = false, weld_distance = None, normals = "auto", compact = false, measure = true, verify = true, progress = None))]
-    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
-    fn simplify<'py>(
-        &self,
-        py: Python<'py>,
-        ratio: Option<f64>,
-        triangles: Option<i64>,
-        error: Option<&Bound<'py, PyAny>>,
-        weight: Option<&str>,
-        price: &str,
-        permissive: bool,
-        lock_borders: bool,
-        weld_distance: Option<&Bound<'py, PyAny>>,
-        normals: &str,
-        compact: bool,
-        measure: bool,
-        verify: bool,
-        progress: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<SimplifiedScene> {
-        let arguments = PyDict::new(py);
-        arguments.set_item("ratio", ratio)?;
-        arguments.set_item("triangles", triangles)?;
-        arguments.set_item("error", error)?;
-        arguments.set_item("weight", weight)?;
-        arguments.set_item("price", price)?;
-        arguments.set_item("permissive", permissive)?;
-        arguments.set_item("lock_borders", lock_borders)?;
-        arguments.set_item("weld_distance", weld_distance)?;
-        arguments.set_item("normals", normals)?;
-        arguments.set_item("compact", compact)?;
-        arguments.set_item("measure", measure)?;
-        arguments.set_item("verify", verify)?;
-        simplify::simplify(py, &self.data, &arguments, Watching::new(py, progress, None, "raise")?)
+    #[pyo3(
+        signature = (**given),
+        text_signature = "($self, *, ratio=None, triangles=None, error=None, weight=None, price='distance', permissive=False, lock_borders=False, weld_distance=None, normals='auto', fit=False, compact=False, measure=True, verify=True, progress=None)"
+    )]
+    fn simplify<'py>(&self, py: Python<'py>, given: Option<Keywords<'_, 'py>>) -> PyResult<SimplifiedScene> {
+        simplify::simplify(&self.data, &Arguments::of(py, given)?)
     }
 
     /// Build several levels of detail over one list of vertices, as the command `lod --chain` does.
@@ -251,46 +232,17 @@ impl Scene {
     /// >>> fan = tristrip.Scene.from_bytes(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
     /// >>> fan.chain([1, 0.5])
     /// Chain(2 levels of 4 / 2 triangles)
-    #[pyo3(signature = (ratios, *, error = None, weight = None, price = "distance", permissive = false, lock_borders = false, weld_distance = None, layout = None, method = None, effort = None, cost = None, weld = false, verify = true, budget = None, progress = None, **options))]
-    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    #[pyo3(
+        signature = (ratios, **given),
+        text_signature = "($self, ratios, *, error=None, weight=None, price='distance', permissive=False, lock_borders=False, weld_distance=None, layout=None, method=None, effort=None, cost=None, weld=False, verify=True, budget=None, progress=None, **options)"
+    )]
     fn chain<'py>(
         &self,
         py: Python<'py>,
         ratios: &Bound<'py, PyAny>,
-        error: Option<&Bound<'py, PyAny>>,
-        weight: Option<&str>,
-        price: &str,
-        permissive: bool,
-        lock_borders: bool,
-        weld_distance: Option<&Bound<'py, PyAny>>,
-        layout: Option<&str>,
-        method: Option<&str>,
-        effort: Option<i64>,
-        cost: Option<&str>,
-        weld: bool,
-        verify: bool,
-        budget: Option<f64>,
-        progress: Option<Bound<'py, PyAny>>,
-        options: Option<&Bound<'py, PyDict>>,
+        given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Chain> {
-        let layout = layout.map(layout_of).transpose()?.map(tristrip::Layout::name);
-        let arguments = PyDict::new(py);
-        arguments.set_item("ratios", ratios)?;
-        arguments.set_item("error", error)?;
-        arguments.set_item("weight", weight)?;
-        arguments.set_item("price", price)?;
-        arguments.set_item("permissive", permissive)?;
-        arguments.set_item("lock_borders", lock_borders)?;
-        arguments.set_item("weld_distance", weld_distance)?;
-        arguments.set_item("layout", layout)?;
-        arguments.set_item("method", method)?;
-        arguments.set_item("effort", effort)?;
-        arguments.set_item("cost", cost)?;
-        arguments.set_item("weld", weld)?;
-        arguments.set_item("verify", verify)?;
-        arguments.set_item("budget", budget)?;
-        arguments.set_item("options", options)?;
-        chain::chain(py, &self.data, &arguments, Watching::new(py, progress, budget, "raise")?)
+        chain::chain(&self.data, ratios, &Arguments::of(py, given)?)
     }
 
     /// Pack the scene as a progressive GLB, which is drawn after its first bytes and refined by the others. The arguments and the result are those of `pack`.
@@ -371,6 +323,7 @@ impl Scene {
     ///     weld: whether vertices with the same bits in position and all attributes are one.
     ///     budget: the time in seconds after which each search is stopped.
     ///     progress: as of `stripify`.
+    ///     on_interrupt: what Ctrl-C does: "raise" an `Interrupted` with the rows so far as `best`, or "return" them.
     ///
     /// Returns:
     ///     A list of dictionaries, one per method, with the keys of the command's JSON: "method" and its options, "proven", "seconds" ("stripify", "verify"), "error",
@@ -384,25 +337,16 @@ impl Scene {
     /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     /// >>> [row["strips"] for row in square.compare() if row["method"] in ("best", "sgi")]
     /// [1, 1, 1]
-    #[pyo3(signature = (*, all = false, effort = 3, cost = "restart", seed = 0, weld = false, budget = None, progress = None))]
-    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    #[pyo3(
+        signature = (**given),
+        text_signature = "($self, *, all=False, effort=3, cost='restart', seed=0, weld=False, budget=None, progress=None, on_interrupt='raise')"
+    )]
     fn compare<'py>(
         &self,
         py: Python<'py>,
-        all: bool,
-        effort: i64,
-        cost: &str,
-        seed: u64,
-        weld: bool,
-        budget: Option<f64>,
-        progress: Option<Bound<'py, PyAny>>,
+        given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Bound<'py, PyList>> {
-        let options = StripifyOptions::default().with_seed(seed).with_weld(weld);
-        let options = options.with_cost(cost.parse().map_err(Failure::from)?);
-        let level = u8::try_from(effort).ok().and_then(Effort::new);
-        let effort = level.ok_or_else(|| Failure::option("effort", effort, "0 to 9"))?;
-        let watching = Watching::new(py, progress, budget, "raise")?;
-        let ended = checks::compare(py, &self.data, options, effort, all, watching)?;
+        let ended = checks::compare(&self.data, &Arguments::of(py, given)?)?;
         match ended.error {
             None => Ok(ended.value),
             Some(error) => Err(with_best(py, error, ended.value.into_any().unbind())),
@@ -446,16 +390,16 @@ impl Scene {
     ///     FileError: the file cannot be written.
     ///     ParameterError: the format or the layout is unknown, or do not fit.
     ///     NotProvenError: the bytes do not draw the scene; nothing was written.
-    #[pyo3(signature = (path, *, format = None, layout = None, verify = true))]
-    fn save<'py>(
-        &self,
-        py: Python<'py>,
-        path: PathBuf,
-        format: Option<&str>,
-        layout: Option<&str>,
-        verify: bool,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        saving::save(py, &self.data, &path, format, layout, verify)
+    #[pyo3(
+        signature = (path, **given),
+        text_signature = "($self, path, *, format=None, layout=None, verify=True)"
+    )]
+    fn save<'py>(&self, py: Python<'py>, path: PathBuf, given: Option<Keywords<'_, 'py>>) -> Report<'py> {
+        let arguments = Arguments::of(py, given)?;
+        let [format, layout] = ["format", "layout"].map(|name| arguments.extract::<String>(name));
+        let verify = arguments.extract("verify")?.unwrap_or(true);
+        arguments.finish("save")?;
+        saving::save(py, &self.data, &path, format?.as_deref(), layout?.as_deref(), verify)
     }
 
     /// Return the bytes that `save` would write into one file.

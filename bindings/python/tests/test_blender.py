@@ -79,7 +79,7 @@ def test_no_faces() -> None:
 def corner_mesh(rows: int, **values: Any) -> levels.CornerMesh:
     points, faces = grid(rows)
     corners = np.arange(faces.size).reshape(-1, 3)
-    arguments = {"face_class": np.zeros(faces.size, int)} | values
+    arguments: dict[str, Any] = {"face_class": np.zeros(faces.size, int)} | values
     return levels.CornerMesh(points, corners, faces.ravel(), **arguments)
 
 

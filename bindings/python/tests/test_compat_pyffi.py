@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from model_files import model_path
+from meshes import read_model
 from tristrip.compat import pyffi as ours
 
 theirs = pytest.importorskip("pyffi.utils.tristrip", reason="PyFFI is not installed", exc_type=ImportError)
@@ -47,10 +48,9 @@ def once(triangles: Iterable[Sequence[int]]) -> Counter[Triangle]:
     return Counter(set(drawn(triangles)))
 
 
-def faces_of(name: str) -> list[list[int]]:
-    pyvista = pytest.importorskip("pyvista")
-    faces: list[list[int]] = pyvista.read(model_path(name)).triangulate().regular_faces.tolist()
-    return faces
+def faces_of(path: Path) -> list[list[int]]:
+    """Return the faces of a model, polygons as fans."""
+    return [[face[0], face[i], face[i + 1]] for face in read_model(path)[1] for i in range(1, len(face) - 1)]
 
 
 def words(strips: list[list[int]]) -> int:
@@ -74,8 +74,8 @@ def test_both_draw_each_triangle_once(triangles: list[Triangle], stitches: bool)
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_models_get_fewer_indices(name: str) -> None:
-    faces = faces_of(name)
+def test_models_get_fewer_indices(name: str, model: Callable[[str], Path]) -> None:
+    faces = faces_of(model(name))
     mine, other = ours.stripify(faces), theirs.stripify(faces)
     assert drawn(ours.triangulate(mine)) == once(faces) == drawn(theirs.triangulate(other))
     assert words(mine) < words(other)
@@ -86,8 +86,8 @@ def test_models_get_fewer_indices(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["wingnut.ply", "airplane.ply"])
-def test_one_strip_for_nif(name: str) -> None:
-    faces = faces_of(name)
+def test_one_strip_for_nif(name: str, model: Callable[[str], Path]) -> None:
+    faces = faces_of(model(name))
     (strip,) = ours.stripify(faces, stitchstrips=True)
     (other,) = theirs.stripify(faces, stitchstrips=True)
     assert drawn(theirs.triangulate([strip])) == once(faces)

@@ -16,7 +16,7 @@ pyvista = pytest.importorskip("pyvista")
 
 def polygons_of(mesh: object) -> list[list[int]]:
     (part,) = parts_of_pyvista(mesh)
-    return [[int(corner) for corner in face] for face in part.faces.as_argument()]
+    return [[int(corner) for corner in face] for face in part.polygons().as_argument()]
 
 
 def test_polygons_stay_polygons() -> None:
@@ -136,4 +136,4 @@ def test_plots_of_wrong_arguments() -> None:
     with pytest.raises(tristrip.MeshError, match="found none"):
         tristrip.plot_strips(vertices(), tristrip.stripify([]))
     with pytest.raises(tristrip.ArrayTypeError, match="expected Strips"):
-        tristrip.plot_strips(vertices(), [[0, 1, 2]])
+        tristrip.plot_strips(vertices(), [[0, 1, 2]])  # type: ignore[arg-type] # pyright: ignore[reportArgumentType]

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 import tristrip
 
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -137,7 +138,7 @@ def test_an_obj_gets_its_materials(tmp_path: Path) -> None:
     # The scene does not depend on its files.
     scene = tristrip.load(tmp_path / "a.obj")
     for file in report["beside"]:
-        os.remove(file)
+        Path(file).unlink()
     assert tristrip.Scene.from_bytes(scene.to_bytes()).parts[0].material_properties == found.material_properties
 
 
@@ -431,13 +432,13 @@ def test_progress_and_interrupts_of_scenes() -> None:
     with pytest.raises(KeyboardInterrupt):
         scene.chain([1, 0.5], method="best", effort=9).save(os.devnull, format="glb", progress=stop)
 
-    class Odd(Exception):
+    class OddError(Exception):
         pass
 
     def fail(_: tristrip.Progress) -> None:
-        raise Odd
+        raise OddError
 
-    with pytest.raises(Odd):
+    with pytest.raises(OddError):
         scene.strip(effort=9, progress=fail)
 
 
@@ -491,7 +492,7 @@ def test_hostile_files_are_errors(name: str, tmp_path: Path) -> None:
     with pytest.raises(expected):
         tristrip.load(tmp_path / name)
     with pytest.raises(expected):
-        tristrip.Scene.from_bytes(data, name.rsplit(".")[-1])
+        tristrip.Scene.from_bytes(data, name.rsplit(".", 1)[-1])
 
 
 def test_errors_of_the_file_system(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ use tristrip::StripifyOptions;
 use tristrip_lab::text::{markdown, table};
 use tristrip_pipeline::text::{counted, grouped};
 use tristrip_pipeline::{
-    Event, Figures, MeshFigures, MethodReport, PreparedModel, Search, Stopped, Survey, compared_methods,
+    Event, Figures, MeshFigures, MethodReport, PreparedModel, Search, Survey, compared_methods,
 };
 
 use crate::batch::{self, InputReport, Outcome};
@@ -29,17 +29,7 @@ struct CompareReport {
 }
 
 /// The result of one method.
-#[derive(Debug, Serialize)]
-struct MethodRow {
-    #[serde(flatten)]
-    method: MethodReport,
-    proven: bool,
-    seconds: Seconds,
-    #[serde(flatten)]
-    figures: Option<Figures>,
-    stopped: Option<Stopped>,
-    error: Option<String>,
-}
+type MethodRow = tristrip_pipeline::MethodRow<Seconds>;
 
 impl InputReport for CompareReport {
     fn outcome(&mut self) -> Outcome<'_> {
@@ -131,28 +121,17 @@ fn compare(
 
 /// Runs one method; its row has figures only if the result is proven.
 fn row(prepared: &PreparedModel<'_>, options: &StripifyOptions, watch: &SearchWatch) -> MethodRow {
-    let mut row = MethodRow {
-        method: MethodReport::of(options),
-        proven: false,
-        seconds: Seconds::default(),
-        figures: None,
-        stopped: None,
-        error: None,
-    };
+    let mut times = Seconds::default();
     let (found, seconds) = timed(|| prepared.find_strips(options, watch));
-    row.stopped = watch.stopped();
-    row.seconds.stripify = Some(seconds);
+    times.stripify = Some(seconds);
     let figures = found.and_then(|strips| {
         let (proof, seconds) = timed(|| prepared.prove(&strips));
-        row.seconds.verify = Some(seconds);
+        times.verify = Some(seconds);
         proof?;
         prepared.figures(&strips, options)
     });
-    match figures {
-        Ok(figures) => (row.proven, row.figures) = (true, Some(figures)),
-        Err(error) => row.error = Some(Failure::from(error).to_string()),
-    }
-    row
+    let figures = figures.map_err(|error| Failure::from(error).to_string());
+    MethodRow::new(options, times, watch.stopped(), figures)
 }
 
 /// Returns the table of one model; the best figure of each column is marked.

@@ -25,6 +25,7 @@ mod encode;
 mod ratios;
 mod report;
 
+use serde::Serialize;
 use tristrip::StripifyOptions;
 use tristrip_io::{Format, LeveledModel, Model, PartLevel};
 
@@ -108,8 +109,8 @@ impl ChainOptions {
     }
 }
 
-/// A level of a chain.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A level of a chain; the keys are those of the JSON report.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ChainLevel {
     /// The ratio of triangles requested.

@@ -79,7 +79,9 @@ pub use levels::{
     DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
     ModelLevels, levels, levels_observed, parse_levels,
 };
-pub use method::{MethodReport, compared_methods, method_of_flags, methods_to_compare, parse_method};
+pub use method::{
+    MethodReport, MethodRow, compared_methods, method_of_flags, methods_to_compare, parse_method,
+};
 pub use observer::{Event, Observer, Search, Stage, Stopped};
 pub use pack::{PackOptions, Packed, PackedReport, pack};
 pub use parts::{PreparedPart, meshes};

@@ -9,6 +9,9 @@ use tristrip::stripify::{Acceptance, Localization, TunnelOptions};
 use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip::{Error, Method, StripifyOptions};
 
+use crate::figures::Figures;
+use crate::observer::Stopped;
+
 /// A method and its options in the words of the command line; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct MethodReport {
@@ -160,6 +163,50 @@ impl MethodReport {
         ];
         let options = options.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", value?)));
         std::iter::once(format!("method {}", self.method)).chain(options).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// The result of one method of a comparison; the keys are those of the JSON report. `S` are the times of its stages, which the caller measures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct MethodRow<S> {
+    /// The method and its options.
+    #[serde(flatten)]
+    pub method: MethodReport,
+    /// Whether the result is proven.
+    pub proven: bool,
+    /// The times of the stages.
+    pub seconds: S,
+    /// The metrics of a proven result.
+    #[serde(flatten)]
+    pub figures: Option<Figures>,
+    /// Why the search was stopped, if it was.
+    pub stopped: Option<Stopped>,
+    /// Why there is no result.
+    pub error: Option<String>,
+}
+
+impl<S> MethodRow<S> {
+    /// Takes over the figures of a proven result, or the reason why there is none.
+    ///
+    /// ```
+    /// use tristrip::StripifyOptions;
+    /// use tristrip_pipeline::MethodRow;
+    /// let row = MethodRow::new(&StripifyOptions::default(), (), None, Err("not proven".into()));
+    /// assert!(!row.proven && row.figures.is_none() && row.error.is_some());
+    /// ```
+    pub fn new(
+        options: &StripifyOptions,
+        seconds: S,
+        stopped: Option<Stopped>,
+        figures: Result<Figures, String>,
+    ) -> Self {
+        let (figures, error) = match figures {
+            Ok(figures) => (Some(figures), None),
+            Err(error) => (None, Some(error)),
+        };
+        let method = MethodReport::of(options);
+        Self { method, proven: figures.is_some(), seconds, figures, stopped, error }
     }
 }
 

@@ -17,10 +17,12 @@ use super::class::Scene;
 use super::data::SceneData;
 use super::output::{Destination, Noting};
 use super::simplify::rules_of;
+use crate::arguments::Arguments;
 use crate::errors::Failure;
 use crate::method;
 use crate::reports::report;
 use crate::simplify::deviation;
+use crate::strips::layout_of;
 use crate::work::{Watcher, Watching};
 
 /// Several levels of detail of a scene over one list of vertices, the finest first; each level uses the first vertices of the one before it. Made by
@@ -39,12 +41,16 @@ pub(crate) struct Chain {
 
 /// Builds the levels of a scene.
 pub(crate) fn chain(
-    py: Python<'_>,
     source: &Arc<SceneData>,
-    arguments: &Bound<'_, PyDict>,
-    watching: Watching,
+    ratios: &Bound<'_, PyAny>,
+    arguments: &Arguments<'_>,
 ) -> PyResult<Chain> {
-    let options = options_of(arguments)?;
+    let progress = arguments.take("progress")?;
+    let kept = arguments.rest()?;
+    let py = kept.py();
+    kept.set_item("ratios", ratios)?;
+    let options = options_of(&Arguments::of(py, Some(&kept))?)?;
+    let watching = Watching::new(py, progress, None, "raise")?;
     let built = watching.run(py, |watcher| Ok(chain_observed(source.model(), &options, watcher)?));
     let built = built?.result()?;
     let found = report(py, &MethodReport::of(&options.stripify))?.cast_into::<PyDict>()?;
@@ -58,32 +64,25 @@ pub(crate) fn chain(
     found.set_item("parts", source.model().parts.len())?;
     found.set_item("warning", &built.warning)?;
     found.set_item("notes", &built.notes)?;
-    let (report, arguments) = (found.unbind(), arguments.clone().unbind());
+    let (report, arguments) = (found.unbind(), kept.unbind());
     Ok(Chain { source: Arc::clone(source), arguments, options, built: built.into(), report })
 }
 
-/// Reads the options of a chain from the arguments of `Scene.chain`.
-fn options_of(arguments: &Bound<'_, PyDict>) -> PyResult<ChainOptions> {
-    let py = arguments.py();
-    let item = |key: &str| PyResult::Ok(arguments.get_item(key)?.filter(|value| !value.is_none()));
-    let ratios: ChainRatios = match item("ratios")? {
-        Some(given) => ratios(&given)?,
-        None => return Err(Failure::option("ratios", "None", "ratios that decrease").into()),
+/// Takes the options of a chain from the arguments of `Scene.chain`.
+fn options_of(arguments: &Arguments<'_>) -> PyResult<ChainOptions> {
+    let Some(given) = arguments.take("ratios")? else {
+        return Err(Failure::option("ratios", "None", "ratios that decrease").into());
     };
-    let effort = item("effort")?.map(|effort| effort.extract()).transpose()?;
-    let cost: Option<String> = item("cost")?.map(|cost| cost.extract()).transpose()?;
-    let others = item("options")?.map(Bound::cast_into::<PyDict>).transpose()?;
-    let flags = method::flags(py, others.as_ref(), effort, cost.as_deref())?;
+    let error = arguments.take("error")?.map(|error| deviation("error", &error)).transpose()?;
+    let options = ChainOptions::new(ratios(&given)?, Format::Glb).with_deviation(error.unwrap_or_default());
+    let options = options.with_rules(rules_of(arguments)?);
+    let options = options.with_verify(arguments.extract("verify")?.unwrap_or(true));
+    // Checked here, and used where files are written.
+    Watching::new(arguments.py(), None, arguments.extract("budget")?, "raise")?;
+    let layout = arguments.extract::<String>("layout")?.map(|layout| layout_of(&layout)).transpose()?;
     // In triangle lists strips save nothing, but the order of triangles does.
-    let layout: Option<String> = item("layout")?.map(|layout| layout.extract()).transpose()?;
-    let usual = if layout.as_deref() == Some("list") { "cache" } else { "best" };
-    let method: Option<String> = item("method")?.map(|method| method.extract()).transpose()?;
-    let weld = item("weld")?.map(|weld| weld.extract()).transpose()?.unwrap_or(false);
-    let stripify = method::options(method.as_deref().unwrap_or(usual), weld, Some(&flags))?;
-    let error = item("error")?.map(|error| deviation("error", &error)).transpose()?.unwrap_or_default();
-    let verify = item("verify")?.map(|verify| verify.extract()).transpose()?.unwrap_or(true);
-    let options = ChainOptions::new(ratios, Format::Glb).with_deviation(error).with_stripify(stripify);
-    Ok(options.with_rules(rules_of(arguments)?).with_verify(verify))
+    let usual = if layout == Some(Layout::List) { "cache" } else { "best" };
+    Ok(options.with_stripify(method::taken(arguments, usual)?))
 }
 
 /// Reads ratios: a text such as "100%,50%", or a sequence of numbers.
@@ -373,7 +372,7 @@ impl Chain {
         arguments: Bound<'_, PyDict>,
         report: Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let options = options_of(&arguments)?;
+        let options = options_of(&Arguments::of(arguments.py(), Some(&arguments))?)?;
         let (source, built) = (Arc::clone(&source.get().data), OnceLock::new());
         Ok(Self { source, arguments: arguments.unbind(), options, built, report: report.unbind() })
     }

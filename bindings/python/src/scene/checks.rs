@@ -8,11 +8,12 @@ use pyo3::types::{PyDict, PyList};
 use serde::Serialize;
 use tristrip::{Effort, StripifyOptions};
 use tristrip_pipeline::{
-    AnalyzeOptions, Bounded, DifferenceReport, Figures, MethodReport, Observer, PreparedModel, Stopped,
-    Survey, analyze, bound_observed, compared_methods, verify,
+    AnalyzeOptions, Bounded, DifferenceReport, MethodRow, Observer, PreparedModel, Survey, analyze,
+    bound_observed, compared_methods, verify,
 };
 
 use super::data::SceneData;
+use crate::arguments::Arguments;
 use crate::errors::{Failure, raise};
 use crate::reports::report;
 use crate::work::{Ended, Watcher, Watching};
@@ -52,19 +53,6 @@ pub(crate) fn statistics<'py>(
     Ok(found)
 }
 
-/// The result of one method; the keys are those of the command's JSON.
-#[derive(Debug, Serialize)]
-struct MethodRow {
-    #[serde(flatten)]
-    method: MethodReport,
-    proven: bool,
-    seconds: Seconds,
-    #[serde(flatten)]
-    figures: Option<Figures>,
-    stopped: Option<Stopped>,
-    error: Option<String>,
-}
-
 #[derive(Debug, Default, Serialize)]
 struct Seconds {
     stripify: Option<f64>,
@@ -73,13 +61,21 @@ struct Seconds {
 
 /// Runs all methods on a scene. An interrupt has the rows so far as its best result.
 pub(crate) fn compare<'py>(
-    py: Python<'py>,
     scene: &SceneData,
-    options: StripifyOptions,
-    effort: Effort,
-    every_variant: bool,
-    watching: Watching,
+    arguments: &Arguments<'py>,
 ) -> PyResult<Ended<Bound<'py, PyList>>> {
+    let py = arguments.py();
+    let level = arguments.extract("effort")?.unwrap_or(3_i64);
+    let effort = u8::try_from(level).ok().and_then(Effort::new);
+    let effort = effort.ok_or_else(|| Failure::option("effort", level, "0 to 9"))?;
+    let mut options = StripifyOptions::default().with_weld(arguments.flag("weld")?);
+    options = options.with_seed(arguments.extract("seed")?.unwrap_or(0));
+    if let Some(cost) = arguments.extract::<String>("cost")? {
+        options = options.with_cost(cost.parse().map_err(Failure::from)?);
+    }
+    let every_variant = arguments.flag("all")?;
+    let watching = arguments.watching()?;
+    arguments.finish("compare")?;
     let rows = Mutex::new(Vec::new());
     let ended = watching.keeping_best().run(py, |watcher| {
         let survey = Survey::new(scene.as_read(), options, watcher)?;
@@ -97,25 +93,19 @@ pub(crate) fn compare<'py>(
 }
 
 /// Runs one method; its row has figures only if the result is proven.
-fn row(prepared: &PreparedModel<'_>, options: &StripifyOptions, watcher: &Watcher) -> MethodRow {
+fn row(prepared: &PreparedModel<'_>, options: &StripifyOptions, watcher: &Watcher) -> MethodRow<Seconds> {
     let mut seconds = Seconds::default();
     let watch = watcher.search(options);
     let started = Instant::now();
     let found = prepared.find_strips(options, &*watch);
     seconds.stripify = Some(started.elapsed().as_secs_f64());
-    let stopped = watch.stopped();
     let figures = found.and_then(|strips| {
         let started = Instant::now();
         prepared.prove(&strips)?;
         seconds.verify = Some(started.elapsed().as_secs_f64());
         prepared.figures(&strips, options)
     });
-    let (figures, error) = match figures {
-        Ok(figures) => (Some(figures), None),
-        Err(error) => (None, Some(error.to_string())),
-    };
-    let method = MethodReport::of(options);
-    MethodRow { method, proven: figures.is_some(), seconds, figures, stopped, error }
+    MethodRow::new(options, seconds, watch.stopped(), figures.map_err(|error| error.to_string()))
 }
 
 /// Proves that a scene draws exactly the faces of another.

@@ -17,8 +17,9 @@ use super::class::Scene;
 use super::data::SceneData;
 use super::output::{Destination, Noting, file_report};
 use super::picture;
+use crate::arguments::{Arguments, Keywords};
 use crate::errors::Failure;
-use crate::reports::report;
+use crate::reports::{Report, report};
 use crate::simplify::{deviation, goal};
 use crate::work::{Watcher, Watching};
 
@@ -43,62 +44,58 @@ pub(crate) struct SimplifiedScene {
 /// refers to, depends on it.
 pub(crate) const USUAL_FORMAT: Format = Format::Glb;
 
-/// Reads the options of a simplification from the arguments of `Scene.simplify`.
-fn options_of(arguments: &Bound<'_, PyDict>) -> PyResult<SimplifyOptions> {
-    let item = |key: &str| PyResult::Ok(arguments.get_item(key)?.filter(|value| !value.is_none()));
-    let ratio = item("ratio")?.map(|ratio| ratio.extract()).transpose()?;
-    let triangles = item("triangles")?.map(|count| count.extract()).transpose()?;
-    let goal = goal(ratio, triangles, item("error")?.as_ref())?;
+/// Takes the options of a simplification from the arguments of `Scene.simplify`.
+fn options_of(arguments: &Arguments<'_>) -> PyResult<SimplifyOptions> {
+    let error = arguments.take("error")?;
+    let goal = goal(arguments.extract("ratio")?, arguments.extract("triangles")?, error.as_ref())?;
     let mut options = SimplifyOptions::new(goal).with_rules(rules_of(arguments)?);
-    if let Some(normals) = item("normals")? {
-        let normals: Result<Normals, String> = normals.extract::<String>()?.parse();
+    if let Some(normals) = arguments.extract::<String>("normals")? {
+        let normals: Result<Normals, String> = normals.parse();
         options = options.with_normals(normals.map_err(|why| Failure::Parameter(format!("normals: {why}")))?);
     }
-    let is_set = |key: &str| item(key)?.map(|value| value.extract::<bool>()).transpose();
-    if is_set("compact")?.unwrap_or(false) {
+    if arguments.flag("compact")? {
         options = options.with_rounding(Rounding::WeightsAndRotations);
     }
-    Ok(options
-        .with_measure(is_set("measure")?.unwrap_or(true))
-        .with_verify(is_set("verify")?.unwrap_or(true)))
+    let measure = arguments.extract("measure")?.unwrap_or(true);
+    let verify = arguments.extract("verify")?.unwrap_or(true);
+    let options = options.with_fit(arguments.flag("fit")?).with_measure(measure).with_verify(verify);
+    arguments.finish("simplify")?;
+    Ok(options.with_format(USUAL_FORMAT))
 }
 
-/// Reads what collapses may do, and what they cost, from keyword arguments.
-pub(crate) fn rules_of(arguments: &Bound<'_, PyDict>) -> PyResult<CollapseRules> {
-    let item = |key: &str| PyResult::Ok(arguments.get_item(key)?.filter(|value| !value.is_none()));
-    let mut rules = CollapseRules::default();
-    if let Some(weight) = item("weight")? {
-        rules.weights = weight.extract::<String>()?.parse().map_err(Failure::from)?;
+/// Takes what collapses may do, and what they cost, from keyword arguments.
+pub(crate) fn rules_of(arguments: &Arguments<'_>) -> PyResult<CollapseRules> {
+    let mut rules = CollapseRules {
+        permissive: arguments.flag("permissive")?,
+        lock_borders: arguments.flag("lock_borders")?,
+        ..CollapseRules::default()
+    };
+    if let Some(weight) = arguments.extract::<String>("weight")? {
+        rules.weights = weight.parse().map_err(Failure::from)?;
     }
-    if let Some(price) = item("price")? {
-        rules.price = price.extract::<String>()?.parse().map_err(Failure::from)?;
+    if let Some(price) = arguments.extract::<String>("price")? {
+        rules.price = price.parse().map_err(Failure::from)?;
     }
-    if let Some(distance) = item("weld_distance")? {
+    if let Some(distance) = arguments.take("weld_distance")? {
         rules.weld_distance = deviation("weld_distance", &distance)?;
-    }
-    for (key, rule) in [("permissive", &mut rules.permissive), ("lock_borders", &mut rules.lock_borders)] {
-        if let Some(value) = item(key)? {
-            *rule = value.extract()?;
-        }
     }
     Ok(rules)
 }
 
 /// Simplifies a scene.
-pub(crate) fn simplify(
-    py: Python<'_>,
-    source: &Arc<SceneData>,
-    arguments: &Bound<'_, PyDict>,
-    watching: Watching,
-) -> PyResult<SimplifiedScene> {
-    let options = options_of(arguments)?.with_format(USUAL_FORMAT);
+pub(crate) fn simplify(source: &Arc<SceneData>, arguments: &Arguments<'_>) -> PyResult<SimplifiedScene> {
+    let progress = arguments.take("progress")?;
+    let kept = arguments.rest()?;
+    let py = kept.py();
+    let options = options_of(arguments)?;
+    let watching = Watching::new(py, progress, None, "raise")?;
     let simplified = watching.run(py, |watcher| Ok(simplify_observed(source.model(), &options, watcher)?));
     let simplified = simplified?.result()?;
     let result = Arc::new(SceneData::of_model(simplified.redrawn.model.clone()));
     Ok(SimplifiedScene {
         source: Arc::clone(source),
         result,
-        arguments: arguments.clone().unbind(),
+        arguments: kept.unbind(),
         options,
         report: report(py, &SimplifyFigures::of(&simplified))?.unbind(),
         proven: simplified.proven,
@@ -197,15 +194,16 @@ impl SimplifiedScene {
     ///     FileError: the file cannot be written.
     ///     ParameterError: the format is unknown.
     ///     NotProvenError: the bytes do not draw the result; nothing was written.
-    #[pyo3(signature = (path, *, format = None, verify = true))]
-    fn save<'py>(
-        &self,
-        py: Python<'py>,
-        path: PathBuf,
-        format: Option<&str>,
-        verify: bool,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let destination = Self::destination(&path, format)?;
+    #[pyo3(
+        signature = (path, **given),
+        text_signature = "($self, path, *, format=None, verify=True)"
+    )]
+    fn save<'py>(&self, py: Python<'py>, path: PathBuf, given: Option<Keywords<'_, 'py>>) -> Report<'py> {
+        let arguments = Arguments::of(py, given)?;
+        let format = arguments.extract::<String>("format")?;
+        let verify = arguments.extract("verify")?.unwrap_or(true);
+        arguments.finish("save")?;
+        let destination = Self::destination(&path, format.as_deref())?;
         let saved = Watching::default().run(py, |watcher| {
             let noting = Noting::new(watcher);
             let encoded = self.encode(&destination, verify, watcher, &noting);
@@ -284,7 +282,7 @@ impl SimplifiedScene {
         warning: Option<String>,
     ) -> PyResult<Self> {
         let (source, result) = (Arc::clone(&source.get().data), Arc::clone(&scene.get().data));
-        let options = options_of(&arguments)?.with_format(USUAL_FORMAT);
+        let options = options_of(&Arguments::of(arguments.py(), Some(&arguments))?)?;
         let (simplified, arguments) = (OnceLock::new(), arguments.unbind());
         Ok(Self { source, result, arguments, options, simplified, report, proven, notes, warning })
     }

@@ -17,8 +17,9 @@ use super::class::Scene;
 use super::data::SceneData;
 use super::output::{Destination, Noting, file_report};
 use super::picture;
+use crate::arguments::{Arguments, Keywords};
 use crate::errors::Failure;
-use crate::reports::report;
+use crate::reports::{Report, report};
 use crate::strips::Strips;
 use crate::work::{Ended, Watcher, Watching};
 
@@ -142,17 +143,17 @@ impl StrippedScene {
     ///     FileError: the file cannot be written.
     ///     ParameterError: the format or the layout is unknown, or do not fit.
     ///     NotProvenError: the bytes do not draw the scene; nothing was written.
-    #[pyo3(signature = (path, *, format = None, layout = None, reorder_vertices = false, verify = true))]
-    fn save<'py>(
-        &self,
-        py: Python<'py>,
-        path: PathBuf,
-        format: Option<&str>,
-        layout: Option<&str>,
-        reorder_vertices: bool,
-        verify: bool,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let destination = Destination::file(&path, format, layout)?;
+    #[pyo3(
+        signature = (path, **given),
+        text_signature = "($self, path, *, format=None, layout=None, reorder_vertices=False, verify=True)"
+    )]
+    fn save<'py>(&self, py: Python<'py>, path: PathBuf, given: Option<Keywords<'_, 'py>>) -> Report<'py> {
+        let arguments = Arguments::of(py, given)?;
+        let [format, layout] = ["format", "layout"].map(|name| arguments.extract::<String>(name));
+        let destination = Destination::file(&path, format?.as_deref(), layout?.as_deref())?;
+        let reorder_vertices = arguments.flag("reorder_vertices")?;
+        let verify = arguments.extract("verify")?.unwrap_or(true);
+        arguments.finish("save")?;
         let options = self.options(&destination, reorder_vertices, verify);
         let before_bytes = self.scene.file_bytes();
         let saved = Watching::default().run(py, |watcher| {

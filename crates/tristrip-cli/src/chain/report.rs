@@ -47,14 +47,19 @@ pub(crate) struct ChainReport {
 
 /// Returns the row of a level in the table.
 fn row(level: &LevelReport) -> Vec<String> {
+    let figures = &level.figures;
     vec![
         format!("  level {}", level.level),
-        count(level.triangles),
-        count(level.vertices),
-        format!("{:.3} %", level.surface_error_percent),
-        format!("{:.2} %", 100.0 * level.screen_coverage),
+        count(figures.triangles),
+        count(figures.vertices),
+        format!("{:.3} %", figures.surface_error_percent),
+        format!("{:.2} %", 100.0 * figures.screen_coverage),
         level.bytes.map_or_else(|| "-".into(), bytes),
-        if level.reached { String::new() } else { format!("{} not reached", count(level.target_triangles)) },
+        if figures.reached {
+            String::new()
+        } else {
+            format!("{} not reached", count(figures.target_triangles))
+        },
     ]
 }
 

@@ -282,7 +282,7 @@ def check_range(name: str, faces: Sequence[int] | Array, vertex_count: int) -> N
         raise MeshError(f"{name}: found vertex {wrong}, expected 0 to {vertex_count - 1}")
 
 
-def attributes_of(given: Mapping[str, Any], names: Mapping[str | None, str], left_out: list[str]) -> dict[str, Array]:
+def attributes_of(given: Mapping[str, Any], names: Mapping[Any, str], left_out: list[str]) -> dict[str, Array]:
     """Take arrays with one row per vertex as attributes, under other names where there are some.
 
     What cannot be taken is added to the list `left_out`.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _FACE = "face"
 _PART = "part"
 #: The names under which meshio reads normals, texture coordinates and colours from OBJ, PLY and VTK.
-_NAMES: dict[str | None, str] = {
+_NAMES = {
     "obj:vn": NORMAL,
     "obj:vt": UV,
     "Normals": NORMAL,

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 _DEFAULTS = {"metallic": 0.0, "roughness": 1.0}
 #: The names of vertex and triangle attributes of tensor meshes.
-_NAMES: dict[str | None, str] = {"normals": NORMAL, "colors": COLOUR, "texture_uvs": UV}
+_NAMES = {"normals": NORMAL, "colors": COLOUR, "texture_uvs": UV}
 _TENSOR_NAMES = {NORMAL: "normals"}
 _MOST_VERTICES = (1 << 31) - 1
 

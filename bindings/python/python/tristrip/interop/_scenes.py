@@ -33,7 +33,7 @@ def placed_parts(mesh: Any) -> list[Part]:
     scene = scene_in(mesh)
     strips = mesh.parts if isinstance(mesh, _native.StrippedScene) else None
     parts = [part_of(part, None if strips is None else strips[number]) for number, part in enumerate(scene.parts)]
-    return [parts[number].placed(transform) for number, transform in scene.placements]
+    return [parts[number].placed(transform) for numbers, transform in scene.placements for number in numbers]
 
 
 def scene_of(parts: Sequence[Part]) -> Scene:
