@@ -251,19 +251,19 @@ impl Scene {
     /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     /// >>> square.pack().report["triangles"]
     /// 2
-    #[pyo3(signature = (output = None, *, eye = None, position_bits = None, wire = "tristrip", verify = true, progress = None))]
+    #[pyo3(
+        signature = (output = None, **given),
+        text_signature = "($self, output=None, *, eye=None, position_bits=None, wire='tristrip', verify=True, progress=None)"
+    )]
     fn pack<'py>(
         &self,
         py: Python<'py>,
         output: Option<PathBuf>,
-        eye: Option<[f32; 3]>,
-        position_bits: Option<u32>,
-        wire: &str,
-        verify: bool,
-        progress: Option<Bound<'py, PyAny>>,
+        given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let wire = Wire::new(wire, eye, position_bits, verify)?;
-        let watching = Watching::new(py, progress, None, "raise")?;
+        let arguments = Arguments::of(py, given)?;
+        let (wire, watching) = (Wire::taken(&arguments)?, arguments.watching()?);
+        arguments.finish("Scene.pack")?;
         pack_object(py, || Ok(Arc::clone(&self.data)), wire, output.as_deref(), watching)
     }
 

@@ -16,6 +16,7 @@ use tristrip_pipeline::{
     unpack_published,
 };
 
+use crate::arguments::{Arguments, Keywords};
 use crate::attributes;
 use crate::errors::Failure;
 use crate::input::{Input, Source, format_of};
@@ -41,7 +42,15 @@ pub(crate) enum Wire {
 }
 
 impl Wire {
-    pub(crate) fn new(
+    /// Takes the arguments of a packing.
+    pub(crate) fn taken(arguments: &Arguments<'_>) -> PyResult<Self> {
+        let name: Option<String> = arguments.extract("wire")?;
+        let (eye, bits) = (arguments.extract("eye")?, arguments.extract("position_bits")?);
+        let verify = arguments.extract("verify")?.unwrap_or(true);
+        Ok(Self::new(name.as_deref().unwrap_or("tristrip"), eye, bits, verify)?)
+    }
+
+    fn new(
         name: &str,
         eye: Option<[f32; 3]>,
         position_bits: Option<u32>,
@@ -210,24 +219,21 @@ fn result_class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>>
 /// >>> packed.report["triangles"], packed.report["proven"], packed.bytes[:4]
 /// (4, True, b'glTF')
 #[pyfunction]
-#[pyo3(signature = (
-    input, output = None, *, format = None, eye = None, position_bits = None, wire = "tristrip", verify = true, progress = None
-))]
-#[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+#[pyo3(
+    signature = (input, output = None, **given),
+    text_signature = "(input, output=None, *, format=None, eye=None, position_bits=None, wire='tristrip', verify=True, progress=None)"
+)]
 pub(crate) fn pack<'py>(
     py: Python<'py>,
     input: &Bound<'py, PyAny>,
     output: Option<PathBuf>,
-    format: Option<&str>,
-    eye: Option<[f32; 3]>,
-    position_bits: Option<u32>,
-    wire: &str,
-    verify: bool,
-    progress: Option<Bound<'py, PyAny>>,
+    given: Option<Keywords<'_, 'py>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let wire = Wire::new(wire, eye, position_bits, verify)?;
-    let watching = Watching::new(py, progress, None, "raise")?;
-    let (input, format) = (Input::of(input)?, format_of(format)?);
+    let arguments = Arguments::of(py, given)?;
+    let format: Option<String> = arguments.extract("format")?;
+    let (wire, watching) = (Wire::taken(&arguments)?, arguments.watching()?);
+    arguments.finish("pack")?;
+    let (input, format) = (Input::of(input)?, format_of(format.as_deref())?);
     let source = input.source();
     pack_object(py, || source.scene(format), wire, output.as_deref(), watching)
 }

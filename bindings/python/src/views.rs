@@ -24,6 +24,7 @@ use tristrip_pipeline::{
     DisplayFilter, MethodReport, Observer, Stopped, ViewModelOptions, ViewModelReport, view_model,
 };
 
+use crate::arguments::{Arguments, Keywords};
 use crate::arrays::triangle_rows;
 use crate::attributes::{self, GivenAttributes};
 use crate::errors::Failure;
@@ -118,15 +119,15 @@ impl ViewModel {
     }
 }
 
-/// Reads the options of a model.
-fn options(
-    method: &str,
-    order: &str,
-    verify: bool,
-    others: Option<&Bound<'_, PyDict>>,
-) -> PyResult<ViewModelOptions> {
-    let stripify = method::options(method, false, others)?;
-    let order: MergeOrder = order.parse().map_err(Failure::from)?;
+/// Takes the options of a model from keyword arguments, all of which that are left belong to the method of the strips.
+fn options(arguments: &Arguments<'_>) -> PyResult<ViewModelOptions> {
+    let order: Option<String> = arguments.extract("order")?;
+    let order: MergeOrder = order.as_deref().unwrap_or("quadric").parse().map_err(Failure::from)?;
+    let verify = arguments.extract("verify")?.unwrap_or(true);
+    let stripify = method::taken(arguments, "best")?;
+    if stripify.weld() {
+        return Err(Failure::option("weld", "True", "False: each vertex keeps its attributes").into());
+    }
     Ok(ViewModelOptions::default().with_stripify(stripify).with_order(order).with_verify(verify))
 }
 
@@ -153,30 +154,25 @@ impl ViewModel {
     /// >>> tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     /// ViewModel(1 triangle, 0 collapses, 1 strip)
     #[classmethod]
-    #[pyo3(signature = (
-        vertices, faces, *, method = "best", order = "quadric", normals = None, uv = None, colors = None, attributes = None,
-        verify = true, budget = None, progress = None, **options
-    ))]
-    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    #[pyo3(
+        signature = (vertices, faces, **given),
+        text_signature = "($cls, vertices, faces, *, method='best', order='quadric', normals=None, uv=None, colors=None, attributes=None, verify=True, budget=None, progress=None, **options)"
+    )]
     fn build<'py>(
         _: &Bound<'py, PyType>,
         py: Python<'py>,
         vertices: &Bound<'py, PyAny>,
         faces: &Bound<'py, PyAny>,
-        method: &str,
-        order: &str,
-        normals: Option<&Bound<'py, PyAny>>,
-        uv: Option<&Bound<'py, PyAny>>,
-        colors: Option<&Bound<'py, PyAny>>,
-        attributes: Option<&Bound<'py, PyDict>>,
-        verify: bool,
-        budget: Option<f64>,
-        progress: Option<Bound<'py, PyAny>>,
-        options: Option<&Bound<'py, PyDict>>,
+        given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Bound<'py, Self>> {
-        let options = self::options(method, order, verify, options)?;
-        let watching = Watching::new(py, progress, budget, "raise")?;
-        let given = GivenAttributes { normals, uv, colors, others: attributes };
+        let arguments = Arguments::of(py, given)?;
+        let [normals, uv, colors] =
+            [arguments.take("normals")?, arguments.take("uv")?, arguments.take("colors")?];
+        let others: Option<Bound<'_, PyDict>> = arguments.extract("attributes")?;
+        let watching = arguments.watching()?;
+        let options = options(&arguments)?;
+        let (normals, uv, colors) = (normals.as_ref(), uv.as_ref(), colors.as_ref());
+        let given = GivenAttributes { normals, uv, colors, others: others.as_ref() };
         let model = one_part(given.add_to(mesh_of(vertices, faces)?)?);
         Self::of_model(py, || Ok(model), options, watching)
     }
@@ -198,25 +194,21 @@ impl ViewModel {
     /// >>> tristrip.ViewModel.from_scene(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", format="obj").triangle_count
     /// 1
     #[classmethod]
-    #[pyo3(signature = (
-        input, *, method = "best", order = "quadric", verify = true, budget = None, format = None, progress = None, **options
-    ))]
-    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    #[pyo3(
+        signature = (input, **given),
+        text_signature = "($cls, input, *, format=None, method='best', order='quadric', verify=True, budget=None, progress=None, **options)"
+    )]
     fn from_scene<'py>(
         _: &Bound<'py, PyType>,
         py: Python<'py>,
         input: &Bound<'py, PyAny>,
-        method: &str,
-        order: &str,
-        verify: bool,
-        budget: Option<f64>,
-        format: Option<&str>,
-        progress: Option<Bound<'py, PyAny>>,
-        options: Option<&Bound<'py, PyDict>>,
+        given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Bound<'py, Self>> {
-        let options = self::options(method, order, verify, options)?;
-        let watching = Watching::new(py, progress, budget, "raise")?;
-        let (input, format) = (Input::of(input)?, format_of(format)?);
+        let arguments = Arguments::of(py, given)?;
+        let format: Option<String> = arguments.extract("format")?;
+        let watching = arguments.watching()?;
+        let options = options(&arguments)?;
+        let (input, format) = (Input::of(input)?, format_of(format.as_deref())?);
         let source = input.source();
         Self::of_model(py, || Ok(source.scene(format)?.as_read().clone()), options, watching)
     }
@@ -280,7 +272,7 @@ impl ViewModel {
         triangle_rows(py, self.model.sequence.triangles().to_vec())
     }
 
-    /// The attributes by their names: "NORMAL", "TEXCOORD_0", …
+    /// The attributes by their names, as "NORMAL" and "TEXCOORD_0".
     #[getter]
     fn attributes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         attributes::all(py, &self.model.mesh)
@@ -393,23 +385,24 @@ impl ViewModel {
     /// >>> [frame["triangles"] for frame in flight["frames"]]
     /// [1, 1, 1, 1]
     #[pyo3(
-        signature = (path = None, *, frames = USUAL_FRAMES, up = None, filter = "dtfs", verify = true, **detail),
-        text_signature = "(self, path=None, *, frames=300, up=None, filter='dtfs', verify=True, field_of_view=45.0, image=(1920, 1080), pixels=1.0, triangles=None, steps=None, frustum=True, back_faces=True, silhouettes=True, light=None, foveation=None, attention=(0.5, 0.5))"
+        signature = (path = None, **given),
+        text_signature = "($self, path=None, *, frames=300, up=None, filter='dtfs', verify=True, field_of_view=45.0, image=(1920, 1080), pixels=1.0, triangles=None, steps=None, frustum=True, back_faces=True, silhouettes=True, light=None, foveation=None, attention=(0.5, 0.5))"
     )]
-    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn fly<'py>(
         &self,
         py: Python<'py>,
         path: Option<&Bound<'py, PyAny>>,
-        frames: Count,
-        up: Option<&str>,
-        filter: &str,
-        verify: bool,
-        detail: Option<&Bound<'py, PyDict>>,
+        given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let filter: Filter = filter.parse().map_err(Failure::from)?;
-        let Detail { lens, criteria } = Detail::of(detail)?;
-        let path = GivenPath::of(path, up)?;
+        let arguments = Arguments::of(py, given)?;
+        let frames = arguments.extract("frames")?.unwrap_or(USUAL_FRAMES);
+        let (up, filter): (Option<String>, Option<String>) =
+            (arguments.extract("up")?, arguments.extract("filter")?);
+        let filter: Filter = filter.as_deref().unwrap_or("dtfs").parse().map_err(Failure::from)?;
+        let verify = arguments.extract("verify")?.unwrap_or(true);
+        let Detail { lens, criteria } = Detail::taken(&arguments)?;
+        arguments.finish("ViewModel.fly")?;
+        let path = GivenPath::of(path, up.as_deref())?;
         let options = FlightOptions { criteria, filter, proof_count: if verify { PROOF_COUNT } else { 0 } };
         let ended = Watching::default().run(py, |watcher| {
             let cameras = path.cameras(self.model.mesh.positions(), frames.0, lens)?;
@@ -523,54 +516,41 @@ struct Detail {
 }
 
 impl Detail {
-    /// Reads keyword arguments; those that are `None` have their default.
-    fn of(given: Option<&Bound<'_, PyDict>>) -> Result<Self, Failure> {
-        let (mut lens, mut criteria) = (Lens::default(), ViewCriteria::default());
-        let (mut growth, mut attention) = (None, None);
-        for (name, value) in given.into_iter().flatten() {
-            let name: String = name.extract()?;
-            if value.is_none() {
-                continue;
-            }
-            match &*name {
-                "field_of_view" => lens.field_of_view = read(&name, &value, "degrees")?,
-                "image" => lens.image = read(&name, &value, "columns and rows")?,
-                "pixels" => criteria = criteria.with_pixels(read(&name, &value, "a number")?)?,
-                "triangles" => criteria = criteria.with_budget(read(&name, &value, "a count")?),
-                "steps" => match read(&name, &value, "a count")? {
-                    0 => return Err(Failure::option("steps", 0, "at least 1: a view would never change")),
-                    steps => criteria = criteria.with_steps(steps),
-                },
-                "frustum" => criteria = criteria.with_frustum(read(&name, &value, "True or False")?),
-                "back_faces" => criteria = criteria.with_back_faces(read(&name, &value, "True or False")?),
-                "silhouettes" => criteria = criteria.with_silhouettes(read(&name, &value, "True or False")?),
-                "light" => criteria = criteria.with_light(read(&name, &value, "three numbers")?)?,
-                "foveation" => growth = Some(read(&name, &value, "a number")?),
-                "attention" => attention = Some(read(&name, &value, "two fractions from 0 to 1")?),
-                _ => return Err(Failure::Parameter(format!("{name}: no option of a view"))),
-            }
+    /// Takes the arguments.
+    fn taken(arguments: &Arguments<'_>) -> PyResult<Self> {
+        let usual = Lens::default();
+        let lens = Lens {
+            field_of_view: arguments.extract("field_of_view")?.unwrap_or(usual.field_of_view),
+            image: arguments.extract("image")?.unwrap_or(usual.image),
+        };
+        lens.check().map_err(Failure::from)?;
+        let is_kept = |name: &str| PyResult::Ok(arguments.extract(name)?.unwrap_or(true));
+        let mut criteria = ViewCriteria::new(arguments.extract("pixels")?.unwrap_or(1.0))
+            .map_err(Failure::from)?
+            .with_frustum(is_kept("frustum")?)
+            .with_back_faces(is_kept("back_faces")?)
+            .with_silhouettes(is_kept("silhouettes")?);
+        if let Some(Count(most)) = arguments.extract("triangles")? {
+            criteria = criteria.with_budget(most);
         }
-        lens.check()?;
-        if let Some(growth) = growth {
-            let foveation = Foveation::new(growth)
-                .map_err(|_| Failure::option("foveation", growth, "a finite number of at least 0"))?;
-            criteria = criteria.with_foveation(foveation.with_attention(attention.unwrap_or(MIDDLE))?);
+        match arguments.extract("steps")? {
+            Some(Count(0)) => {
+                return Err(Failure::option("steps", 0, "at least 1: a view would never change").into());
+            }
+            Some(Count(steps)) => criteria = criteria.with_steps(steps),
+            None => (),
+        }
+        if let Some(direction) = arguments.extract("light")? {
+            criteria = criteria.with_light(direction).map_err(Failure::from)?;
+        }
+        let attention = arguments.extract("attention")?.unwrap_or(MIDDLE);
+        if let Some(growth) = arguments.extract("foveation")? {
+            let wrong = |_| Failure::option("foveation", growth, "a finite number of at least 0");
+            let foveation = Foveation::new(growth).map_err(wrong)?;
+            criteria = criteria.with_foveation(foveation.with_attention(attention).map_err(Failure::from)?);
         }
         Ok(Self { lens, criteria })
     }
-}
-
-/// Reads the value of an argument.
-fn read<'py, T: for<'a> FromPyObject<'a, 'py>>(
-    name: &str,
-    value: &Bound<'py, PyAny>,
-    expected: &str,
-) -> Result<T, Failure> {
-    let wrong = |_| {
-        let found = value.repr().map_or_else(|_| "an object".into(), |text| text.to_string());
-        Failure::option(name, found, expected)
-    };
-    value.extract().map_err(Into::into).map_err(wrong)
 }
 
 /// The detail of a `ViewModel` for one camera: a cursor that moves from frame to frame. Started by `ViewModel.view`, at the base mesh. Several views of one
@@ -677,24 +657,25 @@ impl View {
     /// >>> view.set_view((0, 0, 5), direction=(0, 0, -1), pixels=2, triangles=1000)["complete"]
     /// True
     #[pyo3(
-        signature = (eye, look_at = None, *, direction = None, up = UPWARD, **detail),
-        text_signature = "(self, eye, look_at=None, *, direction=None, up=(0.0, 1.0, 0.0), field_of_view=45.0, image=(1920, 1080), pixels=1.0, triangles=None, steps=None, frustum=True, back_faces=True, silhouettes=True, light=None, foveation=None, attention=(0.5, 0.5))"
+        signature = (eye, look_at = None, **given),
+        text_signature = "($self, eye, look_at=None, *, direction=None, up=(0.0, 1.0, 0.0), field_of_view=45.0, image=(1920, 1080), pixels=1.0, triangles=None, steps=None, frustum=True, back_faces=True, silhouettes=True, light=None, foveation=None, attention=(0.5, 0.5))"
     )]
     fn set_view<'py>(
         &self,
         py: Python<'py>,
         eye: [f32; 3],
         look_at: Option<[f32; 3]>,
-        direction: Option<[f32; 3]>,
-        up: [f32; 3],
-        detail: Option<&Bound<'py, PyDict>>,
+        given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = Arguments::of(py, given)?;
+        let (direction, up) = (arguments.extract("direction")?, arguments.extract("up")?.unwrap_or(UPWARD));
+        let Detail { lens, criteria } = Detail::taken(&arguments)?;
+        arguments.finish("View.set_view")?;
         let look_at = match (look_at, direction) {
             (Some(look_at), None) => look_at,
             (None, Some(direction)) => ahead(eye, direction)?,
             _ => return Err(Failure::Parameter("look_at, direction: expected one of both".into()).into()),
         };
-        let Detail { lens, criteria } = Detail::of(detail)?;
         let [columns, rows] = lens.image;
         let camera = Camera::new(eye, look_at)
             .and_then(|camera| camera.with_up(up))

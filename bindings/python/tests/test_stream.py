@@ -78,6 +78,30 @@ def test_a_scene_keeps_its_materials(tmp_path: Path, model: Find) -> None:
     assert b"Cesium" in (tmp_path / "level.glb").read_bytes() or unpacked.report["parts"] == packed.report["parts"]
 
 
+def test_scenes_are_packed_and_unpacked(tmp_path: Path, model: Find) -> None:
+    scene = tristrip.load(model("milktruck.glb"))
+    packed = scene.pack()
+    assert packed.bytes == tristrip.pack(scene).bytes == tristrip.pack(model("milktruck.glb")).bytes
+    unpacked = tristrip.unpack(packed.bytes)
+    assert [part.material for part in unpacked.scene.parts] == [part.material for part in scene.parts]
+    assert sum(len(part.faces) for part in unpacked.scene.parts) == len(unpacked.faces) == packed.report["triangles"]
+    assert tristrip.load(model("milktruck.glb")).pack(tmp_path / "a.glb").report["output"] == str(tmp_path / "a.glb")
+    level = tristrip.unpack(packed.bytes, tmp_path / "level.gltf", level="50%")
+    assert len(tristrip.load(tmp_path / "level.gltf").parts) == len(level.scene.parts)
+    assert {file.name for file in tmp_path.iterdir()} == {"a.glb", "level.gltf", "level.bin"}
+    decoder = tristrip.Decoder()
+    assert decoder.scene() is None
+    decoder.update(packed.bytes[: decoder.chunk_start or 8000])
+    decoder.update(packed.bytes[decoder.offset : decoder.chunk_start])
+    base = decoder.scene()
+    assert base is not None and len(base.parts) == 4
+    decoder.update(packed.bytes[decoder.offset :])
+    full = decoder.scene()
+    assert full is not None
+    triangles = [sum(len(part.faces) for part in each.parts) for each in (base, full)]
+    assert triangles[0] <= packed.report["base_triangles"] + 2856 and triangles[1] == packed.report["triangles"]
+
+
 def test_the_published_format_is_read_back(tmp_path: Path, model: Find) -> None:
     packed = tristrip.pack(model("hand.ply"), wire="paper")
     assert packed.report["wire"] == "paper"
@@ -133,7 +157,7 @@ def test_wrong_options_of_pack_are_told(options: dict[str, Any], text: str) -> N
         ({"triangles": -1}, "found -1, expected a count of 0 or more"),
         ({"bytes": -1}, "found -1, expected a count of 0 or more"),
         ({"level": 1, "triangles": 1}, "level, triangles, bytes: found several"),
-        ({"output": "a.stl"}, "output: found a.stl, expected the extension"),
+        ({"output": "a.stl"}, "a.stl: cannot write STL"),
     ],
 )
 def test_wrong_options_of_unpack_are_told(options: dict[str, Any], text: str) -> None:

@@ -251,14 +251,18 @@ def test_damaged_files_are_told(tmp_path: Path, models: Path) -> None:
 
 
 def test_models_of_files_join_parts(models: Path) -> None:
-    model = tristrip.ViewModel.from_file(models / "milktruck.glb", order="shortest-edge")
+    model = tristrip.ViewModel.from_scene(models / "milktruck.glb", order="shortest-edge")
     assert model.report["parts"] == 4
     assert model.report["order"] == "shortest-edge"
     assert model.triangle_count == 2856
     assert set(model.attributes) == {"NORMAL"}
     assert any("parts joined into one: 4" in note for note in model.notes)
-    same = tristrip.ViewModel.from_file((models / "milktruck.glb").read_bytes(), order="shortest-edge")
-    assert same.to_bytes() == model.to_bytes()
+    for source in ((models / "milktruck.glb").read_bytes(), tristrip.load(models / "milktruck.glb")):
+        assert tristrip.ViewModel.from_scene(source, order="shortest-edge").to_bytes() == model.to_bytes()
+    with pytest.raises(tristrip.ParameterError, match="weld: found True"):
+        tristrip.ViewModel.from_scene(models / "hand.ply", weld=True)
+    with pytest.raises(TypeError, match=r"View.set_view\(\) got an unexpected keyword argument 'pixel'"):
+        model.view().set_view((0, 0, 9), (0, 0, 0), pixel=1)  # type: ignore[call-arg]
 
 
 def test_wrong_models_are_told() -> None:

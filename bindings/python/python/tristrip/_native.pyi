@@ -36,10 +36,11 @@ IndexArray: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDA
 Faces: TypeAlias = npt.ArrayLike | Sequence[Sequence[int]]
 #: An object with bytes.
 Buffer: TypeAlias = bytes | bytearray | memoryview
-FilePath: TypeAlias = str | PathLike[str]
+Path: TypeAlias = str | PathLike[str]
+ReadFormat: TypeAlias = Literal["obj", "ply", "off", "stl", "gltf", "glb"]
+WrittenFormat: TypeAlias = Literal["glb", "gltf", "ply", "obj"]
 #: A file, or the bytes of one.
-Input: TypeAlias = FilePath | Buffer
-FormatName: TypeAlias = Literal["obj", "ply", "off", "stl", "gltf", "glb"]
+Input: TypeAlias = Path | Buffer
 
 def run_command(arguments: Sequence[str]) -> int: ...
 def set_threads(threads: int | None) -> None: ...
@@ -322,10 +323,10 @@ class InspectReport(TypedDict):
 
 def pack(
     input: Input | Scene,
-    output: FilePath | None = None,
+    output: Path | None = None,
     *,
-    format: FormatName | None = None,
-    eye: Sequence[float] | None = None,
+    format: ReadFormat | str | None = None,
+    eye: Vector | None = None,
     position_bits: int | None = None,
     wire: Literal["tristrip", "paper"] = "tristrip",
     verify: bool = True,
@@ -333,12 +334,12 @@ def pack(
 ) -> Packed: ...
 def unpack(
     input: Input,
-    output: FilePath | None = None,
+    output: Path | None = None,
     *,
     level: int | str | None = None,
     triangles: int | None = None,
     bytes: int | None = None,
-    to: FormatName | None = None,
+    to: WrittenFormat | str | None = None,
     verify: bool = True,
     progress: ProgressArgument = None,
 ) -> Unpacked: ...
@@ -515,7 +516,7 @@ class ViewModel:
         cls,
         input: Input | Scene,
         *,
-        format: FormatName | None = None,
+        format: ReadFormat | str | None = None,
         method: Method | str = "best",
         effort: int | None = None,
         cost: Cost | None = None,
@@ -528,7 +529,7 @@ class ViewModel:
     @classmethod
     def load(cls, input: Input) -> ViewModel: ...
     def to_bytes(self) -> bytes: ...
-    def save(self, path: FilePath) -> None: ...
+    def save(self, path: Path) -> None: ...
     @property
     def vertices(self) -> Float32Array: ...
     @property
@@ -554,7 +555,7 @@ class ViewModel:
     def view(self, filter: Filter | Literal["repair"] = "dtfs") -> View: ...
     def fly(
         self,
-        path: FilePath | Sequence[Mapping[str, Any]] | None = None,
+        path: Path | Sequence[Mapping[str, Any]] | None = None,
         *,
         frames: int = 300,
         up: Literal["x", "y", "z"] | None = None,
@@ -617,9 +618,6 @@ class View:
 
 # --- scenes
 
-Path: TypeAlias = str | PathLike[str]
-ReadFormat: TypeAlias = Literal["obj", "ply", "off", "stl", "gltf", "glb"]
-WrittenFormat: TypeAlias = Literal["glb", "gltf", "ply", "obj"]
 UvOrigin: TypeAlias = Literal["bottom", "top"]
 Price: TypeAlias = Literal["distance", "planes", "quadric"]
 
@@ -978,6 +976,16 @@ class Scene:
         progress: ProgressArgument = None,
         **options: Any,
     ) -> Chain: ...
+    def pack(
+        self,
+        output: Path | None = None,
+        *,
+        eye: Vector | None = None,
+        position_bits: int | None = None,
+        wire: Literal["tristrip", "paper"] = "tristrip",
+        verify: bool = True,
+        progress: ProgressArgument = None,
+    ) -> Packed: ...
     def bound(self, weld: bool = False) -> BoundReport: ...
     def analyze(self, vertex_caches: str | Sequence[str] | None = None, flush: bool = False) -> AnalyzeReport: ...
     def compare(
