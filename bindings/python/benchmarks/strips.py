@@ -4,8 +4,7 @@
     TRISTRIP_MODELS=models python benchmarks/strips.py --models bunny --output -
 
 Each program gets the input in the form that it takes: arrays of NumPy, a `PolyData`, lists of tuples; conversions are
-not measured. PyFFI runs once, of which the processor time is taken; the others as often as `--repeat` says, of which
-the shortest time is.
+not measured. PyFFI runs once, the others as often as `--repeat` says, of which the shortest time is taken.
 """
 
 from __future__ import annotations
@@ -51,14 +50,14 @@ def folder_of_models() -> Path:
     return Path(os.environ.get("TRISTRIP_MODELS", ROOT.parent / "shared/models"))
 
 
-def timed(run: Callable[[], Any], repeat: int, clock: Callable[[], float] = time.perf_counter) -> tuple[float, Any]:
+def timed(run: Callable[[], Any], repeat: int) -> tuple[float, Any]:
     """Return the shortest time in seconds, and the last result."""
     times = []
     result = None
     for _ in range(repeat):
-        start = clock()
+        start = time.perf_counter()
         result = run()
-        times.append(clock() - start)
+        times.append(time.perf_counter() - start)
     return min(times), result
 
 
@@ -131,7 +130,7 @@ def rows_of(path: Path, repeat: int, *, with_pyffi: bool) -> tuple[int, list[Row
     seconds, strips = timed(lambda: tristrip.compat.pyffi.stripify(given), repeat)
     rows.append(row("tristrip.compat.pyffi.stripify", seconds, strips, wide))
     if with_pyffi:
-        seconds, strips = timed(lambda: pyffi.utils.tristrip.stripify(given), 1, time.process_time)
+        seconds, strips = timed(lambda: pyffi.utils.tristrip.stripify(given), 1)
         rows.append(row("pyffi.utils.tristrip.stripify", seconds, strips, wide))
     return len(faces), rows
 
@@ -180,8 +179,7 @@ def main() -> int:
         "",
         "Written by `bindings/python/benchmarks/strips.py`. Each result is proven by `Strips.verify` and, apart from",
         "it, by sorting the drawn triangles with NumPy; both must agree. Times are the shortest of",
-        f"{options.repeat} runs, without the conversion of the input; of PyFFI, which uses one thread, the processor time",
-        "of one run, since it takes minutes, in which other programs would slow it down.",
+        f"{options.repeat} runs, of PyFFI one run, without the conversion of the input.",
         "",
         f"Python {platform.python_version()}, NumPy {np.__version__}, tristrip {tristrip.__version__},",
         f"PyFFI {pyffi.__version__}, VTK {vtk.VTK_VERSION} through PyVista {pyvista.__version__},",
