@@ -25,7 +25,7 @@ pub(crate) fn placements<'py>(
     let arrays = placed.into_iter().map(|Placement { parts, transform, .. }| {
         let rows = transform.as_flattened().iter().copied().chain([0.0, 0.0, 0.0, 1.0]);
         let matrix = PyArray1::from_iter(py, rows).reshape([4, 4])?;
-        Ok((PyRange::new(py, parts.start as isize, parts.end as isize)?, matrix))
+        Ok((PyRange::new(py, isize::try_from(parts.start)?, isize::try_from(parts.end)?)?, matrix))
     });
     arrays.collect()
 }
