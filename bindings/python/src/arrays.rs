@@ -4,8 +4,8 @@
 //! that no negative or large number becomes another vertex.
 
 use numpy::{
-    PyArray1, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArray,
-    PyUntypedArrayMethods,
+    PyArray1, PyArray2, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
@@ -312,7 +312,7 @@ pub(crate) fn floats<'py>(
     state.call_method0("__enter__")?;
     let converted = contiguous(&array, "float32");
     state.call_method1("__exit__", (py.None(), py.None(), py.None()))?;
-    let converted = converted?.cast_into::<numpy::PyArray2<f32>>();
+    let converted = converted?.cast_into::<PyArray2<f32>>();
     let converted = converted.map_err(|_| Failure::Type(format!("{name}: expected numbers")))?;
     let converted = converted.try_readonly().map_err(PyErr::from)?;
     converted.as_slice().map_err(PyErr::from)?;
@@ -331,4 +331,10 @@ pub(crate) fn indices_to_array<'py>(
         16 => PyArray1::from_vec(py, py.detach(|| strips.to_indices::<u16>(layout))?).into_any(),
         _ => PyArray1::from_vec(py, py.detach(|| strips.to_indices::<u32>(layout))?).into_any(),
     })
+}
+
+/// Returns the vertices of triangles, three each, as an array of shape (n, 3).
+pub(crate) fn triangle_rows(py: Python<'_>, triangles: Vec<u32>) -> PyResult<Bound<'_, PyArray2<u32>>> {
+    let rows = triangles.len() / 3;
+    PyArray1::from_vec(py, triangles).reshape([rows, 3])
 }

@@ -16,7 +16,9 @@ mod arguments;
 mod arrays;
 mod attributes;
 mod command;
+mod decoder;
 mod errors;
+mod input;
 mod levels;
 mod method;
 mod numbers;
@@ -24,7 +26,9 @@ mod pool;
 mod reports;
 mod scene;
 mod simplify;
+mod stream;
 mod strips;
+mod views;
 mod work;
 
 use pyo3::prelude::*;
@@ -34,6 +38,8 @@ use pyo3::prelude::*;
 mod _native {
     #[pymodule_export]
     use crate::command::run_command;
+    #[pymodule_export]
+    use crate::decoder::{Decoder, StreamedPart};
     #[pymodule_export]
     use crate::levels::Levels;
     #[pymodule_export]
@@ -53,7 +59,11 @@ mod _native {
     #[pymodule_export]
     use crate::simplify::{Simplified, simplify};
     #[pymodule_export]
+    use crate::stream::{inspect, pack, unpack};
+    #[pymodule_export]
     use crate::strips::{Strips, stripify};
+    #[pymodule_export]
+    use crate::views::{View, ViewModel};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -11,10 +11,10 @@
 pub(crate) mod chain;
 mod checks;
 pub(crate) mod class;
-mod data;
+pub(crate) mod data;
 pub(crate) mod functions;
 mod materials;
-mod output;
+pub(crate) mod output;
 pub(crate) mod part;
 mod parts;
 mod picture;
@@ -35,8 +35,10 @@ use tristrip_pipeline::text::counted;
 use crate::arguments::{Arguments, Keywords};
 use crate::arrays::type_name;
 use crate::errors::{Failure, with_best};
+use crate::input::bytes_of;
 use crate::method;
 use crate::reports::Report;
+use crate::stream::{Wire, pack_object};
 use crate::work::Watching;
 use chain::Chain;
 use class::Scene;
@@ -66,11 +68,8 @@ impl Scene {
     fn from_bytes(kind: &Bound<'_, PyType>, data: &Bound<'_, PyAny>, format: Option<&str>) -> PyResult<Self> {
         let format = format.map(format_of).transpose()?;
         let py = kind.py();
-        let view = py.import("builtins")?.call_method1("memoryview", (data,));
-        let copied = view.and_then(|view| py.get_type::<PyBytes>().call1((view,)));
-        let wrong = |_| Failure::Type(format!("data: found {}, expected bytes", type_name(data)));
-        let bytes = copied.map_err(wrong)?;
-        let bytes = bytes.cast::<PyBytes>()?.as_bytes().to_vec();
+        let wrong = || Failure::Type(format!("data: found {}, expected bytes", type_name(data)));
+        let bytes = bytes_of(data)?.ok_or_else(wrong)?.as_bytes().to_vec();
         let read = Watching::default().run(py, |_| SceneData::of_bytes(bytes, format));
         Ok(Self::new(read?.result()?))
     }
@@ -244,6 +243,28 @@ impl Scene {
         given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Chain> {
         chain::chain(&self.data, ratios, &Arguments::of(py, given)?)
+    }
+
+    /// Pack the scene as a progressive GLB, which is drawn after its first bytes and refined by the others. The arguments and the result are those of `pack`.
+    ///
+    /// >>> import tristrip
+    /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    /// >>> square.pack().report["triangles"]
+    /// 2
+    #[pyo3(
+        signature = (output = None, **given),
+        text_signature = "($self, output=None, *, eye=None, position_bits=None, wire='tristrip', verify=True, progress=None)"
+    )]
+    fn pack<'py>(
+        &self,
+        py: Python<'py>,
+        output: Option<PathBuf>,
+        given: Option<Keywords<'_, 'py>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = Arguments::of(py, given)?;
+        let (wire, watching) = (Wire::taken(&arguments)?, arguments.watching()?);
+        arguments.finish("Scene.pack")?;
+        pack_object(py, || Ok(Arc::clone(&self.data)), wire, output.as_deref(), watching)
     }
 
     /// Compute lower bounds on strips, vertices and indices, which hold for every method.

@@ -7,12 +7,12 @@ use serde::Serialize;
 use tristrip::Mesh;
 use tristrip::lod::{Camera, SkipStrips, SkipView};
 use tristrip_lab::flight::{
-    FlightObserver, FlightOptions, FlightPath, FlightSummary, FrameRow, as_markdown, as_text, draw, fly,
+    FlightObserver, FlightOptions, FlightReport, FrameRow, as_markdown, as_text, draw, fly,
 };
 use tristrip_lab::render::{RenderOptions, strips_seen, triangles_seen};
 use tristrip_lab::text;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{MethodReport, Stopped};
+use tristrip_pipeline::{MethodReport, Stopped, ViewModel, ViewModelOptions};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -20,8 +20,8 @@ use crate::failure::Failure;
 use crate::input::short_name;
 use crate::search::interrupted;
 use crate::stage::timed;
-use crate::task::{CameraPath, FlyTask, VideoTask};
-use crate::view_model::{Building, ViewModelOptions, view_model};
+use crate::task::{FlyTask, VideoTask};
+use crate::view_model::{Building, load_view_model};
 
 /// The most frames whose display strips are proven.
 const PROOF_COUNT: usize = 20;
@@ -49,13 +49,8 @@ struct FlyReport {
     path: String,
     proven: Option<bool>,
     seconds: FlySeconds,
-    collapses: Option<usize>,
-    triangles_base: Option<usize>,
-    triangles_full: Option<usize>,
-    /// The most collapses, one into a result of the one before, from a vertex to a root.
-    tree_height: Option<u32>,
-    summary: Option<FlightSummary>,
-    frames: Option<Vec<FrameRow>>,
+    #[serde(flatten)]
+    flight: FlightReport,
     report: Option<String>,
     plot: Option<String>,
     /// The directory of the pictures, and their number.
@@ -81,12 +76,7 @@ pub(crate) fn run(task: &FlyTask, console: &mut Console) -> bool {
         path: task.path.name(),
         proven: None,
         seconds: FlySeconds::default(),
-        collapses: None,
-        triangles_base: None,
-        triangles_full: None,
-        tree_height: None,
-        summary: None,
-        frames: None,
+        flight: FlightReport::default(),
         report: None,
         plot: None,
         video: None,
@@ -98,7 +88,7 @@ pub(crate) fn run(task: &FlyTask, console: &mut Console) -> bool {
     let process =
         |task: &FlyTask, console: &mut Console, report: &mut FlyReport| flown(task, console, report);
     let show = |_: &FlyTask, report: &FlyReport, title: &str, console: &mut Console| {
-        let summary = report.summary.as_ref().map(as_text).unwrap_or_default();
+        let summary = report.flight.summary.as_ref().map(as_text).unwrap_or_default();
         console.result(&format!("{title}{summary}"), task.report.is_none());
     };
     let reports = batch::process_all(std::slice::from_ref(task), None, console, new_report, process, show);
@@ -107,21 +97,18 @@ pub(crate) fn run(task: &FlyTask, console: &mut Console) -> bool {
 
 /// Builds the model, flies, and writes what was asked for.
 fn flown(task: &FlyTask, console: &Console, report: &mut FlyReport) -> Result<(), Failure> {
-    let read = path_of_file(&task.path)?;
+    task.path.check()?;
     let mut building = Building::default();
-    let options = ViewModelOptions { stripify: task.options, budget: task.budget, verify: task.verify };
-    let built = view_model(&task.input, options, console, &mut building);
+    let options = ViewModelOptions::default().with_stripify(task.options).with_verify(task.verify);
+    let built = load_view_model(&task.input, &options, task.budget, console, &mut building);
     let Building { load, stripify, simplify, build, stopped, notes } = building;
     report.seconds = FlySeconds { load, stripify, simplify, build, fly: None };
     (report.stopped, report.notes) = (stopped, notes);
-    let (mesh, model) = built?;
+    let (ViewModel { mesh, .. }, model) = built?;
     report.method = report.method.take().filter(|_| stripify.is_some());
-    report.collapses = Some(model.levels().collapse_count());
-    report.triangles_base = Some(model.levels().triangle_count(0)?);
-    report.triangles_full = Some(model.levels().triangle_count(model.levels().collapse_count())?);
-    report.tree_height = Some(model.height());
+    report.flight = FlightReport::of_model(&model)?;
 
-    let cameras = cameras(task, read, &mesh)?;
+    let cameras = task.path.cameras(mesh.positions(), task.frame_count, task.lens)?;
     let mut pictures = Pictures::new(task.video.as_ref(), &mesh, console)?;
     console.doing("fly");
     let options = FlightOptions {
@@ -133,11 +120,14 @@ fn flown(task: &FlyTask, console: &Console, report: &mut FlyReport) -> Result<()
     let rows = rows?;
     let drawn = pictures.drawn;
     report.seconds.fly = Some(seconds);
-    let summary = FlightSummary::of(&rows);
+    report.flight = std::mem::take(&mut report.flight).with_frames(rows);
+    let FlightReport { frames, summary, .. } = &report.flight;
+    let (rows, proven) =
+        (frames.as_deref().unwrap_or_default(), summary.as_ref().map_or(0, |all| all.frames_proven));
     console.stage("fly", &format!("{}, path {}", counted(rows.len(), "frame"), report.path), Some(seconds));
-    if summary.frames_proven > 0 {
+    if proven > 0 {
         report.proven = Some(true);
-        let frames = counted(summary.frames_proven, "frame");
+        let frames = counted(proven, "frame");
         console.stage("verify", &format!("proven: exactly the triangles of the view, {frames}"), None);
     }
     if let Some(video) = &task.video {
@@ -150,37 +140,14 @@ fn flown(task: &FlyTask, console: &Console, report: &mut FlyReport) -> Result<()
         );
     }
     if let Some(path) = &task.report {
-        write(path, &page(task, report.method.as_ref(), &model, &rows), console, "report")?;
+        write(path, &page(task, report.method.as_ref(), &model, rows), console, "report")?;
         report.report = Some(path.display().to_string());
     }
     if let Some(path) = &task.plot {
-        write(path, &draw(&short_name(&report.file), &rows)?, console, "plot")?;
+        write(path, &draw(&short_name(&report.file), rows)?, console, "plot")?;
         report.plot = Some(path.display().to_string());
     }
-    report.summary = Some(summary);
-    report.frames = Some(rows);
     Ok(())
-}
-
-/// Reads the file of cameras, if there is one.
-fn path_of_file(path: &CameraPath) -> Result<Option<FlightPath>, Failure> {
-    let CameraPath::File(path) = path else { return Ok(None) };
-    let text = fs::read_to_string(path).map_err(|error| Failure::system(path, &error))?;
-    let read = FlightPath::from_json(&text);
-    read.map(Some).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
-}
-
-/// Returns the cameras of all frames.
-fn cameras(task: &FlyTask, read: Option<FlightPath>, mesh: &Mesh) -> Result<Vec<Camera>, Failure> {
-    let positions = mesh.positions();
-    let path = match &task.path {
-        CameraPath::Orbit(up) => FlightPath::orbit(positions, *up),
-        CameraPath::Dolly(up) => FlightPath::dolly(positions, *up),
-        CameraPath::Flyover(up) => FlightPath::flyover(positions, *up),
-        CameraPath::File(path) => read.ok_or_else(|| tristrip_lab::Error::Data(path.display().to_string())),
-    };
-    let cameras = path.and_then(|path| path.cameras(task.frame_count, task.lens));
-    cameras.map_err(|error| Failure::Input(format!("path {}: {error}", task.path.name())))
 }
 
 /// Returns the page of a flight.

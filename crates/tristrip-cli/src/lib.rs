@@ -24,7 +24,6 @@ mod fly;
 mod input;
 mod inspect;
 mod job;
-mod join;
 mod lod;
 mod logs;
 mod method;

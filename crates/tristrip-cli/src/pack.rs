@@ -6,13 +6,12 @@ use serde::Serialize;
 use tristrip_io::Model;
 use tristrip_lab::text;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{LevelsOptions, Packed, pack, pack_as_published, rounded};
+use tristrip_pipeline::{Joined, LevelsOptions, Packed, PackedReport, join, pack, pack_as_published};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
-use crate::join::{Joined, join};
 use crate::output::write_file;
 use crate::stage::{load_job, timed};
 use crate::task::PackTask;
@@ -34,18 +33,8 @@ struct PackReport {
     proven: Option<bool>,
     seconds: PackSeconds,
     parts: Option<usize>,
-    /// The meshes of the stream.
-    meshes: Option<usize>,
-    chunks: Option<usize>,
-    vertices: Option<usize>,
-    triangles: Option<usize>,
-    base_triangles: Option<usize>,
-    /// The size of the file, and the bytes before its first chunk.
-    bytes: Option<usize>,
-    base_bytes: Option<usize>,
-    bits_per_vertex: Option<f64>,
-    /// How far a position may be from that of the input.
-    position_error: Option<f64>,
+    #[serde(flatten)]
+    packed: PackedReport,
     notes: Vec<String>,
     output: Option<String>,
     error: Option<String>,
@@ -104,15 +93,7 @@ fn pack_job(
     packed.notes.iter().for_each(|note| console.note(note));
     packed.losses.iter().for_each(|loss| console.note(loss));
     let bytes = packed.bytes.len();
-    report.meshes = Some(packed.meshes);
-    report.chunks = Some(packed.chunks);
-    report.vertices = Some(packed.vertices);
-    report.triangles = Some(packed.triangles);
-    report.base_triangles = Some(packed.base_triangles);
-    report.bytes = Some(bytes);
-    report.base_bytes = Some(packed.chunk_start);
-    report.bits_per_vertex = bits_per_vertex(bytes, packed.vertices);
-    report.position_error = Some(packed.position_error);
+    report.packed = packed.report();
     report.notes.extend(packed.notes);
     report.notes.extend(packed.losses);
     if let Some(output) = &job.output {
@@ -133,7 +114,7 @@ fn pack_published(
     console: &mut Console,
     report: &mut PackReport,
 ) -> Result<(), Failure> {
-    let Joined { mesh, notes } = join(model)?;
+    let Joined { mesh, notes, .. } = join(model)?;
     notes.iter().skip(report.notes.len()).for_each(|note| console.note(note));
     report.notes = notes;
     console.doing("pack");
@@ -150,13 +131,7 @@ fn pack_published(
     }
     let bytes = packed.bytes.len();
     report.proven = packed.proven.map(|_| true);
-    report.meshes = Some(1);
-    report.vertices = Some(packed.vertices);
-    report.triangles = Some(packed.triangles);
-    report.base_triangles = Some(packed.base_triangles);
-    report.bytes = Some(bytes);
-    report.base_bytes = Some(packed.base_bytes);
-    report.bits_per_vertex = bits_per_vertex(bytes, packed.vertices);
+    report.packed = packed.report();
     let (written, seconds) = timed(|| tristrip_io::replace_file(path, &packed.bytes));
     written.map_err(|error| Failure::writing(&error))?;
     console.stage("write", &format!("{}, {}", path.display(), text::bytes(bytes)), Some(seconds));
@@ -165,22 +140,18 @@ fn pack_published(
     Ok(())
 }
 
-/// Returns the bits per vertex of a file; `None` where there are no vertices.
-fn bits_per_vertex(bytes: usize, vertices: usize) -> Option<f64> {
-    (vertices > 0).then(|| rounded(8.0 * bytes as f64 / vertices as f64))
-}
-
 /// Returns a table of the counts.
 fn summary(report: &PackReport) -> String {
+    let packed = &report.packed;
     let row = |name: &str, n: Option<usize>| vec![format!("  {name}"), count(n.unwrap_or(0))];
     let rows = [
-        row("vertices", report.vertices),
-        row("triangles", report.triangles),
-        row("triangles of base meshes", report.base_triangles),
-        row("chunks", report.chunks),
-        row("bytes", report.bytes),
-        row("bytes before the first chunk", report.base_bytes),
-        vec!["  bits per vertex".into(), format!("{:.2}", report.bits_per_vertex.unwrap_or(0.0))],
+        row("vertices", packed.vertices),
+        row("triangles", packed.triangles),
+        row("triangles of base meshes", packed.base_triangles),
+        row("chunks", packed.chunks),
+        row("bytes", packed.bytes),
+        row("bytes before the first chunk", packed.base_bytes),
+        vec!["  bits per vertex".into(), format!("{:.2}", packed.bits_per_vertex.unwrap_or(0.0))],
     ];
     text::table(&rows, 1..2)
 }

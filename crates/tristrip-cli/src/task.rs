@@ -29,7 +29,7 @@ use servers::{serve_task, view_task};
 pub(crate) use streams::{InspectTask, PackTask, UnpackTask};
 use streams::{inspect_task, pack_task, unpack_task};
 use views::fly_task;
-pub(crate) use views::{CameraPath, FlyTask, VideoTask};
+pub(crate) use views::{FlyTask, VideoTask};
 
 /// A subcommand with options that fit each other.
 #[derive(Debug)]

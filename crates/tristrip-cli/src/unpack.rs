@@ -6,7 +6,9 @@ use serde::Serialize;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Format};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{EncodeOptions, Unpacked, encode_observed, is_published, unpack, unpack_published};
+use tristrip_pipeline::{
+    EncodeOptions, Unpacked, UnpackedReport, encode_observed, is_published, unpack, unpack_published,
+};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -22,20 +24,8 @@ struct UnpackReport {
     file: String,
     proven: Option<bool>,
     seconds: Seconds,
-    parts: Option<usize>,
-    level: Option<usize>,
-    /// The level of the full meshes.
-    levels: Option<usize>,
-    /// Of the refined meshes.
-    triangles: Option<usize>,
-    triangles_full: Option<usize>,
-    /// The largest error of a mesh at the end of the last chunk, in its own units.
-    surface_error: Option<f32>,
-    /// What the level needs of the file.
-    bytes: Option<usize>,
-    chunks: Option<usize>,
-    /// Whether the stream ended before the level that was asked for.
-    ended_early: Option<bool>,
+    #[serde(flatten)]
+    unpacked: UnpackedReport,
     notes: Vec<String>,
     output: Option<String>,
     error: Option<String>,
@@ -98,28 +88,10 @@ fn unpack_job(task: &UnpackTask, console: &mut Console, report: &mut UnpackRepor
         }
         Ok(unpack(&opened(&job.input, bytes)?, *goal, folder)?)
     });
-    let Unpacked {
-        mut model,
-        level,
-        full_level,
-        triangles,
-        full_triangles,
-        error,
-        bytes,
-        chunks,
-        problem,
-        ..
-    } = unpacked?;
+    let unpacked = unpacked?;
     report.seconds.load = Some(seconds);
-    report.parts = Some(model.parts.len());
-    report.level = Some(level);
-    report.levels = Some(full_level);
-    report.triangles = Some(triangles);
-    report.triangles_full = Some(full_triangles);
-    report.surface_error = Some(error);
-    report.bytes = Some(bytes);
-    report.chunks = Some(chunks);
-    report.ended_early = Some(problem.is_some());
+    report.unpacked = unpacked.report();
+    let Unpacked { mut model, level, full_level, triangles, full_triangles, problem, .. } = unpacked;
     report.notes.clone_from(&model.notes);
     let what = format!(
         "level {} of {}: {} of {}",
@@ -157,14 +129,15 @@ fn unpack_job(task: &UnpackTask, console: &mut Console, report: &mut UnpackRepor
 
 /// Returns a line on the level.
 fn summary(report: &UnpackReport) -> String {
+    let unpacked = &report.unpacked;
     let number = |n: Option<usize>| count(n.unwrap_or(0));
     format!(
         "  level {} of {}, {} of {} triangles, from {} bytes in {} chunks\n",
-        number(report.level),
-        number(report.levels),
-        number(report.triangles),
-        number(report.triangles_full),
-        number(report.bytes),
-        number(report.chunks)
+        number(unpacked.level),
+        number(unpacked.levels),
+        number(unpacked.triangles),
+        number(unpacked.triangles_full),
+        number(unpacked.bytes),
+        number(unpacked.chunks)
     )
 }

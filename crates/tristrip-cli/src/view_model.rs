@@ -4,29 +4,16 @@ use std::fs::File;
 use std::sync::Arc;
 use std::time::Duration;
 
+use tristrip::Mesh;
 use tristrip::lod::SkipStrips;
-use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
-use tristrip::{CollapseSequence, Mesh, StripifyOptions, Strips};
 use tristrip_io::tlod::{self, TlodLimits, TlodModel};
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{PreparedModel, Search, Stopped};
+use tristrip_pipeline::{Event, Stopped, ViewModel, ViewModelOptions, view_model};
 
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Input;
-use crate::join::{Joined, join};
-use crate::search::SearchWatch;
-use crate::stage::{load_timed, timed};
-
-/// How a model of views is built.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ViewModelOptions {
-    pub(crate) stripify: StripifyOptions,
-    /// The time after which the search for strips is stopped.
-    pub(crate) budget: Option<Duration>,
-    /// Whether the strips of the full mesh are proven.
-    pub(crate) verify: bool,
-}
+use crate::stage::{Stages, load_timed, show_search, timed};
 
 /// The times of the stages in seconds, and what is to be said.
 #[derive(Debug, Default)]
@@ -40,87 +27,65 @@ pub(crate) struct Building {
 }
 
 /// Loads an input as one mesh, and builds its model of views. A `.tlod` file has strips and collapses of its own.
-pub(crate) fn view_model(
+pub(crate) fn load_view_model(
     input: &Input,
-    options: ViewModelOptions,
+    options: &ViewModelOptions,
+    budget: Option<Duration>,
     console: &Console,
     building: &mut Building,
-) -> Result<(Mesh, Arc<SkipStrips>), Failure> {
+) -> Result<(ViewModel, Arc<SkipStrips>), Failure> {
     console.doing("load");
     let (found, seconds) = timed(|| stored(input));
-    if let Some(TlodModel { mesh, strips, sequence, .. }) = found? {
-        building.load = Some(seconds);
-        let what = format!("{}, {}", of_mesh(&mesh), counted(sequence.len(), "collapse"));
-        console.stage("load", &what, building.load);
-        return build(mesh, &strips, &sequence, console, building);
-    }
-    let (model, seconds) = load_timed(input, console)?;
-    building.load = Some(seconds);
-    let Joined { mesh, notes } = join(model)?;
-    building.notes = notes;
-    console.stage("load", &of_mesh(&mesh), building.load);
-    building.notes.iter().for_each(|note| console.note(note));
-
-    console.doing("stripify");
-    let watch = SearchWatch::new(console.progress(), options.budget, &options.stripify);
-    let (strips, seconds) = timed(|| {
-        let prepared = PreparedModel::of_meshes(&[&mesh], options.stripify.weld());
-        let strips = prepared.find_strips(&options.stripify, &watch)?;
-        if options.verify {
-            prepared.prove(&strips)?;
+    let model = match found? {
+        Some(model) => {
+            building.load = Some(seconds);
+            let what = format!("{}, {}", of_mesh(&model.mesh), counted(model.sequence.len(), "collapse"));
+            console.stage("load", &what, building.load);
+            model.into()
         }
-        Ok::<_, tristrip_pipeline::Error>(strips)
-    });
-    let strips = strips?.pop().unwrap_or_default();
-    building.stripify = Some(seconds);
-    console.stage(
-        "stripify",
-        &format!("{} of the full mesh", counted(strips.len(), "strip")),
-        building.stripify,
-    );
-    building.stopped = watch.stopped();
-    drop(watch);
-    if let Some(stopped) = building.stopped {
-        console.note(stopped.note());
-        building.notes.push(stopped.note().into());
-    }
+        None => built(input, options, budget, console, building)?,
+    };
+    console.doing("vertex tree");
+    let (tree, seconds) = timed(|| model.vertex_tree());
+    let tree = Arc::new(tree?);
+    building.build = Some(seconds);
+    let base = counted(tree.levels().triangle_count(0)?, "triangle");
+    console.stage("build", &format!("vertex tree over a base mesh of {base}"), building.build);
+    Ok((model, tree))
+}
 
-    console.doing("simplify");
-    let (tree, seconds) =
-        timed(|| merge_tree(&mesh, strips.to_list(), MergeOrder::Quadric, &SimplifyOptions::default()));
-    let tree = tree?;
-    building.simplify = Some(seconds);
-    let what = format!(
-        "{} in {}",
-        counted(tree.sequence.len(), "collapse"),
-        counted(tree.level_ends.len(), "level")
-    );
-    console.stage("simplify", &what, building.simplify);
-
-    build(mesh, &strips, &tree.sequence, console, building)
+/// Loads a mesh, and builds its strips and collapses.
+fn built(
+    input: &Input,
+    options: &ViewModelOptions,
+    budget: Option<Duration>,
+    console: &Console,
+    building: &mut Building,
+) -> Result<ViewModel, Failure> {
+    let (model, load) = load_timed(input, console)?;
+    building.load = Some(load);
+    let show = |event: Event<'_>, seconds: f64| match event {
+        Event::Surveyed { notes, .. } => building.notes = notes.to_vec(),
+        Event::Stripified { strips, stopped } => {
+            (building.stripify, building.stopped) = (Some(seconds), stopped);
+            let what = format!("{} of the full mesh", counted(strips, "strip"));
+            show_search(&what, seconds, stopped, console, &mut building.notes);
+        }
+        Event::Merged { collapses, levels } => {
+            building.simplify = Some(seconds);
+            let what = format!("{} in {}", counted(collapses, "collapse"), counted(levels, "level"));
+            console.stage("simplify", &what, Some(seconds));
+        }
+        _ => (),
+    };
+    let stages = Stages::new(console, load, show).with_budget(budget);
+    Ok(view_model(model, options, &stages)?)
 }
 
 /// Counts the faces and vertices of a mesh as text.
 fn of_mesh(mesh: &Mesh) -> String {
     let [faces, vertices] = [mesh.faces().face_count(), mesh.vertex_count()];
     format!("{}, {}", counted(faces, "face"), counted(vertices, "vertex"))
-}
-
-/// Builds the vertex tree.
-fn build(
-    mesh: Mesh,
-    strips: &Strips,
-    sequence: &CollapseSequence,
-    console: &Console,
-    building: &mut Building,
-) -> Result<(Mesh, Arc<SkipStrips>), Failure> {
-    console.doing("vertex tree");
-    let (model, seconds) = timed(|| SkipStrips::new(strips, sequence, mesh.positions()));
-    let model = Arc::new(model?);
-    building.build = Some(seconds);
-    let base = counted(model.levels().triangle_count(0)?, "triangle");
-    console.stage("build", &format!("vertex tree over a base mesh of {base}"), building.build);
-    Ok((mesh, model))
 }
 
 /// Reads a model that `build-lod` wrote, if the input is a file with this extension. Reading checks that its strips draw the triangles of its collapses.

@@ -44,6 +44,7 @@
 
 mod accessor;
 pub(crate) mod appearance;
+mod arriving;
 mod bounds;
 mod budget;
 mod buffer;
@@ -91,6 +92,7 @@ use crate::error::Error;
 use crate::model::{Drawing, Model};
 
 pub use appearance::{Appearance, Image, Instance, Material, Texture, Wrap};
+pub use arriving::{ArrivalLimits, ArrivingGlb};
 pub use budget::{
     ATTRIBUTE_LIMIT, DECOMPRESSED_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE,
 };

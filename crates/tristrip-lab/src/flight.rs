@@ -14,6 +14,7 @@
 //! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*, 2000, section 6,
 //! reports flights in the same quantities.
 
+mod cameras;
 mod chart;
 mod extent;
 mod frames;
@@ -21,9 +22,13 @@ mod lens;
 mod path;
 mod report;
 
+pub use cameras::CameraPath;
 pub use chart::draw;
 pub(crate) use frames::is_among;
-pub use frames::{FlightObserver, FlightOptions, FlightSummary, FrameRow, FrameSeconds, FrameValues, fly};
+pub use frames::{
+    FlightObserver, FlightOptions, FlightReport, FlightSummary, FrameRow, FrameSeconds, FrameValues, fly,
+    prove_drawing, prove_view,
+};
 pub use lens::{Axis, Lens};
 pub(crate) use path::Stop;
 pub use path::{FlightPath, MAX_FRAMES};

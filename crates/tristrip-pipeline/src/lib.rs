@@ -38,6 +38,7 @@ mod figures;
 #[cfg(feature = "fs")]
 mod files;
 mod goal;
+mod join;
 mod levels;
 mod method;
 mod observer;
@@ -53,6 +54,7 @@ mod surface_change;
 pub mod text;
 mod unpack;
 mod verify;
+mod view_model;
 
 pub use analyze::{
     Analysis, AnalyzeOptions, DrawMode, LengthBin, PartAnalysis, PartReport, StoredFigures, StripLengths,
@@ -72,6 +74,7 @@ pub use figures::{Figures, MeshFigures, rounded};
 #[cfg(feature = "fs")]
 pub use files::{Target, WRITTEN_FORMATS, WrittenFiles, format_to_write, layout_to_write, path_of_level};
 pub use goal::{Amount, Deviation, Goal, Ratio};
+pub use join::{Joined, join};
 pub use levels::{
     DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
     ModelLevels, levels, levels_observed, parse_levels,
@@ -80,7 +83,7 @@ pub use method::{
     MethodReport, MethodRow, compared_methods, method_of_flags, methods_to_compare, parse_method,
 };
 pub use observer::{Event, Observer, Search, Stage, Stopped};
-pub use pack::{PackOptions, Packed, pack};
+pub use pack::{PackOptions, Packed, PackedReport, pack};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
 pub use published::{Published, is_published, pack_as_published, unpack_published};
@@ -91,5 +94,9 @@ pub use simplify::{
 pub use stream::{StreamedMesh, stream_of_mesh};
 pub use strip::{StripOptions, Stripped, strip, strip_observed, with_strips};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
-pub use unpack::{ChunkFigures, StreamFigures, StreamGoal, Unpacked, stream_figures, unpack};
+pub use unpack::{
+    ChunkFigures, ComponentBits, StreamFigures, StreamGoal, StreamReport, Unpacked, UnpackedReport,
+    stream_figures, unpack,
+};
 pub use verify::{DifferenceReport, verify};
+pub use view_model::{EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, view_model};

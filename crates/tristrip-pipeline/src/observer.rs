@@ -102,6 +102,13 @@ pub enum Event<'a> {
     },
     /// [`Stage::Simplify`] ended.
     Simplified(&'a Collapses),
+    /// [`Stage::Simplify`] ended with a merge tree.
+    Merged {
+        /// The number of collapses.
+        collapses: usize,
+        /// The levels of the tree.
+        levels: usize,
+    },
     /// [`Stage::Compare`] ended.
     Compared(&'a SurfaceChange),
     /// [`Stage::Filter`] ended.

@@ -21,6 +21,7 @@
 mod eye;
 mod group;
 mod order;
+mod report;
 
 use std::collections::HashMap;
 
@@ -34,6 +35,8 @@ use tristrip_io::{Drawing, Format, Model, Part};
 use self::eye::error_factors;
 use self::group::{Group, groups, touching_vertices};
 use self::order::{Queue, in_order};
+pub use self::report::PackedReport;
+pub(crate) use self::report::bits_per_vertex;
 use crate::encode::{EncodeOptions, encode, kept_vertices};
 use crate::error::Error;
 use crate::observer::{Observer, Stage, begin};

@@ -8,6 +8,7 @@ use tristrip_io::{Model, Part};
 use crate::error::Error;
 use crate::levels::{LevelsOptions, levels_observed};
 use crate::observer::{Observer, Stage, begin};
+use crate::pack::{PackedReport, bits_per_vertex};
 use crate::stream::used_vertices;
 use crate::unpack::{StreamGoal, Unpacked};
 
@@ -32,6 +33,22 @@ pub struct Published {
     pub vertices: usize,
     /// The number of triangles that the bytes are proven to draw; `None` if they were not proven.
     pub proven: Option<usize>,
+}
+
+impl Published {
+    /// Returns the counts for a report.
+    pub fn report(&self) -> PackedReport {
+        PackedReport {
+            meshes: Some(1),
+            vertices: Some(self.vertices),
+            triangles: Some(self.triangles),
+            base_triangles: Some(self.base_triangles),
+            bytes: Some(self.bytes.len()),
+            base_bytes: Some(self.base_bytes),
+            bits_per_vertex: bits_per_vertex(self.bytes.len(), self.vertices),
+            ..PackedReport::default()
+        }
+    }
 }
 
 /// Encodes a mesh as paper 001 transmits it, with the four symbols of its section 3.

@@ -306,7 +306,7 @@ fn simplify_to<'a>(
         begin(observer, Stage::Compare)?;
         let textures = texture_sizes(model);
         let change = if is_fitted {
-            fit::change(&parts, &redrawn, &textures)?
+            fit::change(&parts, &redrawn, &textures, POINTS)?
         } else {
             change(&parts, &done, &rebuilt, &textures)?
         };

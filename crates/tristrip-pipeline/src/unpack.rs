@@ -7,14 +7,18 @@
 //! # Complexity
 //! As of the decoder, for the chunks up to the goal.
 
+mod report;
+
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use serde::Serialize;
 use tristrip::stream::{Decoder, StreamCosts, StreamPart, chunks};
 use tristrip::{Faces, Mesh};
 use tristrip_io::Model;
 use tristrip_io::gltf::{ProgressiveGlb, StreamMeshes};
 
+pub use self::report::{ComponentBits, StreamReport, UnpackedReport};
 use crate::error::Error;
 use crate::levels::Level;
 
@@ -201,8 +205,8 @@ fn at_level(mesh: &Mesh, triangles: &[[u32; 3]]) -> Result<Mesh, Error> {
     Ok(mesh.with_faces(faces)?.without_unused_vertices().0)
 }
 
-/// A chunk of a stream.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A chunk of a stream; the keys are those of the JSON report of `tristrip inspect`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ChunkFigures {
     /// The number of its mesh.
@@ -214,6 +218,7 @@ pub struct ChunkFigures {
     /// The triangles of all refined meshes then.
     pub triangles: usize,
     /// The largest error of a mesh then, in its own units.
+    #[serde(rename = "surface_error")]
     pub error: f32,
 }
 

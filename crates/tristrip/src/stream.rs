@@ -38,6 +38,7 @@ mod costs;
 mod decoder;
 mod encoder;
 mod fans;
+mod fault;
 mod fit;
 mod grid;
 mod head;
@@ -64,8 +65,9 @@ mod tests;
 pub mod paper;
 
 pub use costs::StreamCosts;
-pub use decoder::{ChunkView, Decoder, StreamError, StreamLimits, chunks};
+pub use decoder::{ChunkView, Decoder, StreamLimits, chunks};
 pub use encoder::{EncodedStream, StreamChunk, encode, unsplittable};
+pub use fault::{ExceededLimit, StreamError};
 pub use grid::PART;
 pub use options::StreamOptions;
 pub use part::StreamPart;

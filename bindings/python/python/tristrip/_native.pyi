@@ -9,6 +9,7 @@ import numpy.typing as npt
 from typing_extensions import NotRequired
 
 from ._progress import ProgressArgument
+from ._streams import Packed, Unpacked
 
 VERSION: str
 
@@ -33,6 +34,13 @@ Uint32Array: TypeAlias = npt.NDArray[np.uint32]
 Float32Array: TypeAlias = npt.NDArray[np.float32]
 IndexArray: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.uint32]
 Faces: TypeAlias = npt.ArrayLike | Sequence[Sequence[int]]
+#: An object with bytes.
+Buffer: TypeAlias = bytes | bytearray | memoryview
+Path: TypeAlias = str | PathLike[str]
+ReadFormat: TypeAlias = Literal["obj", "ply", "off", "stl", "gltf", "glb"]
+WrittenFormat: TypeAlias = Literal["glb", "gltf", "ply", "obj"]
+#: A file, or the bytes of one.
+Input: TypeAlias = Path | Buffer
 
 def run_command(arguments: Sequence[str]) -> int: ...
 def set_threads(threads: int | None) -> None: ...
@@ -258,11 +266,358 @@ class Levels:
 
 # --- streams
 
+class PackReport(TypedDict):
+    wire: Literal["tristrip", "paper"]
+    proven: bool | None
+    parts: int
+    meshes: int
+    chunks: int | None
+    vertices: int
+    triangles: int
+    base_triangles: int
+    bytes: int
+    base_bytes: int
+    bits_per_vertex: float | None
+    position_error: float | None
+    notes: list[str]
+    output: str | None
+
+class UnpackReport(TypedDict):
+    proven: bool | None
+    parts: int
+    level: int
+    levels: int
+    triangles: int
+    triangles_full: int
+    surface_error: float
+    bytes: int
+    chunks: int
+    ended_early: bool
+    notes: list[str]
+    output: str | None
+
+class ComponentBits(TypedDict):
+    name: str
+    bits: float
+    per_vertex: float
+
+class ChunkReport(TypedDict):
+    mesh: int
+    end: int
+    level: int
+    triangles: int
+    surface_error: float
+
+class InspectReport(TypedDict):
+    meshes: int
+    vertices: int
+    triangles: int
+    levels: int
+    position_bits: int
+    base_bytes: int
+    chunk_bytes: int
+    bits_per_vertex: float
+    components: list[ComponentBits]
+    chunks: list[ChunkReport]
+    notes: list[str]
+
+def pack(
+    input: Input | Scene,
+    output: Path | None = None,
+    *,
+    format: ReadFormat | str | None = None,
+    eye: Vector | None = None,
+    position_bits: int | None = None,
+    wire: Literal["tristrip", "paper"] = "tristrip",
+    verify: bool = True,
+    progress: ProgressArgument = None,
+) -> Packed: ...
+def unpack(
+    input: Input,
+    output: Path | None = None,
+    *,
+    level: int | str | None = None,
+    triangles: int | None = None,
+    bytes: int | None = None,
+    to: WrittenFormat | str | None = None,
+    verify: bool = True,
+    progress: ProgressArgument = None,
+) -> Unpacked: ...
+def inspect(input: Input) -> InspectReport: ...
+@final
+class Decoder:
+    def __new__(
+        cls, *, strips: bool = False, max_bytes: int | None = None, max_triangles: int | None = None
+    ) -> Decoder: ...
+    def update(self, data: Buffer) -> int: ...
+    def finish(self) -> None: ...
+    @property
+    def offset(self) -> int: ...
+    @property
+    def is_complete(self) -> bool: ...
+    @property
+    def has_base(self) -> bool: ...
+    @property
+    def chunk_start(self) -> int | None: ...
+    @property
+    def chunk_end(self) -> int | None: ...
+    @property
+    def chunk_count(self) -> int: ...
+    @property
+    def parts(self) -> list[StreamedPart]: ...
+    @property
+    def level(self) -> int: ...
+    @property
+    def full_level(self) -> int: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def full_triangle_count(self) -> int: ...
+    @property
+    def error(self) -> float | None: ...
+    def scene(self) -> Scene | None: ...
+    def __copy__(self) -> Decoder: ...
+    def __deepcopy__(self, memo: dict[int, Any], /) -> Decoder: ...
+    def _repr_html_(self) -> str: ...
+
+@final
+class StreamedPart:
+    @property
+    def number(self) -> int: ...
+    @property
+    def level(self) -> int: ...
+    @property
+    def full_level(self) -> int: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def full_triangle_count(self) -> int: ...
+    @property
+    def vertex_count(self) -> int: ...
+    @property
+    def full_vertex_count(self) -> int: ...
+    @property
+    def error(self) -> float: ...
+    @property
+    def position_bits(self) -> int: ...
+    @property
+    def vertices(self) -> Float32Array: ...
+    @property
+    def faces(self) -> Uint32Array: ...
+    @property
+    def attributes(self) -> dict[str, npt.NDArray[Any]]: ...
+    def strips(self) -> Strips: ...
+    @property
+    def fingerprint(self) -> int: ...
+
+# --- views
+
+Filter: TypeAlias = Literal["none", "stss", "dtfs", "linked"]
+Vector: TypeAlias = Sequence[float] | npt.NDArray[np.floating[Any]]
+
+class BuildReport(TypedDict, total=False):
+    method: str
+    cost: str
+    effort: int
+    order: Literal["quadric", "shortest-edge"] | None
+    proven: bool | None
+    parts: int | None
+    vertices: int
+    triangles: int
+    strips: int
+    collapses: int
+    levels: int | None
+    height: int
+    bytes: int | None
+    stopped: Literal["budget", "interrupt"] | None
+    notes: list[str]
+
+class UpdateReport(TypedDict):
+    triangles: int
+    active_vertices: int
+    collapses: int
+    splits: int
+    looked_at: int
+    segments: int
+    complete: bool
+
+class FrameSeconds(TypedDict):
+    update: float
+
+class FrameReport(TypedDict):
+    frame: int
+    triangles: int
+    active_vertices: int
+    collapses: int
+    splits: int
+    looked_at: int
+    segments: int
+    vertices_sent: int
+    vertices_per_triangle: float
+    strips: int
+    bytes_changed: int
+    complete: bool
+    proven: bool | None
+    seconds: FrameSeconds
+
+class FrameValues(TypedDict):
+    triangles: int
+    vertices_per_triangle: float
+    changes_percent: float
+    bytes_changed: int
+    seconds: FrameSeconds
+
+class FlightSummary(TypedDict):
+    frame_count: int
+    frames_proven: int
+    frames_incomplete: int
+    first: FrameValues
+    median: FrameValues
+    worst: FrameValues
+
+class FlyReport(TypedDict):
+    filter: Filter
+    path: str
+    proven: bool | None
+    collapses: int
+    triangles_base: int
+    triangles_full: int
+    tree_height: int
+    summary: FlightSummary
+    frames: list[FrameReport]
+
+class ViewModelMemory(TypedDict):
+    strips: int
+    tree: int
+
+@final
+class ViewModel:
+    @classmethod
+    def build(
+        cls,
+        vertices: npt.ArrayLike,
+        faces: Faces,
+        *,
+        method: Method | str = "best",
+        effort: int | None = None,
+        cost: Cost | None = None,
+        order: Literal["quadric", "shortest-edge"] = "quadric",
+        normals: npt.ArrayLike | None = None,
+        uv: npt.ArrayLike | None = None,
+        colors: npt.ArrayLike | None = None,
+        attributes: dict[str, npt.ArrayLike] | None = None,
+        verify: bool = True,
+        budget: float | None = None,
+        progress: ProgressArgument = None,
+        **options: Any,
+    ) -> ViewModel: ...
+    @classmethod
+    def from_scene(
+        cls,
+        input: Input | Scene,
+        *,
+        format: ReadFormat | str | None = None,
+        method: Method | str = "best",
+        effort: int | None = None,
+        cost: Cost | None = None,
+        order: Literal["quadric", "shortest-edge"] = "quadric",
+        verify: bool = True,
+        budget: float | None = None,
+        progress: ProgressArgument = None,
+        **options: Any,
+    ) -> ViewModel: ...
+    @classmethod
+    def load(cls, input: Input) -> ViewModel: ...
+    def to_bytes(self) -> bytes: ...
+    def save(self, path: Path) -> None: ...
+    @property
+    def vertices(self) -> Float32Array: ...
+    @property
+    def faces(self) -> Uint32Array: ...
+    @property
+    def attributes(self) -> dict[str, npt.NDArray[Any]]: ...
+    @property
+    def strips(self) -> Strips: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def base_triangle_count(self) -> int: ...
+    @property
+    def collapse_count(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def memory(self) -> ViewModelMemory: ...
+    @property
+    def report(self) -> BuildReport: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def view(self, filter: Filter | Literal["repair"] = "dtfs") -> View: ...
+    def fly(
+        self,
+        path: Path | Sequence[Mapping[str, Any]] | None = None,
+        *,
+        frames: int = 300,
+        up: Literal["x", "y", "z"] | None = None,
+        filter: Filter = "dtfs",
+        verify: bool = True,
+        field_of_view: float = 45.0,
+        image: tuple[int, int] = (1920, 1080),
+        pixels: float = 1.0,
+        triangles: int | None = None,
+        steps: int | None = None,
+        frustum: bool = True,
+        back_faces: bool = True,
+        silhouettes: bool = True,
+        light: Vector | None = None,
+        foveation: float | None = None,
+        attention: Vector = (0.5, 0.5),
+    ) -> FlyReport: ...
+    def _repr_html_(self) -> str: ...
+
+@final
+class View:
+    def set_view(
+        self,
+        eye: Vector,
+        look_at: Vector | None = None,
+        *,
+        direction: Vector | None = None,
+        up: Vector = (0.0, 1.0, 0.0),
+        field_of_view: float = 45.0,
+        image: tuple[int, int] = (1920, 1080),
+        pixels: float = 1.0,
+        triangles: int | None = None,
+        steps: int | None = None,
+        frustum: bool = True,
+        back_faces: bool = True,
+        silhouettes: bool = True,
+        light: Vector | None = None,
+        foveation: float | None = None,
+        attention: Vector = (0.5, 0.5),
+    ) -> UpdateReport: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def active_vertex_count(self) -> int: ...
+    @property
+    def surface_error(self) -> float: ...
+    @property
+    def filter(self) -> str: ...
+    @property
+    def memory(self) -> int: ...
+    def strips(self) -> Strips: ...
+    def indices(self, layout: Layout = "restart", dtype: npt.DTypeLike | None = None) -> IndexArray: ...
+    def update(self, dtype: npt.DTypeLike | None = None) -> tuple[IndexArray, list[tuple[int, int]]]: ...
+    def triangles(self) -> Uint32Array: ...
+    def verify(self) -> int: ...
+    def picture(self, *, shaded: bool = False) -> bytes: ...
+    def __copy__(self) -> View: ...
+    def __deepcopy__(self, memo: dict[int, Any], /) -> View: ...
+    def _repr_png_(self) -> bytes | None: ...
+
 # --- scenes
 
-Path: TypeAlias = str | PathLike[str]
-ReadFormat: TypeAlias = Literal["obj", "ply", "off", "stl", "gltf", "glb"]
-WrittenFormat: TypeAlias = Literal["glb", "gltf", "ply", "obj"]
 UvOrigin: TypeAlias = Literal["bottom", "top"]
 Price: TypeAlias = Literal["distance", "planes", "quadric"]
 
@@ -623,6 +978,16 @@ class Scene:
         progress: ProgressArgument = None,
         **options: Any,
     ) -> Chain: ...
+    def pack(
+        self,
+        output: Path | None = None,
+        *,
+        eye: Vector | None = None,
+        position_bits: int | None = None,
+        wire: Literal["tristrip", "paper"] = "tristrip",
+        verify: bool = True,
+        progress: ProgressArgument = None,
+    ) -> Packed: ...
     def bound(self, weld: bool = False) -> BoundReport: ...
     def analyze(self, vertex_caches: str | Sequence[str] | None = None, flush: bool = False) -> AnalyzeReport: ...
     def compare(

@@ -7,7 +7,9 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ._native import Chain, Levels, Scene, Simplified, SimplifiedScene, StrippedScene, Strips
+    from collections.abc import Mapping
+
+    from ._native import Chain, Decoder, Levels, Scene, Simplified, SimplifiedScene, StrippedScene, Strips
 
 _SHOWN = {
     "triangles": "triangles",
@@ -69,6 +71,27 @@ def strips_html(strips: Strips) -> str:
     metrics: dict[str, Any] = dict(strips.metrics())
     rows = {name: metrics[key] for key, name in _SHOWN.items()}
     return table(strips.method or "strips", rows)
+
+
+def report_html(title: str, report: Mapping[str, Any]) -> str:
+    """Return the numbers and texts of a report."""
+    rows = {key.replace("_", " "): value for key, value in report.items() if isinstance(value, (int, float, str))}
+    return table(title, rows)
+
+
+def decoder_html(decoder: Decoder) -> str:
+    """Return the state of a decoder."""
+    rows: dict[str, Any] = {
+        "bytes": decoder.offset,
+        "of": decoder.chunk_end,
+        "chunks": decoder.chunk_count,
+        "level": decoder.level,
+        "full level": decoder.full_level,
+        "triangles": decoder.triangle_count,
+        "full triangles": decoder.full_triangle_count,
+        "error": decoder.error,
+    }
+    return table("decoder", {name: value for name, value in rows.items() if value is not None})
 
 
 #: Scenes with more triangles are shown without a picture, which would take seconds.

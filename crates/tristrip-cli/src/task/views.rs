@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use tristrip::StripifyOptions;
 use tristrip::lod::{Filter, Foveation, ViewCriteria};
-use tristrip_lab::flight::{Axis, Lens, MAX_FRAMES};
+use tristrip_lab::flight::{CameraPath, Lens, MAX_FRAMES};
 
 use super::checks::{check_chart, of_flag};
 use crate::args::{CriteriaArgs, FlyArgs, LensArgs};
@@ -32,31 +32,6 @@ pub(crate) struct FlyTask {
     /// The SVG file to write.
     pub(crate) plot: Option<PathBuf>,
     pub(crate) video: Option<VideoTask>,
-}
-
-/// Where a camera flies.
-#[derive(Debug)]
-pub(crate) enum CameraPath {
-    /// Around the model.
-    Orbit(Axis),
-    /// Towards the model.
-    Dolly(Axis),
-    /// Over the model; without an axis, its shortest side is vertical.
-    Flyover(Option<Axis>),
-    /// Through the cameras of a JSON file.
-    File(PathBuf),
-}
-
-impl CameraPath {
-    /// Returns the name for reports: that of the path, or of the file.
-    pub(crate) fn name(&self) -> String {
-        match self {
-            Self::Orbit(_) => "orbit".into(),
-            Self::Dolly(_) => "dolly".into(),
-            Self::Flyover(_) => "flyover".into(),
-            Self::File(path) => path.display().to_string(),
-        }
-    }
 }
 
 /// The pictures of a flight.
@@ -147,7 +122,7 @@ pub(super) fn fly_task(args: FlyArgs) -> Result<FlyTask, String> {
         input,
         options,
         budget: args.method.budget(),
-        path: camera_path(args.path, args.up)?,
+        path: CameraPath::new(&args.path, args.up).map_err(|error| format!("--{error}"))?,
         frame_count: args.frames,
         lens,
         criteria,
@@ -156,24 +131,5 @@ pub(super) fn fly_task(args: FlyArgs) -> Result<FlyTask, String> {
         report: args.report,
         plot: args.plot,
         video,
-    })
-}
-
-/// Returns the path of a camera by its name, or as a file.
-fn camera_path(path: PathBuf, up: Option<Axis>) -> Result<CameraPath, String> {
-    Ok(match path.to_str() {
-        Some("orbit") => CameraPath::Orbit(up.unwrap_or(Axis::Y)),
-        Some("dolly") => CameraPath::Dolly(up.unwrap_or(Axis::Y)),
-        Some("flyover") => CameraPath::Flyover(up),
-        _ if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("json")) => {
-            return Err(format!(
-                "--path: found {}, expected orbit, dolly, flyover or a .json file of cameras",
-                path.display()
-            ));
-        }
-        _ if up.is_some() => {
-            return Err("--up cannot be used with a file of cameras: it has their axes".into());
-        }
-        _ => CameraPath::File(path),
     })
 }

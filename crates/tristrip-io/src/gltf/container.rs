@@ -41,21 +41,53 @@ pub(super) fn is_glb(file: &[u8]) -> bool {
     file.starts_with(MAGIC)
 }
 
+/// Returns the bytes of a GLB up to the end of its JSON, as its first bytes say; `None` if there are too few of them.
+///
+/// # Errors
+/// The bytes are not those of a GLB of version 2 that begins with JSON.
+pub(super) fn json_end(start: &[u8]) -> Result<Option<u64>, Error> {
+    if !start.starts_with(&MAGIC[..start.len().min(MAGIC.len())]) {
+        let found = format!("\"{}\"", start[..start.len().min(4)].escape_ascii());
+        return Err(Error::format("byte 0", found, "`glTF` of a GLB"));
+    }
+    if let Some(version) = word(start, 4) {
+        check_version(version)?;
+    }
+    if let Some(kind) = word(start, HEADER_BYTES + 4) {
+        check_json(kind)?;
+        let length = word(start, HEADER_BYTES).map(u64::from);
+        return Ok(length.map(|length| (HEADER_BYTES + CHUNK_HEADER_BYTES) as u64 + length));
+    }
+    Ok(None)
+}
+
+fn check_version(version: u32) -> Result<(), Error> {
+    if version == 2 {
+        return Ok(());
+    }
+    Err(Error::format("byte 4", format!("GLB version {version}"), "2"))
+}
+
+/// Checks the type of the first chunk.
+fn check_json(kind: u32) -> Result<(), Error> {
+    if kind == JSON_CHUNK {
+        return Ok(());
+    }
+    let found = format!("chunk type {kind:#010x}");
+    Err(Error::format(format!("byte {}", HEADER_BYTES + 4), found, "0x4e4f534a (JSON)"))
+}
+
 /// Finds the chunks of a GLB of which only the first bytes may be there: the JSON, and what there is of the bytes behind. `None` if the JSON is not there.
 pub(super) fn open_start(file: Arc<Vec<u8>>) -> Option<GlbContainer> {
-    let size_of = |at: usize| word(&file, at).map(|size| size as usize);
-    if !is_glb(&file) || word(&file, 4) != Some(2) || word(&file, HEADER_BYTES + 4) != Some(JSON_CHUNK) {
-        return None;
-    }
-    let start = HEADER_BYTES + CHUNK_HEADER_BYTES;
-    let json = start..start.checked_add(size_of(HEADER_BYTES)?)?;
+    let end = usize::try_from(json_end(&file).ok()??).ok()?;
+    let json = HEADER_BYTES + CHUNK_HEADER_BYTES..end;
     if json.end > file.len() {
         return None;
     }
     let is_bin = word(&file, json.end.checked_add(4)?) == Some(BIN_CHUNK);
-    let bin = size_of(json.end).filter(|_| is_bin).map(|size| {
+    let bin = word(&file, json.end).filter(|_| is_bin).map(|size| {
         let start = json.end + CHUNK_HEADER_BYTES;
-        start..start.saturating_add(size).min(file.len())
+        start..start.saturating_add(size as usize).min(file.len())
     });
     Some(GlbContainer { file, json, bin })
 }
@@ -71,10 +103,7 @@ pub(super) fn open(file: Arc<Vec<u8>>, notes: &mut Vec<String>) -> Result<GlbCon
             Error::format(format!("byte {at}"), found, what)
         })
     };
-    let version = header(4, "the GLB version")?;
-    if version != 2 {
-        return Err(Error::format("byte 4", format!("GLB version {version}"), "2"));
-    }
+    check_version(header(4, "the GLB version")?)?;
     let length = header(8, "the length of the file")? as usize;
     let least = HEADER_BYTES + CHUNK_HEADER_BYTES;
     if length > file.len() || length < least {
@@ -88,10 +117,7 @@ pub(super) fn open(file: Arc<Vec<u8>>, notes: &mut Vec<String>) -> Result<GlbCon
         notes.push(format!("dropped bytes after the end of the GLB: {}", file.len() - length));
     }
     let (kind, json) = chunk(&file, HEADER_BYTES, length)?;
-    if kind != JSON_CHUNK {
-        let found = format!("chunk type {kind:#010x}");
-        return Err(Error::format(format!("byte {}", HEADER_BYTES + 4), found, "0x4e4f534a (JSON)"));
-    }
+    check_json(kind)?;
     let mut bin = None;
     let mut at = json.end;
     let mut unknown_count = 0;

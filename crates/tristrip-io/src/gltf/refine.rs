@@ -227,7 +227,12 @@ pub(super) fn limits(bytes: usize) -> StreamLimits {
     StreamLimits { triangles: triangles.min(limits.triangles), ..limits }
 }
 
-fn stream_error(fault: &StreamError) -> Error {
+/// Returns the error of a file whose stream has a fault.
+pub(super) fn stream_error(fault: &StreamError) -> Error {
+    if let Some(exceeded) = fault.exceeded {
+        let at = format!("{} of the stream, {}", fault.at, exceeded.what);
+        return Error::LimitExceeded { at, found: exceeded.found, limit: exceeded.limit };
+    }
     Error::format(format!("{} of the stream", fault.at), fault.found.clone(), fault.expected.clone())
 }
 

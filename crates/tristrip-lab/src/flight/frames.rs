@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde::Serialize;
-use tristrip::Faces;
 use tristrip::lod::{Camera, Filter, RESTART, SkipStrips, SkipView, ViewCriteria};
 use tristrip::verify::verify_drawing;
+use tristrip::{Faces, Strips};
 use tristrip_pipeline::rounded;
 
 use crate::error::Error;
@@ -153,17 +153,97 @@ pub fn fly(
     Ok(rows)
 }
 
-/// Proves that the display strips of a view draw exactly its triangles.
-fn prove(frame: usize, view: &SkipView) -> Result<(), Error> {
-    let unproven = |why: String| tristrip_pipeline::Error::Unproven(format!("frame {frame}: {why}"));
+/// Proves that the display strips of a view draw exactly its triangles; returns their number.
+///
+/// # Errors
+/// They do not.
+///
+/// ```
+#[doc = include_str!("example.txt")]
+/// assert_eq!(prove_view(&model.view())?, model.view().triangle_count());
+/// # Ok::<(), Error>(())
+/// ```
+pub fn prove_view(view: &SkipView) -> Result<usize, Error> {
+    prove_drawing(view, &view.display_strips())
+}
+
+/// Proves that strips draw exactly the triangles of a view, as [`prove_view`] does for the strips of its own.
+///
+/// # Errors
+/// They do not.
+pub fn prove_drawing(view: &SkipView, strips: &Strips) -> Result<usize, Error> {
     let expected = Faces::from_triangles(view.renamed_triangles().into_flattened())?;
     if expected.face_count() != view.triangle_count() {
         let (found, expected) = (view.triangle_count(), expected.face_count());
-        return Err(unproven(format!("the view counts {found} triangles, expected {expected}")).into());
+        return Err(unproven(format!("the view counts {found} triangles, expected {expected}")));
     }
-    let drawn: Vec<[u32; 3]> = view.display_strips().triangles().collect();
-    verify_drawing(&expected, &drawn).map_err(|why| unproven(why.to_string()))?;
-    Ok(())
+    let drawn: Vec<[u32; 3]> = strips.triangles().collect();
+    let proof = verify_drawing(&expected, &drawn).map_err(|why| unproven(why.to_string()))?;
+    Ok(proof.triangles)
+}
+
+fn unproven(why: String) -> Error {
+    tristrip_pipeline::Error::Unproven(why).into()
+}
+
+/// Proves the display strips of a frame.
+fn prove(frame: usize, view: &SkipView) -> Result<(), Error> {
+    let Err(error) = prove_view(view) else { return Ok(()) };
+    match error {
+        Error::Pipeline(tristrip_pipeline::Error::Unproven(why)) => {
+            Err(unproven(format!("frame {frame}: {why}")))
+        }
+        other => Err(other),
+    }
+}
+
+/// A flight; the keys are those of the JSON report of `tristrip fly`. All are `None` before it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[non_exhaustive]
+pub struct FlightReport {
+    /// The collapses of the model.
+    pub collapses: Option<usize>,
+    /// The triangles of the base mesh.
+    pub triangles_base: Option<usize>,
+    /// The triangles of the full mesh.
+    pub triangles_full: Option<usize>,
+    /// The most collapses, one into a result of the one before, from a vertex to a root.
+    pub tree_height: Option<u32>,
+    /// What the frames have in common.
+    pub summary: Option<FlightSummary>,
+    /// The frames.
+    pub frames: Option<Vec<FrameRow>>,
+}
+
+impl FlightReport {
+    /// Returns the counts of a model, before a flight.
+    ///
+    /// # Errors
+    /// None for a model that was built.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let report = FlightReport::of_model(&model)?.with_frames(fly(&model, &cameras, &FlightOptions::default(), &mut ())?);
+    /// assert_eq!((report.triangles_full, report.frames.map(|frames| frames.len())), (Some(128), Some(20)));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn of_model(model: &SkipStrips) -> Result<Self, Error> {
+        let levels = model.levels();
+        Ok(Self {
+            collapses: Some(levels.collapse_count()),
+            triangles_base: Some(levels.triangle_count(0)?),
+            triangles_full: Some(levels.triangle_count(levels.collapse_count())?),
+            tree_height: Some(model.height()),
+            summary: None,
+            frames: None,
+        })
+    }
+
+    /// Sets the frames.
+    #[must_use]
+    pub fn with_frames(self, frames: Vec<FrameRow>) -> Self {
+        Self { summary: Some(FlightSummary::of(&frames)), frames: Some(frames), ..self }
+    }
 }
 
 /// Checks whether a frame is one of `chosen` frames at equal distances, of which the last one is the last of all.

@@ -7,8 +7,8 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use tristrip::stream::StreamOptions;
-use tristrip_io::gltf::ProgressiveGlb;
+use tristrip::stream::{StreamLimits, StreamOptions};
+use tristrip_io::gltf::{ArrivalLimits, ArrivingGlb, ProgressiveGlb};
 use tristrip_io::{Format, Model, read};
 use tristrip_pipeline::{
     Error, Level, Observer, PackOptions, StreamGoal, Unpacked, pack, stream_figures, unpack,
@@ -341,4 +341,74 @@ fn wrong_documents_are_refused() {
     refused("\"stream\":0,\"part\":0", "\"stream\":0,\"part\":-1");
     refused("\"stream\":0,\"part\":0", "\"stream\":\"0\"");
     refused("\"scene\":0", "\"scene\":0,\"images\":[{\"bufferView\":2,\"mimeType\":\"image/png\"}]");
+}
+
+#[test]
+fn a_file_that_arrives_byte_by_byte_gives_what_is_complete() {
+    let model = two_materials(20);
+    let bytes = packed(&model);
+    let glb = open(&bytes);
+    let mut arriving = ArrivingGlb::new(ArrivalLimits::default()).keeping_strips();
+    let meshes = |model: &Model| model.parts.iter().map(|part| part.mesh.clone()).collect::<Vec<_>>();
+    let mut seen = HashSet::new();
+    for (at, byte) in bytes.iter().enumerate() {
+        assert_eq!(arriving.offset(), at as u64);
+        assert_eq!(arriving.is_complete(), at >= glb.chunk_start() + glb.chunk_bytes(), "byte {at}");
+        assert_eq!(arriving.has_base(), at >= glb.chunk_start(), "byte {at}");
+        arriving.update(std::slice::from_ref(byte)).unwrap();
+        let chunks = arriving.decoder().map_or(0, |decoder| decoder.chunk_count());
+        if arriving.has_base() && seen.insert(chunks) {
+            // What there is of the file, cut off here, has the same meshes. Without its first chunk there are the base meshes.
+            let now = arriving.model(None).unwrap().unwrap();
+            let cut = unpack(&open(&bytes[..=at]), StreamGoal::Bytes(at + 1), None).unwrap().model;
+            assert_eq!(meshes(&now), meshes(&cut));
+        }
+    }
+    arriving.finish().unwrap();
+    let mut whole = ArrivingGlb::new(ArrivalLimits::default());
+    assert_eq!(whole.update(&bytes).unwrap(), seen.len() - 1);
+    let prints = |glb: &ArrivingGlb| glb.parts().map(|(_, part)| part.fingerprint()).collect::<Vec<_>>();
+    assert_eq!(prints(&whole), prints(&arriving));
+    assert_eq!(meshes(&whole.model(None).unwrap().unwrap()), meshes(&read(&bytes, Format::Glb).unwrap()));
+}
+
+#[test]
+fn files_that_arrive_are_checked_and_limited() {
+    let bytes = packed(&two_materials(20));
+    let glb = open(&bytes);
+    let update = |bytes: &[u8], limits: ArrivalLimits| {
+        let mut arriving = ArrivingGlb::new(limits);
+        let error = arriving.update(bytes).unwrap_err().to_string();
+        // The error stays, whatever comes.
+        assert_eq!(arriving.update(&[]).unwrap_err().to_string(), error);
+        assert_eq!(arriving.finish().unwrap_err().to_string(), error);
+        error
+    };
+    let usual = ArrivalLimits::default();
+    assert_eq!(update(b"gl_", usual), "byte 0: found \"gl_\", expected `glTF` of a GLB");
+    let with = |at: usize, byte: u8| {
+        let mut bytes = bytes.clone();
+        bytes[at] = byte;
+        bytes
+    };
+    assert_eq!(update(&with(4, 3), usual), "byte 4: found GLB version 3, expected 2");
+    assert!(update(&with(16, b'_'), usual).starts_with("byte 16: found chunk type"));
+    let damaged = update(&with(bytes.len() - 9, bytes[bytes.len() - 9] ^ 1), usual);
+    assert!(damaged.contains("the chunk is damaged"), "{damaged}");
+    let few = ArrivalLimits { kept_bytes: 100, ..usual };
+    let kept = update(&bytes, few);
+    assert!(kept.starts_with("bytes before the first chunk: found ") && kept.ends_with("the limit is 100"));
+    let stream = StreamLimits { triangles: 100, ..usual.stream };
+    let triangles = update(&bytes, ArrivalLimits { stream, ..usual });
+    assert!(
+        triangles.contains("of the stream, triangles: found ") && triangles.ends_with("the limit is 100")
+    );
+    let stream = StreamLimits { meshes: 0, ..usual.stream };
+    assert!(update(&bytes, ArrivalLimits { stream, ..usual }).ends_with("meshes: found 1, the limit is 0"));
+    for end in [0, 10, 30, glb.chunk_start() - 1, glb.chunk_start() + 5] {
+        let mut arriving = ArrivingGlb::new(usual);
+        arriving.update(&bytes[..end]).unwrap();
+        let error = arriving.finish().unwrap_err().to_string();
+        assert!(error.starts_with(&format!("file: found the end of the file after {end} bytes")), "{error}");
+    }
 }

@@ -1,20 +1,8 @@
 //! Decodes a stream as its bytes arrive.
 
 use super::chunk::{ChunkHead, MOST_HEAD_BYTES, checksum};
+use super::fault::{Fault, StreamError};
 use super::part::StreamPart;
-
-/// A fault of a stream.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{at}: found {found}, expected {expected}")]
-#[non_exhaustive]
-pub struct StreamError {
-    /// The chunk and the byte at which it starts.
-    pub at: String,
-    /// What is there.
-    pub found: String,
-    /// What should be there.
-    pub expected: String,
-}
 
 /// What a stream may ask for at most; streams of more are refused.
 ///
@@ -162,6 +150,20 @@ impl Decoder {
         self
     }
 
+    /// Changes the limits for the chunks that follow, as for a source whose bytes arrive: a stream may ask for as much as its bytes can be expected to build.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// use tristrip::stream::{Decoder, StreamLimits};
+    /// let mut decoder = Decoder::new(StreamLimits { triangles: 0, ..StreamLimits::default() });
+    /// decoder.set_limits(StreamLimits::default());
+    /// assert!(decoder.update(&stream.bytes()).is_ok());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn set_limits(&mut self, limits: StreamLimits) {
+        self.limits = limits;
+    }
+
     /// Takes the next bytes, and decodes the chunks that are complete. Returns how many that were.
     ///
     /// # Errors
@@ -227,30 +229,33 @@ impl Decoder {
     /// Decodes the chunk at the start of bytes; returns its length, or `None` if it is not complete.
     fn next_chunk(&mut self, bytes: &[u8]) -> Result<Option<usize>, StreamError> {
         let at = format!("chunk {} at byte {}", self.chunk_count, self.offset);
-        let fault =
-            |found: String, expected: &str| StreamError { at: at.clone(), found, expected: expected.into() };
+        let fault = |fault: Fault| {
+            let Fault { found, expected, exceeded } = fault;
+            StreamError { at: at.clone(), found, expected, exceeded }
+        };
         let (head, expected, head_bytes) = match ChunkHead::read(bytes) {
             None => return Ok(None),
-            Some(Err(_)) => return Err(fault("a number of more than 32 bits".into(), "the head of a chunk")),
+            Some(Err(_)) => {
+                return Err(fault(Fault::new("a number of more than 32 bits", "the head of a chunk")));
+            }
             Some(Ok(read)) => read,
         };
         let length = head.payload_bytes as usize;
         if length > self.limits.chunk_bytes {
-            return Err(fault(format!("{length} bytes"), &format!("at most {}", self.limits.chunk_bytes)));
+            let limit = self.limits.chunk_bytes;
+            let words = (format!("{length} bytes"), format!("at most {limit}"));
+            return Err(fault(Fault::limit(words, "bytes of a chunk", (length as u64, limit as u64))));
         }
         if head.stream as usize >= self.limits.meshes {
-            return Err(fault(
-                format!("mesh {}", head.stream),
-                &format!("at most {} meshes", self.limits.meshes),
-            ));
+            let limit = self.limits.meshes;
+            let words = (format!("mesh {}", head.stream), format!("at most {limit} meshes"));
+            return Err(fault(Fault::limit(words, "meshes", (u64::from(head.stream) + 1, limit as u64))));
         }
         let Some(payload) = bytes.get(head_bytes..head_bytes + length) else { return Ok(None) };
         let found = checksum(&bytes[..head_bytes - 4], payload);
         if found != expected {
-            return Err(fault(
-                format!("checksum {found:08x}"),
-                &format!("{expected:08x}: the chunk is damaged"),
-            ));
+            let expected = format!("{expected:08x}: the chunk is damaged");
+            return Err(fault(Fault::new(format!("checksum {found:08x}"), expected)));
         }
         let others: usize = self.parts().map(StreamPart::triangle_count).sum();
         let index = head.stream as usize;
@@ -264,7 +269,8 @@ impl Decoder {
         let own = self.parts[index].as_ref().map_or(0, StreamPart::triangle_count);
         let most = self.limits.triangles.saturating_sub(others - own);
         if head.triangles as usize > most {
-            return Err(fault(format!("{} triangles", head.triangles), &format!("at most {most}")));
+            let words = (format!("{} triangles", head.triangles), format!("at most {most}"));
+            return Err(fault(Fault::limit(words, "triangles", (head.triangles.into(), most as u64))));
         }
         let result = match &mut self.parts[index] {
             Some(part) => part.refine(&head, payload, (most, most_corners)),
@@ -273,7 +279,7 @@ impl Decoder {
         if let Some(part) = self.parts[index].as_mut().filter(|_| self.keeps_strips) {
             part.keep_strips();
         }
-        result.map_err(|(found, expected)| fault(found, &expected))?;
+        result.map_err(fault)?;
         self.chunk_count += 1;
         self.offset += (head_bytes + length) as u64;
         Ok(Some(head_bytes + length))

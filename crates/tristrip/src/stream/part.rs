@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::base::{BaseFault, code_triangles};
 use super::chunk::{ChunkHead, Reader};
 use super::costs::StreamCosts;
+use super::fault::Fault;
 use super::head::{Head, code_weights};
 use super::places::USUAL_WEIGHTS;
 use super::range_coder::{BitCoder, RangeDecoder};
@@ -36,20 +37,18 @@ pub struct StreamPart {
 /// Streams have about two triangles in three bytes, more where surfaces are flat. For so many there is room before they come.
 const TRIANGLES_PER_BYTE: usize = 64;
 
-/// What was found, and what was expected.
-type Fault = (String, String);
-
 impl StreamPart {
     /// Decodes the base mesh.
     pub(super) fn new(chunk: &ChunkHead, payload: &[u8], counts_bits: bool) -> Result<Self, Fault> {
         let mut reader = Reader { bytes: payload };
-        let head = Head::read(&mut reader).map_err(|fault| (fault.found, fault.expected.into()))?;
+        let head = Head::read(&mut reader).map_err(|fault| Fault::new(fault.found, fault.expected))?;
         if !(chunk.error >= 0.0 && chunk.error.is_finite()) {
-            return Err((format!("an error of {}", chunk.error), "a finite number of at least 0".into()));
+            let found = format!("an error of {}", chunk.error);
+            return Err(Fault::new(found, "a finite number of at least 0"));
         }
         if head.base_triangles != chunk.triangles || chunk.visits != 0 || chunk.level != 0 {
             let found = format!("a base mesh of {} triangles at level {}", head.base_triangles, chunk.level);
-            return Err((found, format!("{} at level 0", chunk.triangles)));
+            return Err(Fault::new(found, format!("{} at level 0", chunk.triangles)));
         }
         let mut coder = RangeDecoder::new(reader.bytes);
         let weights = code_weights(&mut coder, &USUAL_WEIGHTS);
@@ -57,23 +56,20 @@ impl StreamPart {
         refiner.know_bits(head.position_bits - head.unknown_bits, head.unknown_bits);
         let faults = |fault: BaseFault| match fault {
             BaseFault::NoSuchEdge => {
-                ("an edge of two triangles twice".into(), "edges of at most two triangles".into())
+                Fault::new("an edge of two triangles twice", "edges of at most two triangles")
             }
             BaseFault::TooShort => {
-                ("the end of the chunk".into(), format!("{} triangles", head.base_triangles))
+                Fault::new("the end of the chunk", format!("{} triangles", head.base_triangles))
             }
         };
         let (opposite, _) = code_triangles(&mut coder, head.base_triangles as usize, &[]).map_err(faults)?;
         refiner.surface = Surface::new(&opposite);
         if !refiner.surface.has_distinct_fans() {
-            return Err((
-                "a triangle with two corners in one fan".into(),
-                "triangles of three points".into(),
-            ));
+            return Err(Fault::new("a triangle with two corners in one fan", "triangles of three points"));
         }
         refiner.code_base(&mut coder, None);
         if coder.is_past_end() {
-            return Err(("the end of the chunk".into(), "all vertices of the base mesh".into()));
+            return Err(Fault::new("the end of the chunk", "all vertices of the base mesh"));
         }
         let base = 8.0 * payload.len() as f64;
         refiner.costs = counts_bits.then(|| (StreamCosts { base, ..StreamCosts::default() }, 0.0));
@@ -96,7 +92,8 @@ impl StreamPart {
         (most_triangles, most_corners): (usize, u64),
     ) -> Result<(), Fault> {
         if !(chunk.error >= 0.0 && chunk.error.is_finite()) {
-            return Err((format!("an error of {}", chunk.error), "a finite number of at least 0".into()));
+            let found = format!("an error of {}", chunk.error);
+            return Err(Fault::new(found, "a finite number of at least 0"));
         }
         self.model = OnceLock::new();
         let mut coder = RangeDecoder::new(payload);
@@ -113,12 +110,11 @@ impl StreamPart {
                 refiner.begin_batch(&mut coder, 0, 0, |_| [0; 3]);
             }
             if refiner.next == NONE {
-                return Err(("a refinement of nothing".into(), "a base mesh with triangles".into()));
+                return Err(Fault::new("a refinement of nothing", "a base mesh with triangles"));
             }
             refiner.visit(&mut coder, &[]);
             if refiner.corner_count > most_corners {
-                let found = format!("{} corners around vertices that are visited", refiner.corner_count);
-                return Err((found, format!("at most {most_corners}")));
+                return Err(Fault::corners(refiner.corner_count, most_corners));
             }
             if coder.is_past_end() || refiner.surface.triangle_count() > chunk.triangles as usize {
                 break;
@@ -127,7 +123,7 @@ impl StreamPart {
         let found = (refiner.group_count, refiner.surface.triangle_count() as u32);
         if coder.is_past_end() || found != (chunk.level, chunk.triangles) {
             let words = |(level, triangles): (u32, u32)| format!("level {level} of {triangles} triangles");
-            return Err((words(found), words((chunk.level, chunk.triangles))));
+            return Err(Fault::new(words(found), words((chunk.level, chunk.triangles))));
         }
         self.errors.push((self.error, refiner.group_count));
         self.error = chunk.error;

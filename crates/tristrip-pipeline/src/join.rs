@@ -6,14 +6,16 @@ use tristrip::{Attribute, Faces, MAX_COUNT, Mesh};
 use tristrip_io::gltf::Scene;
 use tristrip_io::{Model, Part};
 
-use crate::failure::Failure;
+use crate::error::Error;
 
 /// A mesh of all parts.
-#[derive(Debug)]
-pub(crate) struct Joined {
-    pub(crate) mesh: Mesh,
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Joined {
+    /// The mesh.
+    pub mesh: Mesh,
     /// The notes of the model, and on what the mesh does not have.
-    pub(crate) notes: Vec<String>,
+    pub notes: Vec<String>,
 }
 
 /// Joins the parts of a model, where their coordinates are: nodes do not place them. The vertices of parts that share them occur once. Attributes
@@ -21,7 +23,16 @@ pub(crate) struct Joined {
 ///
 /// # Errors
 /// There are too many vertices or corners for 32-bit ids.
-pub(crate) fn join(model: Model) -> Result<Joined, Failure> {
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::join;
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 3 2 1\n", Format::Obj)?;
+/// let joined = join(model)?;
+/// assert_eq!((joined.mesh.vertex_count(), joined.mesh.faces().triangle_count()), (3, 2));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn join(model: Model) -> Result<Joined, Error> {
     let Model { parts, mut notes, scene, .. } = model;
     notes.extend(scene.iter().flat_map(Scene::beyond_parts).map(|what| format!("not written: {what}")));
     let materials = parts.iter().filter(|part| part.material.is_some()).count();
@@ -35,7 +46,7 @@ pub(crate) fn join(model: Model) -> Result<Joined, Failure> {
     Ok(Joined { mesh, notes })
 }
 
-fn join_parts(parts: &[Part], notes: &mut Vec<String>) -> Result<Mesh, Failure> {
+fn join_parts(parts: &[Part], notes: &mut Vec<String>) -> Result<Mesh, Error> {
     notes.push(format!("parts joined into one: {}", parts.len()));
     let Blocks { owners, bases } = Blocks::of(parts)?;
     let owners: Vec<&Mesh> = owners.iter().map(|&part| &parts[part].mesh).collect();
@@ -59,7 +70,7 @@ struct Blocks {
 }
 
 impl Blocks {
-    fn of(parts: &[Part]) -> Result<Self, Failure> {
+    fn of(parts: &[Part]) -> Result<Self, Error> {
         let (mut owners, mut bases): (Vec<usize>, Vec<u32>) = (Vec::new(), Vec::new());
         let mut seen = HashMap::new();
         let (mut vertex_count, mut corner_count) = (0, 0);
@@ -75,10 +86,9 @@ impl Blocks {
             bases.push(vertex_count as u32);
             vertex_count += mesh.vertex_count();
             if vertex_count.max(corner_count) > MAX_COUNT {
-                let message = format!(
-                    "parts joined: found {vertex_count} vertices and {corner_count} corners, expected at most {MAX_COUNT}"
-                );
-                return Err(Failure::Input(message));
+                let (what, found) =
+                    ("vertices or corners of joined parts", vertex_count.max(corner_count) as u64);
+                return Err(tristrip::Error::LimitExceeded { what, found, limit: MAX_COUNT as u64 }.into());
             }
         }
         Ok(Self { owners, bases })
@@ -86,7 +96,7 @@ impl Blocks {
 }
 
 /// Returns the faces of all parts over the vertices of all blocks.
-fn faces(parts: &[Part], bases: &[u32]) -> Result<Faces, Failure> {
+fn faces(parts: &[Part], bases: &[u32]) -> Result<Faces, Error> {
     let corners = parts.iter().zip(bases);
     let corners =
         corners.flat_map(|(part, &base)| part.mesh.faces().corners().iter().map(move |&v| base + v));

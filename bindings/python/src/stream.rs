@@ -1,0 +1,423 @@
+//! Progressive GLB: the functions `pack`, `unpack` and `inspect`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyString};
+use serde::Serialize;
+use tristrip::Layout;
+use tristrip::stream::StreamOptions;
+use tristrip_io::gltf::ProgressiveGlb;
+use tristrip_io::{Drawing, Error as FileError, Format, Model};
+use tristrip_pipeline::{
+    EncodeOptions, Level, LevelsOptions, PackOptions, PackedReport, StreamGoal, StreamReport, Target,
+    UnpackedReport, encode_observed, is_published, join, stream_figures, unpack as unpack_stream,
+    unpack_published,
+};
+
+use crate::arguments::{Arguments, Keywords};
+use crate::attributes;
+use crate::errors::Failure;
+use crate::input::{Input, Source, format_of};
+use crate::numbers::Count;
+use crate::reports::report;
+use crate::scene::class::Scene;
+use crate::scene::data::SceneData;
+use crate::scene::output::{Destination, Noting};
+use crate::work::{Watcher, Watching};
+
+/// The bits of a coordinate that the encoder takes.
+const POSITION_BITS: std::ops::RangeInclusive<u32> = 4..=16;
+const USUAL_POSITION_BITS: u32 = 14;
+
+/// How a model is packed, from keyword arguments with the names of the command's flags.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Wire {
+    Tristrip(PackOptions),
+    /// As paper 001 transmits a mesh.
+    Paper {
+        verify: bool,
+    },
+}
+
+impl Wire {
+    /// Takes the arguments of a packing.
+    pub(crate) fn taken(arguments: &Arguments<'_>) -> PyResult<Self> {
+        let name: Option<String> = arguments.extract("wire")?;
+        let (eye, bits) = (arguments.extract("eye")?, arguments.extract("position_bits")?);
+        let verify = arguments.extract("verify")?.unwrap_or(true);
+        Ok(Self::new(name.as_deref().unwrap_or("tristrip"), eye, bits, verify)?)
+    }
+
+    fn new(
+        name: &str,
+        eye: Option<[f32; 3]>,
+        position_bits: Option<u32>,
+        verify: bool,
+    ) -> Result<Self, Failure> {
+        match name {
+            "tristrip" => (),
+            "paper" if eye.is_some() => {
+                return Err(Failure::Parameter("eye: does not belong to wire='paper'".into()));
+            }
+            "paper" if position_bits.is_some() => {
+                let message = "position_bits: does not belong to wire='paper', whose positions are floats";
+                return Err(Failure::Parameter(message.into()));
+            }
+            "paper" => return Ok(Self::Paper { verify }),
+            _ => return Err(Failure::option("wire", format!("{name:?}"), "'tristrip' or 'paper'")),
+        }
+        if eye.iter().flatten().any(|x| !x.is_finite()) {
+            return Err(Failure::option(
+                "eye",
+                format!("{:?}", eye.unwrap_or_default()),
+                "three finite numbers",
+            ));
+        }
+        let bits = position_bits.unwrap_or(USUAL_POSITION_BITS);
+        if !POSITION_BITS.contains(&bits) {
+            return Err(Failure::option("position_bits", bits, "4 to 16"));
+        }
+        let stream = StreamOptions::default().with_position_bits(bits)?;
+        Ok(Self::Tristrip(PackOptions::default().with_stream(stream).with_eye(eye).with_verify(verify)))
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Tristrip(_) => "tristrip",
+            Self::Paper { .. } => "paper",
+        }
+    }
+
+    /// Checks that a file of this name can hold the bytes.
+    fn check_output(self, path: &Path) -> Result<(), Failure> {
+        let format = Format::from_path(path);
+        match self {
+            Self::Tristrip(_) if format.is_some_and(|format| format != Format::Glb) => {
+                let found = path.display();
+                Err(Failure::Parameter(format!("output: found {found}, expected the extension .glb")))
+            }
+            Self::Paper { .. } if format.is_some() => {
+                let message = format!(
+                    "output: found {}, expected an extension such as .ps: wire='paper' is a format of its own",
+                    path.display()
+                );
+                Err(Failure::Parameter(message))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The report of a packed model; the keys are those of the JSON report of `tristrip pack`.
+#[derive(Debug, Serialize)]
+struct PackReport {
+    wire: &'static str,
+    proven: Option<bool>,
+    parts: usize,
+    #[serde(flatten)]
+    packed: PackedReport,
+    notes: Vec<String>,
+    output: Option<String>,
+}
+
+/// Packs a scene, and writes the file if there is one.
+fn pack_model(
+    scene: &SceneData,
+    wire: Wire,
+    output: Option<&Path>,
+    watcher: &Watcher,
+) -> Result<(Vec<u8>, PackReport), Failure> {
+    let model = scene.model_for(&Target::new(output, Format::Glb));
+    let mut report = PackReport {
+        wire: wire.name(),
+        proven: None,
+        parts: model.parts.len(),
+        packed: PackedReport::default(),
+        notes: model.notes.clone(),
+        output: output.map(|path| path.display().to_string()),
+    };
+    let bytes = match wire {
+        Wire::Tristrip(options) => {
+            let packed = tristrip_pipeline::pack(&model, &options, watcher)?;
+            report.packed = packed.report();
+            report.proven = packed.proven.map(|_| true);
+            report.notes.extend(packed.notes);
+            report.notes.extend(packed.losses);
+            packed.bytes
+        }
+        Wire::Paper { verify } => {
+            let joined = join(scene.as_read().clone())?;
+            report.notes = joined.notes;
+            let options = LevelsOptions::default().with_verify(verify);
+            let packed = tristrip_pipeline::pack_as_published(&joined.mesh, &options, watcher)?;
+            report.packed = packed.report();
+            report.proven = packed.proven.map(|_| true);
+            packed.bytes
+        }
+    };
+    if let Some(path) = output {
+        tristrip_io::replace_file(path, &bytes)?;
+    }
+    Ok((bytes, report))
+}
+
+/// Packs a scene; returns a `tristrip.Packed`.
+pub(crate) fn pack_object<'py>(
+    py: Python<'py>,
+    load: impl FnOnce() -> Result<Arc<SceneData>, Failure> + Send,
+    wire: Wire,
+    output: Option<&Path>,
+    watching: Watching,
+) -> PyResult<Bound<'py, PyAny>> {
+    if let Some(path) = output {
+        wire.check_output(path)?;
+    }
+    let ended = watching.run(py, |watcher| pack_model(&*load()?, wire, output, watcher));
+    let (bytes, packed) = ended?.result()?;
+    result_class(py, "Packed")?.call1((report(py, &packed)?, PyBytes::new(py, &bytes)))
+}
+
+/// Returns a class of results.
+fn result_class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("tristrip._streams")?.getattr(name)
+}
+
+/// Pack a model as a progressive GLB, which is drawn after its first bytes and refined by the others.
+///
+/// The file is a valid GLB: every viewer draws its base meshes. Behind them are chunks of vertex splits, which refine the base meshes to the full ones.
+/// Positions and attributes are rounded to a grid; triangles and their winding stay. A scene keeps all else: nodes, materials, textures, skins, animations.
+///
+/// Args:
+///     input: a file, the bytes of one, or a scene.
+///     output: the file to write, with the extension .glb. One that exists is replaced.
+///     format: the format of the input, by its extension ("ply", "glb", …); by default that of the name or of the content.
+///     eye: refine first what looks largest from this position in the scene, as (x, y, z); by default everywhere alike.
+///     position_bits: the bits of a coordinate, 4 to 16: the longest side of a mesh has two to this power steps, less one. By default 14.
+///     wire: "tristrip", or "paper" for a mesh as the reference transmits it: not compressed, positions and strips only, all parts in one mesh, in a
+///         format of its own (".ps").
+///     verify: whether the bytes are read back and proven to have exactly the triangles of the model.
+///     progress: as of `stripify`.
+///
+/// Returns:
+///     The report, and the bytes.
+///
+/// Raises:
+///     FileError: the input cannot be read, or the output cannot be written.
+///     FormatError, LimitError: the input is not valid, or asks for too much.
+///     ParameterError: an option has a wrong value.
+///     NotProvenError: the bytes are not proven, which is a defect of this package.
+///
+/// References:
+///     Hoppe: Progressive Meshes, 1996; Pajarola, Rossignac: Compressed Progressive Meshes, 2000; Kim, Park, Yang, Neelamkavil: A Rendering-Efficient
+///     Progressive Transmission of 3D Meshes, 2005 (wire "paper"). The compression is of this project.
+///
+/// >>> import tristrip
+/// >>> square = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
+/// >>> packed = tristrip.pack(square, format="obj")
+/// >>> packed.report["triangles"], packed.report["proven"], packed.bytes[:4]
+/// (4, True, b'glTF')
+#[pyfunction]
+#[pyo3(
+    signature = (input, output = None, **given),
+    text_signature = "(input, output=None, *, format=None, eye=None, position_bits=None, wire='tristrip', verify=True, progress=None)"
+)]
+pub(crate) fn pack<'py>(
+    py: Python<'py>,
+    input: &Bound<'py, PyAny>,
+    output: Option<PathBuf>,
+    given: Option<Keywords<'_, 'py>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let arguments = Arguments::of(py, given)?;
+    let format: Option<String> = arguments.extract("format")?;
+    let (wire, watching) = (Wire::taken(&arguments)?, arguments.watching()?);
+    arguments.finish("pack")?;
+    let (input, format) = (Input::of(input)?, format_of(format.as_deref())?);
+    let source = input.source();
+    pack_object(py, || source.scene(format), wire, output.as_deref(), watching)
+}
+
+/// The report of a level; the keys are those of the JSON report of `tristrip unpack`.
+#[derive(Debug, Serialize)]
+struct UnpackReport {
+    proven: Option<bool>,
+    #[serde(flatten)]
+    unpacked: UnpackedReport,
+    notes: Vec<String>,
+    output: Option<String>,
+}
+
+/// Decodes a level, and writes it if there is a file.
+fn unpack_source(
+    source: Source<'_>,
+    goal: StreamGoal,
+    destination: Option<&Destination<'_>>,
+    verify: bool,
+    watcher: &Watcher,
+) -> Result<(Model, UnpackReport), Failure> {
+    let bytes = source.bytes()?;
+    let unpacked = if is_published(&bytes) {
+        unpack_published(&bytes, goal)?
+    } else {
+        unpack_stream(&opened(bytes)?, goal, source.path().and_then(Path::parent))?
+    };
+    let counts = unpacked.report();
+    let mut model = unpacked.model;
+    tristrip_io::embed_images(&mut model, source.path())?;
+    let mut report =
+        UnpackReport { proven: None, unpacked: counts, notes: model.notes.clone(), output: None };
+    report.notes.extend(unpacked.problem);
+    if let Some(destination) = destination {
+        let noting = Noting::new(watcher);
+        let options = EncodeOptions::new(destination.target.format).with_layout(Layout::List);
+        let drawings = vec![Drawing::Faces; model.parts.len()];
+        let encoded = encode_observed(&model, &drawings, &options.with_verify(verify), &noting);
+        let encoded = encoded.map_err(|error| destination.unproven(error.into()))?;
+        let written = destination.write(&encoded)?;
+        report.notes.extend(noting.into_notes(encoded.losses));
+        report.notes.extend(written.warnings);
+        report.output = destination.target.path.map(|path| path.display().to_string());
+        report.proven = verify.then_some(true);
+    }
+    Ok((model, report))
+}
+
+/// Opens a progressive GLB, which may be cut off.
+fn opened(bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
+    let found = if bytes.starts_with(b"glTF") { "a GLB without a stream" } else { "another file" };
+    let none = || FileError::Format {
+        at: "file".into(),
+        found: found.into(),
+        expected: "a progressive GLB; `pack` writes a plain one where a stream would not be smaller".into(),
+    };
+    Ok(ProgressiveGlb::open(bytes)?.ok_or_else(none)?)
+}
+
+/// Read a level of detail from a progressive GLB, or from a file of `pack(wire="paper")`.
+///
+/// A file that is cut off or damaged gives what is complete before the end or the damage: `report["ended_early"]` is then True, and a note says why.
+///
+/// Args:
+///     input: a file, or the bytes of one.
+///     output: the file to write the level to. Progressive GLBs keep their scene in a GLB or .gltf.
+///     level: the number of collapses that are undone, or a percentage of all as "40%".
+///     triangles: instead, the finest level with at most this number of triangles in the refined meshes.
+///     bytes: instead, what so many first bytes of the file hold. Without any of the three, the full meshes.
+///     to: the format of the output: "glb", "gltf", "ply" or "obj"; by default that of its extension.
+///     verify: whether the written file is read back and proven.
+///     progress: as of `stripify`.
+///
+/// Returns:
+///     The report, the arrays of the level with all parts in one mesh, and its scene.
+///
+/// Raises:
+///     FileError: a file cannot be read or written.
+///     FormatError: the input is no such file, or ends before its base meshes.
+///     LimitError: the stream asks for more than its bytes can be expected to build.
+///     ParameterError: the level does not exist, or several goals are given.
+///
+/// >>> import numpy, tristrip
+/// >>> x, y = numpy.meshgrid(numpy.arange(30), numpy.arange(30))
+/// >>> lines = [f"v {a} {b} {a * b % 3}" for a, b in zip(x.ravel(), y.ravel())]
+/// >>> lines += [f"f {i + 1} {i + 2} {i + 32} {i + 31}" for i in range(869) if i % 30 != 29]
+/// >>> packed = tristrip.pack("\n".join(lines).encode(), format="obj")
+/// >>> half = tristrip.unpack(packed.bytes, triangles=800)
+/// >>> 780 <= len(half.faces) <= 800, half.report["triangles_full"], half.report["ended_early"]
+/// (True, 1682, False)
+#[pyfunction]
+#[pyo3(signature = (input, output = None, *, level = None, triangles = None, bytes = None, to = None, verify = true, progress = None))]
+#[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn unpack<'py>(
+    py: Python<'py>,
+    input: &Bound<'py, PyAny>,
+    output: Option<PathBuf>,
+    level: Option<&Bound<'py, PyAny>>,
+    triangles: Option<Count>,
+    bytes: Option<Count>,
+    to: Option<&str>,
+    verify: bool,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let goal = goal(level, triangles, bytes)?;
+    let watching = Watching::new(py, progress, None, "raise")?;
+    let input = Input::file(input)?;
+    let file = |path| Destination::file(path, to, None);
+    let destination = output.as_deref().map(file).transpose()?;
+    let source = input.source();
+    let ended = watching.run(py, |watcher| {
+        let (model, report) = unpack_source(source, goal, destination.as_ref(), verify, watcher)?;
+        Ok((join(model.clone())?.mesh, model, report))
+    });
+    let (mesh, model, unpacked) = ended?.result()?;
+    let vertices = attributes::positions_of(py, &mesh)?;
+    let faces = attributes::triangles_of(py, &mesh)?;
+    let attributes = attributes::all(py, &mesh)?;
+    let scene = Scene::new(SceneData::of_model(model));
+    result_class(py, "Unpacked")?.call1((report(py, &unpacked)?, vertices, faces, attributes, scene))
+}
+
+/// Reads what selects a level.
+fn goal(
+    level: Option<&Bound<'_, PyAny>>,
+    triangles: Option<Count>,
+    bytes: Option<Count>,
+) -> Result<StreamGoal, Failure> {
+    match (level, triangles, bytes) {
+        (None, None, None) => Ok(StreamGoal::Level(Level::Percent(100.0))),
+        (Some(level), None, None) => Ok(StreamGoal::Level(level_of(level)?)),
+        (None, Some(Count(triangles)), None) => Ok(StreamGoal::Triangles(triangles)),
+        (None, None, Some(Count(bytes))) => Ok(StreamGoal::Bytes(bytes)),
+        _ => Err(Failure::Parameter("level, triangles, bytes: found several, expected at most one".into())),
+    }
+}
+
+/// Reads a level: a number of collapses, or a text with a percentage of all.
+fn level_of(given: &Bound<'_, PyAny>) -> Result<Level, Failure> {
+    let expected = "a number of collapses, or a percentage of all such as \"40%\"";
+    let wrong =
+        || Failure::option("level", given.repr().map_or_else(|_| "?".into(), |x| x.to_string()), expected);
+    if given.is_instance_of::<PyString>() {
+        return given.extract::<String>()?.parse().map_err(|_| wrong());
+    }
+    given.extract::<usize>().map(Level::Number).map_err(|_| wrong())
+}
+
+/// The report of a stream; the keys are those of the JSON report of `tristrip inspect`.
+#[derive(Debug, Serialize)]
+struct InspectReport {
+    #[serde(flatten)]
+    stream: StreamReport,
+    notes: Vec<String>,
+}
+
+/// Return what a progressive GLB holds, and what its bits are spent on. A file that is cut off or damaged is shown as far as it is complete, with a note.
+///
+/// Args:
+///     input: a file, or the bytes of one.
+///
+/// Returns:
+///     A dictionary: "meshes", "vertices", "triangles" and "levels" of the full meshes, "position_bits", "base_bytes" before the first chunk,
+///     "chunk_bytes", "bits_per_vertex", "components" (a list of dictionaries: "name", "bits", "per_vertex"), "chunks" (a list: "mesh", "end" as byte of
+///     the file, "level", "triangles", "surface_error"), "notes".
+///
+/// Raises:
+///     FileError: the file cannot be read.
+///     FormatError: the input is no progressive GLB, or ends before its base meshes.
+///
+/// >>> import numpy, tristrip
+/// >>> x, y = numpy.meshgrid(numpy.arange(30), numpy.arange(30))
+/// >>> lines = [f"v {a} {b} {a * b % 3}" for a, b in zip(x.ravel(), y.ravel())]
+/// >>> lines += [f"f {i + 1} {i + 2} {i + 32} {i + 31}" for i in range(869) if i % 30 != 29]
+/// >>> found = tristrip.inspect(tristrip.pack("\n".join(lines).encode(), format="obj").bytes)
+/// >>> found["vertices"], found["chunks"][-1]["triangles"]
+/// (900, 1682)
+#[pyfunction]
+#[pyo3(signature = (input))]
+pub(crate) fn inspect<'py>(py: Python<'py>, input: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let input = Input::file(input)?;
+    let source = input.source();
+    let ended = Watching::default().run(py, |_| Ok(stream_figures(&opened(source.bytes()?)?)));
+    let figures = ended?.result()?;
+    report(py, &InspectReport { stream: figures.report(), notes: figures.problem.into_iter().collect() })
+}

@@ -1,0 +1,903 @@
+//! View-dependent detail: the classes `ViewModel` and `View`.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
+use serde::Serialize;
+use tristrip::lod::{
+    Camera, Filter, Foveation, RESTART, RepairOptions, RepairedView, SkipStrips, SkipView, ViewCriteria,
+    ViewUpdate,
+};
+use tristrip::simplify::MergeOrder;
+use tristrip_io::Model;
+use tristrip_io::tlod::{self, TlodLimits};
+use tristrip_lab::flight::{
+    Axis, CameraPath, FlightObserver, FlightOptions, FlightPath, FlightReport, Lens, fly, prove_drawing,
+};
+use tristrip_lab::render::{RenderOptions, strips_seen, triangles_seen};
+use tristrip_pipeline::text::{count, counted};
+use tristrip_pipeline::{
+    DisplayFilter, MethodReport, Observer, Stopped, ViewModelOptions, ViewModelReport, view_model,
+};
+
+use crate::arguments::{Arguments, Keywords};
+use crate::arrays::triangle_rows;
+use crate::attributes::{self, GivenAttributes};
+use crate::errors::Failure;
+use crate::input::{Input, format_of};
+use crate::method;
+use crate::numbers::Count;
+use crate::reports::report;
+use crate::simplify::{mesh_of, one_part};
+use crate::strips::{Strips, index_bits};
+use crate::work::{Watcher, Watching};
+
+/// The most frames of a flight whose display strips are proven, as the command proves them.
+const PROOF_COUNT: usize = 20;
+const USUAL_FRAMES: Count = Count(300);
+const UPWARD: [f32; 3] = [0.0, 1.0, 0.0];
+const MIDDLE: [f32; 2] = [0.5, 0.5];
+
+/// A model of which each view has its own detail: a mesh, its strips, and collapses level by level (Skip Strips). Built by `ViewModel.build` from arrays and by
+/// `ViewModel.from_scene` from a scene or a file, or read by `ViewModel.load` from a `.tlod` file. It does not change; `view` starts a cursor over it.
+///
+/// References:
+///     El-Sana, Azanli, Varshney: Skip Strips: Maintaining Triangle Strips for View-Dependent Rendering, 1999; Xia, El-Sana, Varshney: Adaptive Real-Time
+///     Level-of-Detail-Based Rendering for Polygonal Models, 1997 (order "shortest-edge").
+///
+/// >>> import numpy, tristrip
+/// >>> x, y = numpy.meshgrid(numpy.arange(40.0), numpy.arange(40.0))
+/// >>> vertices = numpy.column_stack([x.ravel(), (numpy.sin(x / 3) * numpy.cos(y / 4)).ravel(), y.ravel()])
+/// >>> corner = (numpy.arange(39)[:, None] * 40 + numpy.arange(39)).ravel()
+/// >>> faces = numpy.concatenate([corner + numpy.array([[0], [40], [1]]), corner + numpy.array([[1], [40], [41]])], axis=1).T
+/// >>> model = tristrip.ViewModel.build(vertices, faces)
+/// >>> view = model.view()
+/// >>> near = view.set_view((20.0, 3.0, -4.0), (20.0, 0.0, 20.0), pixels=2.0)["triangles"]
+/// >>> far = view.set_view((20.0, 900.0, -900.0), (20.0, 0.0, 20.0), pixels=2.0)["triangles"]
+/// >>> far < near < model.triangle_count
+/// True
+#[pyclass(frozen, module = "tristrip")]
+pub(crate) struct ViewModel {
+    model: Arc<tristrip_pipeline::ViewModel>,
+    tree: Arc<SkipStrips>,
+    built: Built,
+}
+
+/// How a model was built; nothing is known of one that was read.
+#[derive(Debug, Clone, Default, Serialize)]
+struct Built {
+    #[serde(flatten)]
+    method: Option<MethodReport>,
+    order: Option<&'static str>,
+    proven: Option<bool>,
+    parts: Option<usize>,
+}
+
+/// The report of a model; the keys are those of the JSON report of `tristrip build-lod`.
+#[derive(Serialize)]
+struct BuildReport<'a> {
+    #[serde(flatten)]
+    built: &'a Built,
+    #[serde(flatten)]
+    model: ViewModelReport,
+    stopped: Option<Stopped>,
+    notes: &'a [String],
+}
+
+impl ViewModel {
+    /// Builds a model of all parts together.
+    pub(crate) fn of_model(
+        py: Python<'_>,
+        load: impl FnOnce() -> Result<Model, Failure> + Send,
+        options: ViewModelOptions,
+        watching: Watching,
+    ) -> PyResult<Bound<'_, Self>> {
+        let ended = watching.run(py, move |watcher| {
+            let model = load()?;
+            let parts = Some(model.parts.len());
+            let model = view_model(model, &options, watcher)?;
+            let method = Some(MethodReport::of(&options.stripify));
+            let order = Some(options.order.name());
+            let built = Built { method, order, proven: options.verify.then_some(true), parts };
+            Self::new(model, built)
+        })?;
+        ended.object(py, |model| model)
+    }
+
+    fn new(model: tristrip_pipeline::ViewModel, built: Built) -> Result<Self, Failure> {
+        let tree = Arc::new(model.vertex_tree()?);
+        Ok(Self { model: Arc::new(model), tree, built })
+    }
+
+    fn encoded(&self, py: Python<'_>) -> Result<Vec<u8>, Failure> {
+        let ended = Watching::default().run(py, |_| Ok(self.model.encode()?.bytes))?;
+        ended.error.map_or(Ok(ended.value), |error| Err(error.into()))
+    }
+}
+
+/// Takes the options of a model from keyword arguments, all of which that are left belong to the method of the strips.
+fn options(arguments: &Arguments<'_>) -> PyResult<ViewModelOptions> {
+    let order: Option<String> = arguments.extract("order")?;
+    let order: MergeOrder = order.as_deref().unwrap_or("quadric").parse().map_err(Failure::from)?;
+    let verify = arguments.extract("verify")?.unwrap_or(true);
+    let stripify = method::taken(arguments, "best")?;
+    if stripify.weld() {
+        return Err(Failure::option("weld", "True", "False: each vertex keeps its attributes").into());
+    }
+    Ok(ViewModelOptions::default().with_stripify(stripify).with_order(order).with_verify(verify))
+}
+
+#[pymethods]
+impl ViewModel {
+    /// Build a model of a mesh.
+    ///
+    /// Args:
+    ///     vertices: positions of shape (n, 3).
+    ///     faces: as of `stripify`; polygons become triangles.
+    ///     method, **options: how the strips of the full mesh are built, as of `stripify`: `effort`, `cost`, …
+    ///     order: the collapses that come first in a level: "quadric" (the cheaper half, so that vertices of features go last) or "shortest-edge" (as
+    ///         published).
+    ///     normals, uv, colors, attributes: values per vertex, as of `simplify`: their seams stay closed.
+    ///     verify: whether the strips are proven to draw exactly the faces.
+    ///     budget: the time in seconds after which the search for strips is stopped with its best result.
+    ///     progress: as of `stripify`.
+    ///
+    /// Raises:
+    ///     MeshError, ArrayTypeError: the arrays are no mesh.
+    ///     ParameterError: an option is unknown or has a wrong value.
+    ///
+    /// >>> import tristrip
+    /// >>> tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    /// ViewModel(1 triangle, 0 collapses, 1 strip)
+    #[classmethod]
+    #[pyo3(
+        signature = (vertices, faces, **given),
+        text_signature = "($cls, vertices, faces, *, method='best', order='quadric', normals=None, uv=None, colors=None, attributes=None, verify=True, budget=None, progress=None, **options)"
+    )]
+    fn build<'py>(
+        _: &Bound<'py, PyType>,
+        py: Python<'py>,
+        vertices: &Bound<'py, PyAny>,
+        faces: &Bound<'py, PyAny>,
+        given: Option<Keywords<'_, 'py>>,
+    ) -> PyResult<Bound<'py, Self>> {
+        let arguments = Arguments::of(py, given)?;
+        let [normals, uv, colors] =
+            [arguments.take("normals")?, arguments.take("uv")?, arguments.take("colors")?];
+        let others: Option<Bound<'_, PyDict>> = arguments.extract("attributes")?;
+        let watching = arguments.watching()?;
+        let options = options(&arguments)?;
+        let (normals, uv, colors) = (normals.as_ref(), uv.as_ref(), colors.as_ref());
+        let given = GivenAttributes { normals, uv, colors, others: others.as_ref() };
+        let model = one_part(given.add_to(mesh_of(vertices, faces)?)?);
+        Self::of_model(py, || Ok(model), options, watching)
+    }
+
+    /// Build a model of a scene, of a mesh file, or of the bytes of one. The parts become one mesh, without the transformations of their nodes; attributes that not
+    /// all parts have are dropped, with a note.
+    ///
+    /// Args:
+    ///     input: a scene, a file, or the bytes of one.
+    ///     format: the format of a file, by its extension; by default that of the name or of the content.
+    ///     method, order, verify, budget, progress, **options: as of `ViewModel.build`.
+    ///
+    /// Raises:
+    ///     FileError: the file cannot be read.
+    ///     FormatError, LimitError: it is not valid, or asks for too much.
+    ///     ParameterError: an option is unknown or has a wrong value.
+    ///
+    /// >>> import tristrip
+    /// >>> tristrip.ViewModel.from_scene(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", format="obj").triangle_count
+    /// 1
+    #[classmethod]
+    #[pyo3(
+        signature = (input, **given),
+        text_signature = "($cls, input, *, format=None, method='best', order='quadric', verify=True, budget=None, progress=None, **options)"
+    )]
+    fn from_scene<'py>(
+        _: &Bound<'py, PyType>,
+        py: Python<'py>,
+        input: &Bound<'py, PyAny>,
+        given: Option<Keywords<'_, 'py>>,
+    ) -> PyResult<Bound<'py, Self>> {
+        let arguments = Arguments::of(py, given)?;
+        let format: Option<String> = arguments.extract("format")?;
+        let watching = arguments.watching()?;
+        let options = options(&arguments)?;
+        let (input, format) = (Input::of(input)?, format_of(format.as_deref())?);
+        let source = input.source();
+        Self::of_model(py, || Ok(source.scene(format)?.as_read().clone()), options, watching)
+    }
+
+    /// Read a model from a `.tlod` file, or from the bytes of one.
+    ///
+    /// Raises:
+    ///     FileError: the file cannot be read.
+    ///     FormatError, LimitError: it is not valid, or states more than a reader takes.
+    ///
+    /// >>> import tristrip
+    /// >>> tristrip.ViewModel.load(b"PK")
+    /// Traceback (most recent call last):
+    /// tristrip.FormatError: byte 2: found the end of the file, expected a .tlod file
+    #[classmethod]
+    #[pyo3(signature = (input))]
+    fn load<'py>(
+        _: &Bound<'py, PyType>,
+        py: Python<'py>,
+        input: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, Self>> {
+        let input = Input::file(input)?;
+        let source = input.source();
+        let ended = Watching::default().run(py, |_| {
+            let bytes = source.bytes()?;
+            let model = tlod::read(&bytes[..], &TlodLimits::default())?;
+            Self::new(model.into(), Built::default())
+        })?;
+        ended.object(py, |model| model)
+    }
+
+    /// Return the bytes of a `.tlod` file, which are read back and compared.
+    ///
+    /// >>> import tristrip
+    /// >>> model = tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    /// >>> tristrip.ViewModel.load(model.to_bytes()).triangle_count
+    /// 1
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.encoded(py)?))
+    }
+
+    /// Write a `.tlod` file. One that exists is replaced.
+    ///
+    /// Raises:
+    ///     FileError: the file cannot be written.
+    ///     NotProvenError: the bytes, read back, hold another model, which is a defect of this package.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let bytes = self.encoded(py)?;
+        Ok(py.detach(|| tristrip_io::replace_file(&path, &bytes)).map_err(Failure::from)?)
+    }
+
+    /// The positions: float32 of shape (n, 3).
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        attributes::positions_of(py, &self.model.mesh)
+    }
+
+    /// The triangles of the full mesh, in the order in which the strips draw them: uint32 of shape (m, 3).
+    #[getter]
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        triangle_rows(py, self.model.sequence.triangles().to_vec())
+    }
+
+    /// The attributes by their names, as "NORMAL" and "TEXCOORD_0".
+    #[getter]
+    fn attributes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        attributes::all(py, &self.model.mesh)
+    }
+
+    /// The strips of the full mesh.
+    #[getter]
+    fn strips(&self) -> Strips {
+        Strips::new(self.model.strips.clone(), None, None)
+    }
+
+    /// The number of triangles of the full mesh.
+    #[getter]
+    fn triangle_count(&self) -> usize {
+        self.model.sequence.triangles().len() / 3
+    }
+
+    /// The number of triangles of the base mesh, at which views begin.
+    #[getter]
+    fn base_triangle_count(&self) -> PyResult<usize> {
+        Ok(self.tree.levels().triangle_count(0).map_err(Failure::from)?)
+    }
+
+    /// The number of collapses.
+    #[getter]
+    fn collapse_count(&self) -> usize {
+        self.model.sequence.len()
+    }
+
+    /// The height of the merge tree: the most collapses, one into a result of the one before, from a vertex to a root.
+    #[getter]
+    fn height(&self, py: Python<'_>) -> u32 {
+        py.detach(|| self.tree.height())
+    }
+
+    /// The memory of the strips of the full mesh and of everything else but the mesh, in bytes: a dictionary with "strips" and "tree".
+    #[getter]
+    fn memory<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let [strips, tree] = self.tree.memory_by_part();
+        let memory = PyDict::new(py);
+        memory.set_item("strips", strips)?;
+        memory.set_item("tree", tree)?;
+        Ok(memory)
+    }
+
+    /// A dictionary with the keys of the command's JSON: "method", "cost", … and "order" (of a model that was built), "proven", "parts", "vertices",
+    /// "triangles", "strips", "collapses", "levels" (of the merge tree), "height", "bytes" (None: the file is not written yet), "stopped", "notes".
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut model = self.model.report();
+        model.height = Some(self.height(py));
+        let (stopped, notes) = (self.model.stopped, &self.model.notes[..]);
+        report(py, &BuildReport { built: &self.built, model, stopped, notes })
+    }
+
+    /// Notes on what was dropped or is unusual.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.model.notes.clone()
+    }
+
+    /// Start a view at the base mesh.
+    ///
+    /// Args:
+    ///     filter: how the strips of the full mesh become display strips: "none", "stss" (El-Sana et al.), "dtfs" (Kim et al.), "linked"; or "repair", which
+    ///         keeps strips of its own over the triangles of the view: the fewest indices, in time in proportion to the triangles.
+    ///
+    /// Raises:
+    ///     ParameterError: the filter is unknown.
+    #[pyo3(signature = (filter = "dtfs"))]
+    fn view(&self, py: Python<'_>, filter: &str) -> PyResult<View> {
+        let filter: DisplayFilter =
+            filter.parse().map_err(|why| Failure::Parameter(format!("filter: {why}")))?;
+        let (model, tree) = (&self.model, &self.tree);
+        let cursor: Result<Cursor, tristrip::Error> = py.detach(|| {
+            if let Some(filter) = filter.scanner() {
+                return Ok(Cursor::Filtered(Box::new(tree.view_by(filter))));
+            }
+            let (sequence, repair) = (Arc::clone(&model.sequence), RepairOptions::default());
+            Ok(Cursor::Repaired(Box::new(RepairedView::new(tree, &model.strips, sequence, repair)?)))
+        });
+        let cursor = cursor.map_err(Failure::from)?;
+        let state = State { cursor, camera: None, pending: Pending::default() };
+        Ok(View { model: Arc::clone(&self.model), filter, state: Mutex::new(state) })
+    }
+
+    /// Fly a camera over the model, and measure each frame, as the command's `fly` does.
+    ///
+    /// Args:
+    ///     path: "orbit", "dolly", "flyover", a JSON file of cameras, or a list of them: dictionaries with "eye" and "look_at", and, if wanted, "up" and
+    ///         "field_of_view" in degrees, between which the frames are interpolated.
+    ///     frames: the number of frames, up to 100000.
+    ///     up: the vertical axis of orbit, dolly and flyover: "x", "y" or "z"; by default y, and for flyover the shortest side.
+    ///     filter: "none", "stss", "dtfs" or "linked", as of `view`.
+    ///     verify: whether the display strips of up to 20 frames are proven.
+    ///     field_of_view, image, pixels, triangles, steps, frustum, back_faces, silhouettes, light, foveation, attention: as of `View.set_view`.
+    ///
+    /// Returns:
+    ///     A dictionary with the keys of the command's JSON: "filter", "path", "proven", "collapses", "triangles_base", "triangles_full", "tree_height",
+    ///     "summary", and "frames", a list with a dictionary for each frame. Times depend on the machine.
+    ///
+    /// Raises:
+    ///     ParameterError: an option has a wrong value.
+    ///     FileError: the file of cameras cannot be read.
+    ///     NotProvenError: a frame is not proven, which is a defect of this package.
+    ///
+    /// >>> import tristrip
+    /// >>> model = tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    /// >>> flight = model.fly("orbit", frames=4)
+    /// >>> [frame["triangles"] for frame in flight["frames"]]
+    /// [1, 1, 1, 1]
+    #[pyo3(
+        signature = (path = None, **given),
+        text_signature = "($self, path=None, *, frames=300, up=None, filter='dtfs', verify=True, field_of_view=45.0, image=(1920, 1080), pixels=1.0, triangles=None, steps=None, frustum=True, back_faces=True, silhouettes=True, light=None, foveation=None, attention=(0.5, 0.5))"
+    )]
+    fn fly<'py>(
+        &self,
+        py: Python<'py>,
+        path: Option<&Bound<'py, PyAny>>,
+        given: Option<Keywords<'_, 'py>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = Arguments::of(py, given)?;
+        let frames = arguments.extract("frames")?.unwrap_or(USUAL_FRAMES);
+        let (up, filter): (Option<String>, Option<String>) =
+            (arguments.extract("up")?, arguments.extract("filter")?);
+        let filter: Filter = filter.as_deref().unwrap_or("dtfs").parse().map_err(Failure::from)?;
+        let verify = arguments.extract("verify")?.unwrap_or(true);
+        let Detail { lens, criteria } = Detail::taken(&arguments)?;
+        arguments.finish("ViewModel.fly")?;
+        let path = GivenPath::of(path, up.as_deref())?;
+        let options = FlightOptions { criteria, filter, proof_count: if verify { PROOF_COUNT } else { 0 } };
+        let ended = Watching::default().run(py, |watcher| {
+            let cameras = path.cameras(self.model.mesh.positions(), frames.0, lens)?;
+            let rows = fly(&self.tree, &cameras, &options, &mut Frames(watcher))?;
+            Ok(FlightReport::of_model(&self.tree)?.with_frames(rows))
+        })?;
+        let flight = ended.result()?;
+        let proven = flight.summary.as_ref().is_some_and(|summary| summary.frames_proven > 0);
+        let proven = proven.then_some(true);
+        report(py, &FlyReport { filter: filter.to_string(), path: path.name(), proven, flight })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let bytes = this.to_bytes(py)?.into_any();
+        let levels = this.model.levels.into_pyobject(py)?.into_any();
+        let notes = this.notes().into_pyobject(py)?.into_any();
+        Ok((slf.get_type().getattr("_restore")?, PyTuple::new(py, [bytes, levels, notes])?))
+    }
+
+    #[classmethod]
+    fn _restore(
+        _: &Bound<'_, PyType>,
+        bytes: &[u8],
+        levels: Option<usize>,
+        notes: Vec<String>,
+    ) -> PyResult<Self> {
+        let read = tlod::read(bytes, &TlodLimits::default()).map_err(Failure::from)?;
+        let mut model = tristrip_pipeline::ViewModel::from(read);
+        (model.levels, model.notes) = (levels, notes);
+        Ok(Self::new(model, Built::default())?)
+    }
+
+    fn __repr__(&self) -> String {
+        let (triangles, collapses) =
+            (counted(self.triangle_count(), "triangle"), counted(self.collapse_count(), "collapse"));
+        format!("ViewModel({triangles}, {collapses}, {})", counted(self.model.strips.len(), "strip"))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let report = slf.get().report(slf.py())?;
+        let arguments = ("model of view-dependent detail", report);
+        slf.py().import("tristrip._notebook")?.call_method1("report_html", arguments)
+    }
+}
+
+/// The report of a flight; the keys are those of the JSON report of `tristrip fly`.
+#[derive(Serialize)]
+struct FlyReport {
+    filter: String,
+    path: String,
+    proven: Option<bool>,
+    #[serde(flatten)]
+    flight: FlightReport,
+}
+
+/// Ends a flight on Ctrl-C.
+struct Frames<'a>(&'a Watcher);
+
+impl FlightObserver for Frames<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled()
+    }
+}
+
+/// Where a camera flies, as a user gives it.
+enum GivenPath {
+    Named(CameraPath),
+    Through(FlightPath),
+}
+
+impl GivenPath {
+    fn of(given: Option<&Bound<'_, PyAny>>, up: Option<&str>) -> Result<Self, Failure> {
+        let axis = up.map(|up| up.parse::<Axis>().map_err(|why| Failure::Parameter(format!("up: {why}"))));
+        let axis = axis.transpose()?;
+        let Some(given) = given else { return Ok(Self::Named(CameraPath::new("orbit".as_ref(), axis)?)) };
+        if let Ok(path) = given.extract::<PathBuf>() {
+            let path = CameraPath::new(&path, axis)?;
+            path.check()?;
+            return Ok(Self::Named(path));
+        }
+        if axis.is_some() {
+            return Err(Failure::Parameter("up: cannot be used with cameras, which have their axes".into()));
+        }
+        let json = given.py().import("json")?.call_method1("dumps", (given,));
+        let json = json.map_err(|error| Failure::Parameter(format!("path: {error}")))?;
+        let path = FlightPath::from_json(&json.extract::<String>()?);
+        Ok(Self::Through(path.map_err(|error| Failure::Parameter(format!("path: {error}")))?))
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Self::Named(path) => path.name(),
+            Self::Through(_) => "cameras".into(),
+        }
+    }
+
+    fn cameras(&self, positions: &[[f32; 3]], frames: usize, lens: Lens) -> Result<Vec<Camera>, Failure> {
+        Ok(match self {
+            Self::Named(path) => path.cameras(positions, frames, lens)?,
+            Self::Through(path) => path.cameras(frames, lens)?,
+        })
+    }
+}
+
+/// What a camera sees, and what detail that needs: the keyword arguments that views and flights share.
+#[derive(Debug, Clone, Copy)]
+struct Detail {
+    lens: Lens,
+    criteria: ViewCriteria,
+}
+
+impl Detail {
+    /// Takes the arguments.
+    fn taken(arguments: &Arguments<'_>) -> PyResult<Self> {
+        let usual = Lens::default();
+        let lens = Lens {
+            field_of_view: arguments.extract("field_of_view")?.unwrap_or(usual.field_of_view),
+            image: arguments.extract("image")?.unwrap_or(usual.image),
+        };
+        lens.check().map_err(Failure::from)?;
+        let is_kept = |name: &str| PyResult::Ok(arguments.extract(name)?.unwrap_or(true));
+        let mut criteria = ViewCriteria::new(arguments.extract("pixels")?.unwrap_or(1.0))
+            .map_err(Failure::from)?
+            .with_frustum(is_kept("frustum")?)
+            .with_back_faces(is_kept("back_faces")?)
+            .with_silhouettes(is_kept("silhouettes")?);
+        if let Some(Count(most)) = arguments.extract("triangles")? {
+            criteria = criteria.with_budget(most);
+        }
+        match arguments.extract("steps")? {
+            Some(Count(0)) => {
+                return Err(Failure::option("steps", 0, "at least 1: a view would never change").into());
+            }
+            Some(Count(steps)) => criteria = criteria.with_steps(steps),
+            None => (),
+        }
+        if let Some(direction) = arguments.extract("light")? {
+            criteria = criteria.with_light(direction).map_err(Failure::from)?;
+        }
+        let attention = arguments.extract("attention")?.unwrap_or(MIDDLE);
+        if let Some(growth) = arguments.extract("foveation")? {
+            let wrong = |_| Failure::option("foveation", growth, "a finite number of at least 0");
+            let foveation = Foveation::new(growth).map_err(wrong)?;
+            criteria = criteria.with_foveation(foveation.with_attention(attention).map_err(Failure::from)?);
+        }
+        Ok(Self { lens, criteria })
+    }
+}
+
+/// The detail of a `ViewModel` for one camera: a cursor that moves from frame to frame. Started by `ViewModel.view`, at the base mesh. Several views of one
+/// model share it; `copy.copy` makes another one in the same state.
+#[pyclass(frozen, module = "tristrip")]
+pub(crate) struct View {
+    model: Arc<tristrip_pipeline::ViewModel>,
+    filter: DisplayFilter,
+    state: Mutex<State>,
+}
+
+/// An index buffer, and the ranges that changed: their starts and ends.
+type Changed<'py> = (Bound<'py, PyAny>, Vec<(usize, usize)>);
+
+/// What moves.
+#[derive(Clone)]
+struct State {
+    cursor: Cursor,
+    camera: Option<Camera>,
+    pending: Pending,
+}
+
+#[derive(Clone)]
+enum Cursor {
+    Filtered(Box<SkipView>),
+    Repaired(Box<RepairedView>),
+}
+
+/// What changed since the index buffer was last asked for.
+#[derive(Clone, Default)]
+struct Pending {
+    /// The bits of an index then, and its indices for a filter that reports no changes.
+    last: Option<(u8, Vec<u32>)>,
+    ranges: Vec<Range<usize>>,
+}
+
+impl Cursor {
+    fn view(&self) -> &SkipView {
+        match self {
+            Self::Filtered(view) => view,
+            Self::Repaired(view) => view.view(),
+        }
+    }
+
+    fn update(&mut self, camera: &Camera, criteria: &ViewCriteria) -> Result<ViewUpdate, tristrip::Error> {
+        match self {
+            Self::Filtered(view) => view.update(camera, criteria),
+            Self::Repaired(view) => view.update(camera, criteria),
+        }
+    }
+
+    fn strips(&mut self) -> tristrip::Strips {
+        match self {
+            Self::Filtered(view) => view.display_strips(),
+            Self::Repaired(view) => view.strips().clone(),
+        }
+    }
+}
+
+impl View {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Looks at the state. Waits for other threads without the lock of the interpreter.
+    fn with<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&mut State) -> T + Send) -> T {
+        py.detach(|| look(&mut self.state()))
+    }
+}
+
+#[pymethods]
+impl View {
+    /// Move to the detail that a camera needs. The work is in proportion to what changes.
+    ///
+    /// Args:
+    ///     eye: where the camera is, as (x, y, z) in mesh units.
+    ///     look_at: the point that it looks at.
+    ///     direction: instead, the direction in which it looks.
+    ///     up: the direction that is up in the image.
+    ///     field_of_view: the vertical angle of the image in degrees.
+    ///     image: the columns and rows of the image in pixels.
+    ///     pixels: the error that a collapse may have in the image.
+    ///     triangles: the most triangles of the view. If the error needs more, the largest errors in pixels are reduced first; the base mesh may have more.
+    ///     steps: the number of collapses and splits after which no more begin; what is left is done by the next call. By default no limit.
+    ///     frustum: whether everything outside of the image is as coarse as possible.
+    ///     back_faces: whether faces that look away may have four times the error.
+    ///     silhouettes: whether silhouettes may have only half of the error.
+    ///     light: the direction to a light: faces that look away from it may have twice the error.
+    ///     foveation: how much the allowed error grows per degree away from where somebody looks: at d degrees it is 1 + foveation × d times as large.
+    ///     attention: the point of the image at which somebody looks, in fractions of its width from the left and its height from the top.
+    ///
+    /// Returns:
+    ///     A dictionary: "triangles" and "active_vertices" of the view, "collapses" and "splits" done, "looked_at" (collapses whose error was
+    ///     computed), "segments" of strips scanned, "complete" (False if `steps` ended the work).
+    ///
+    /// Raises:
+    ///     ParameterError: the camera has no direction, or a number is out of range. The view stays as it is.
+    ///
+    /// References:
+    ///     El-Sana et al.: Efficiently Computing and Updating Triangle Strips for Real-Time Rendering, 2000, section 5; Guenter et al.: Foveated 3D Graphics, 2012.
+    ///
+    /// >>> import tristrip
+    /// >>> view = tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).view()
+    /// >>> view.set_view((0, 0, 5), direction=(0, 0, -1), pixels=2, triangles=1000)["complete"]
+    /// True
+    #[pyo3(
+        signature = (eye, look_at = None, **given),
+        text_signature = "($self, eye, look_at=None, *, direction=None, up=(0.0, 1.0, 0.0), field_of_view=45.0, image=(1920, 1080), pixels=1.0, triangles=None, steps=None, frustum=True, back_faces=True, silhouettes=True, light=None, foveation=None, attention=(0.5, 0.5))"
+    )]
+    fn set_view<'py>(
+        &self,
+        py: Python<'py>,
+        eye: [f32; 3],
+        look_at: Option<[f32; 3]>,
+        given: Option<Keywords<'_, 'py>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = Arguments::of(py, given)?;
+        let (direction, up) = (arguments.extract("direction")?, arguments.extract("up")?.unwrap_or(UPWARD));
+        let Detail { lens, criteria } = Detail::taken(&arguments)?;
+        arguments.finish("View.set_view")?;
+        let look_at = match (look_at, direction) {
+            (Some(look_at), None) => look_at,
+            (None, Some(direction)) => ahead(eye, direction)?,
+            _ => return Err(Failure::Parameter("look_at, direction: expected one of both".into()).into()),
+        };
+        let [columns, rows] = lens.image;
+        let camera = Camera::new(eye, look_at)
+            .and_then(|camera| camera.with_up(up))
+            .and_then(|camera| camera.with_field_of_view(lens.field_of_view))
+            .and_then(|camera| camera.with_image(columns, rows))
+            .map_err(Failure::from)?;
+        let moved = self.with(py, |state| {
+            let mut update = state.cursor.update(&camera, &criteria)?;
+            state.camera = Some(camera);
+            state.pending.ranges.append(&mut update.changed);
+            let view = state.cursor.view();
+            Ok::<_, Failure>((update, [view.triangle_count(), view.active_vertex_count()]))
+        });
+        let (update, [triangles, active_vertices]) = moved?;
+        // The keys are those of a frame in the JSON report of `tristrip fly`.
+        let found = PyDict::new(py);
+        let ViewUpdate { collapses, splits, looked_at, segments, .. } = update;
+        let counts =
+            [("triangles", triangles), ("active_vertices", active_vertices), ("collapses", collapses)];
+        let work = [("splits", splits), ("looked_at", looked_at), ("segments", segments)];
+        for (name, count) in counts.into_iter().chain(work) {
+            found.set_item(name, count)?;
+        }
+        found.set_item("complete", update.is_complete)?;
+        Ok(found)
+    }
+
+    /// The number of triangles of the view.
+    #[getter]
+    fn triangle_count(&self, py: Python<'_>) -> usize {
+        self.with(py, |state| state.cursor.view().triangle_count())
+    }
+
+    /// The number of vertices that have not collapsed.
+    #[getter]
+    fn active_vertex_count(&self, py: Python<'_>) -> usize {
+        self.with(py, |state| state.cursor.view().active_vertex_count())
+    }
+
+    /// The greatest error of the collapses that are done, in the units of the positions. It may be where nobody sees it.
+    #[getter]
+    fn surface_error(&self, py: Python<'_>) -> f32 {
+        self.with(py, |state| {
+            let errors: Vec<f32> = self.model.sequence.iter().map(|collapse| collapse.error).collect();
+            let done = state.cursor.view().collapses_done();
+            done.filter_map(|number| errors.get(number)).copied().fold(0.0, f32::max)
+        })
+    }
+
+    /// The name of the filter of the display strips.
+    #[getter]
+    fn filter(&self) -> &'static str {
+        self.filter.name()
+    }
+
+    /// Return the display strips, over the vertices of the model.
+    fn strips(&self, py: Python<'_>) -> Strips {
+        Strips::new(self.with(py, |state| state.cursor.strips()), None, None)
+    }
+
+    /// Return the index buffer of the display strips, as `Strips.indices` does.
+    #[pyo3(signature = (layout = "restart", dtype = None))]
+    fn indices<'py>(
+        slf: &Bound<'py, Self>,
+        layout: &str,
+        dtype: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let strips = slf.get().strips(slf.py());
+        Bound::new(slf.py(), strips)?.call_method1("indices", (layout, dtype))
+    }
+
+    /// Return an index buffer to draw, and the ranges in which it differs from that of the last call with this dtype, so that only these are sent to a graphics
+    /// processor: (start, end) in indices. The largest value of the dtype separates strips, and fills places where nothing is drawn, so that what
+    /// has not changed stays in its place.
+    ///
+    /// The dtype is "uint8", "uint16" or "uint32"; by default "uint16" where all vertices fit.
+    ///
+    /// Raises:
+    ///     ParameterError: the dtype is unknown, or a vertex does not fit it.
+    #[pyo3(signature = (dtype = None))]
+    fn update<'py>(&self, py: Python<'py>, dtype: Option<&Bound<'py, PyAny>>) -> PyResult<Changed<'py>> {
+        let vertex_count = self.model.mesh.vertex_count();
+        let bits = index_bits(py, dtype, vertex_count)?;
+        if vertex_count > (1_usize << bits) - 1 {
+            let expected = format!("one that names {vertex_count} vertices");
+            return Err(Failure::option("dtype", format!("uint{bits}"), &expected).into());
+        }
+        let (indices, changed) = self.with(py, |state| state.changes(bits));
+        let array = match bits {
+            8 => PyArray1::from_vec(py, narrowed(&indices, |x| x as u8)).into_any(),
+            16 => PyArray1::from_vec(py, narrowed(&indices, |x| x as u16)).into_any(),
+            _ => PyArray1::from_vec(py, indices).into_any(),
+        };
+        Ok((array, changed.into_iter().map(|range| (range.start, range.end)).collect()))
+    }
+
+    /// Return the triangles of the view: uint32 of shape (n, 3).
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        triangle_rows(py, self.with(py, |state| state.cursor.strips().to_list()))
+    }
+
+    /// Prove that the display strips draw exactly the triangles of the view, and return their number.
+    ///
+    /// Raises:
+    ///     NotProvenError: they do not, which is a defect of this package.
+    fn verify(&self, py: Python<'_>) -> PyResult<usize> {
+        let proven = self.with(py, |state| {
+            let strips = state.cursor.strips();
+            prove_drawing(state.cursor.view(), &strips)
+        });
+        Ok(proven.map_err(Failure::from)?)
+    }
+
+    /// Return a picture of the view as the camera of the last `set_view` sees it, as the bytes of a PNG.
+    ///
+    /// Args:
+    ///     shaded: whether the surface is grey, instead of one colour per strip.
+    ///
+    /// Raises:
+    ///     ParameterError: no camera is set yet, or its image is larger than 8192 pixels.
+    #[pyo3(signature = (*, shaded = false))]
+    fn picture<'py>(&self, py: Python<'py>, shaded: bool) -> PyResult<Bound<'py, PyBytes>> {
+        let (camera, strips) = self.with(py, |state| (state.camera, state.cursor.strips()));
+        let camera = camera.ok_or_else(|| Failure::Parameter("picture: set_view comes first".into()))?;
+        let positions = self.model.mesh.positions();
+        let ended = Watching::default().run(py, |_| {
+            let [columns, rows] = camera.image();
+            let options = RenderOptions::default().with_size(columns, rows);
+            let picture = if shaded {
+                triangles_seen(&[(positions, &strips.to_list())], &camera, &options)
+            } else {
+                strips_seen(&[(positions, &strips)], &camera, &options)
+            };
+            Ok(picture?)
+        })?;
+        Ok(PyBytes::new(py, &ended.result()?))
+    }
+
+    /// The memory of the view in bytes, without that of the model.
+    #[getter]
+    fn memory(&self, py: Python<'_>) -> usize {
+        self.with(py, |state| match &state.cursor {
+            Cursor::Filtered(view) => view.memory(),
+            Cursor::Repaired(view) => view.memory(),
+        })
+    }
+
+    fn __copy__(&self, py: Python<'_>) -> Self {
+        let state = Mutex::new(self.with(py, |state| state.clone()));
+        Self { model: Arc::clone(&self.model), filter: self.filter, state }
+    }
+
+    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> Self {
+        self.__copy__(py)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let full = self.model.sequence.triangles().len() / 3;
+        let found = count(self.triangle_count(py));
+        format!("View({found} of {}, filter {})", counted(full, "triangle"), self.filter.name())
+    }
+
+    /// The picture, in notebooks.
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyBytes>>> {
+        if self.with(py, |state| state.camera.is_none()) {
+            return Ok(None);
+        }
+        self.picture(py, false).map(Some)
+    }
+}
+
+impl State {
+    /// Returns the index buffer with indices of so many bits, and the ranges that changed since it was last asked for.
+    fn changes(&mut self, bits: u8) -> (Vec<u32>, Vec<Range<usize>>) {
+        let Self { cursor, pending, .. } = self;
+        let is_first = pending.last.as_ref().is_none_or(|(last, _)| *last != bits);
+        let (indices, changed) = match cursor {
+            Cursor::Filtered(view) => (view.indices().to_vec(), joined(std::mem::take(&mut pending.ranges))),
+            Cursor::Repaired(view) => {
+                let mut old = pending.last.take().map(|(_, old)| old).unwrap_or_default();
+                // A layout of 32 bits holds all vertices.
+                let changed = view.strips().update_indices(tristrip::Layout::Restart, &mut old);
+                (old, changed.unwrap_or_default())
+            }
+        };
+        let kept = if matches!(cursor, Cursor::Repaired(_)) { indices.clone() } else { Vec::new() };
+        pending.last = Some((bits, kept));
+        if is_first {
+            let all = 0..indices.len();
+            return (indices, if all.is_empty() { Vec::new() } else { vec![all] });
+        }
+        (indices, changed)
+    }
+}
+
+/// Sorts ranges, and joins those that overlap or touch.
+fn joined(mut ranges: Vec<Range<usize>>) -> Vec<Range<usize>> {
+    ranges.sort_unstable_by_key(|range| range.start);
+    let mut out: Vec<Range<usize>> = Vec::with_capacity(ranges.len());
+    for range in ranges {
+        match out.last_mut().filter(|last| range.start <= last.end) {
+            Some(last) => last.end = last.end.max(range.end),
+            None => out.push(range),
+        }
+    }
+    out
+}
+
+/// Converts indices to a smaller type, whose largest value is that of restarts as that of `u32` is.
+fn narrowed<T>(indices: &[u32], narrow: fn(u32) -> T) -> Vec<T> {
+    // The lowest bits of `RESTART` are all set.
+    const { assert!(RESTART == u32::MAX) };
+    indices.iter().map(|&index| narrow(index)).collect()
+}
+
+/// Returns a point in a direction, as far away as the eye is from the origin, so that rounding changes the direction little.
+fn ahead(eye: [f32; 3], direction: [f32; 3]) -> Result<[f32; 3], Failure> {
+    let wide = direction.map(f64::from);
+    let length = wide.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !(length.is_finite() && length > 0.0) {
+        return Err(Failure::option("direction", format!("{direction:?}"), "a finite direction"));
+    }
+    let distance = eye.iter().map(|&x| f64::from(x).powi(2)).sum::<f64>().sqrt().max(1.0);
+    Ok([0, 1, 2].map(|k| (f64::from(eye[k]) + wide[k] / length * distance) as f32))
+}
