@@ -34,9 +34,8 @@ impl<'py> GivenFaces<'py> {
         let array = as_array(name, given)?;
         let shape = array.shape().to_vec();
         let corners = match shape[..] {
-            [_] => 3,
+            [_] | [0, _] => 3,
             [_, corners] if corners >= 3 => corners,
-            [0, _] => 3,
             _ => {
                 return Err(Failure::mesh(
                     name,

@@ -44,7 +44,7 @@ impl GivenAttributes<'_, '_> {
             }
             mesh = with(mesh, argument, attribute)?;
         }
-        for (name, given) in self.others.into_iter().flat_map(|others| others.iter()) {
+        for (name, given) in self.others.into_iter().flat_map(PyDictMethods::iter) {
             let name: String =
                 name.extract().map_err(|_| Failure::option("attributes", name, "names as str"))?;
             let argument = format!("attributes[{name:?}]");

@@ -61,11 +61,14 @@ use crate::work::Watching;
 /// (True, True)
 #[pyclass(frozen, module = "tristrip")]
 pub(crate) struct Levels {
-    levels: Arc<ModelLevels>,
+    built: Arc<ModelLevels>,
     model: Arc<Model>,
     kind: ModelKind,
     state: Mutex<State>,
 }
+
+/// An index buffer, and the ranges in which it changed.
+type Updated<'py> = (Bound<'py, PyAny>, Vec<(usize, usize)>);
 
 /// What moves.
 struct State {
@@ -112,7 +115,7 @@ impl Levels {
         }
         let (levels, cursor) = ended.value;
         let state = Mutex::new(State { cursor, buffers: HashMap::new() });
-        Ok(Self { levels: Arc::new(levels), model, kind, state })
+        Ok(Self { built: Arc::new(levels), model, kind, state })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -121,7 +124,7 @@ impl Levels {
 
     fn set(&self, py: Python<'_>, goal: LevelGoal) -> PyResult<usize> {
         let moved: Result<usize, Error> = py.detach(|| {
-            let level = self.levels.level_of(goal)?;
+            let level = self.built.level_of(goal)?;
             self.state().cursor.set_level(level)?;
             Ok(level)
         });
@@ -134,9 +137,9 @@ impl Levels {
     }
 
     fn strips_in(&self, state: &mut State, part: usize) -> Result<tristrip::Strips, Failure> {
-        let count = self.levels.parts.len();
+        let count = self.built.parts.len();
         let cursors = state.cursor.of_parts_mut();
-        let (Some(own), Some(cursor)) = (self.levels.parts.get(part), cursors.get_mut(part)) else {
+        let (Some(own), Some(cursor)) = (self.built.parts.get(part), cursors.get_mut(part)) else {
             return Err(Failure::option("part", part, &format!("less than {count}")));
         };
         Ok(own.outward(cursor.strips())?)
@@ -144,8 +147,8 @@ impl Levels {
 
     /// Returns the greatest error of the parts at a level.
     fn error_at(&self, level: usize) -> Result<f32, Failure> {
-        let of_parts = self.levels.order.of_parts(level)?;
-        let errors = self.levels.parts.iter().zip(of_parts).map(|(part, level)| part.sequence().error(level));
+        let of_parts = self.built.order.of_parts(level)?;
+        let errors = self.built.parts.iter().zip(of_parts).map(|(part, level)| part.sequence().error(level));
         Ok(errors.collect::<Result<Vec<f32>, _>>()?.into_iter().fold(0.0, f32::max))
     }
 
@@ -157,7 +160,7 @@ impl Levels {
             strips += drawn.len();
             indices += drawn.index_count(Layout::Restart);
         }
-        let triangles = self.levels.triangle_count(level)?;
+        let triangles = self.built.triangle_count(level)?;
         let ratio = if triangles > 0 { indices as f64 / triangles as f64 } else { 0.0 };
         let surface_error = self.error_at(level)?;
         let indices_restart_per_triangle = rounded(ratio);
@@ -216,13 +219,13 @@ impl Levels {
     /// The last level, the full mesh: the number of collapses.
     #[getter]
     fn last_level(&self) -> usize {
-        self.levels.collapse_count()
+        self.built.collapse_count()
     }
 
     /// The number of parts, each of which has vertices and strips of its own: 1 for arrays.
     #[getter]
     fn part_count(&self) -> usize {
-        self.levels.parts.len()
+        self.built.parts.len()
     }
 
     /// The name of the level model.
@@ -234,7 +237,7 @@ impl Levels {
     /// The number of triangles at the current level.
     #[getter]
     fn triangle_count(&self, py: Python<'_>) -> PyResult<usize> {
-        Ok(self.levels.triangle_count(self.level(py)).map_err(Failure::from)?)
+        Ok(self.built.triangle_count(self.level(py)).map_err(Failure::from)?)
     }
 
     /// The greatest error of the collapses of the current level, in the units of the positions.
@@ -246,19 +249,19 @@ impl Levels {
     /// The length of the diagonal of the bounding box, of which the percentages of errors are.
     #[getter]
     fn diagonal(&self) -> f64 {
-        self.levels.collapses.diagonal
+        self.built.collapses.diagonal
     }
 
     /// Notes on what was dropped or is unusual.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.levels.notes.clone()
+        self.built.notes.clone()
     }
 
     /// Why the search for the strips was stopped: "budget", "interrupt", or None.
     #[getter]
     fn stopped(&self) -> Option<&'static str> {
-        self.levels.stopped.map(|stopped| if stopped == Stopped::Budget { "budget" } else { "interrupt" })
+        self.built.stopped.map(|stopped| if stopped == Stopped::Budget { "budget" } else { "interrupt" })
     }
 
     /// Return the positions of a part, which are the same at all levels: float32 of shape (n, 3).
@@ -342,7 +345,7 @@ impl Levels {
     ) -> PyResult<Bound<'py, PyAny>> {
         let layout = layout_of(layout)?;
         let strips = self.strips_of(py, part.0)?;
-        let vertex_count = self.levels.parts.get(part.0).map_or(0, |part| part.vertex_count());
+        let vertex_count = self.built.parts.get(part.0).map_or(0, tristrip_pipeline::LevelPart::vertex_count);
         let bits = index_bits(py, dtype, vertex_count)?;
         Ok(indices_to_array(py, &strips, layout, bits)?)
     }
@@ -366,9 +369,9 @@ impl Levels {
         layout: &str,
         dtype: Option<&Bound<'py, PyAny>>,
         part: Count,
-    ) -> PyResult<(Bound<'py, PyAny>, Vec<(usize, usize)>)> {
+    ) -> PyResult<Updated<'py>> {
         let layout = layout_of(layout)?;
-        let vertex_count = self.levels.parts.get(part.0).map_or(0, |part| part.vertex_count());
+        let vertex_count = self.built.parts.get(part.0).map_or(0, tristrip_pipeline::LevelPart::vertex_count);
         let bits = index_bits(py, dtype, vertex_count)?;
         // The state is not locked while Python runs, so that threads that wait for it do not wait for each other.
         let (buffer, changed) = py.detach(|| {
@@ -407,11 +410,11 @@ impl Levels {
     fn renaming<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let level = self.level(py);
         let renamed = py.detach(|| {
-            let count = self.levels.parts.len();
-            let found = self.levels.parts.get(part.0);
+            let count = self.built.parts.len();
+            let found = self.built.parts.get(part.0);
             let found =
                 found.ok_or_else(|| Failure::option("part", part.0, &format!("less than {count}")))?;
-            let of_parts = self.levels.order.of_parts(level)?;
+            let of_parts = self.built.order.of_parts(level)?;
             let level = of_parts.get(part.0).copied().unwrap_or_default();
             Ok::<_, Failure>(found.renaming(level)?)
         })?;
@@ -425,9 +428,9 @@ impl Levels {
     fn verify(&self, py: Python<'_>) -> PyResult<()> {
         let proven: Result<(), Failure> = py.detach(|| {
             let mut state = self.state();
-            let of_parts = self.levels.order.of_parts(state.cursor.level())?;
+            let of_parts = self.built.order.of_parts(state.cursor.level())?;
             let cursors = state.cursor.of_parts_mut().iter_mut();
-            for ((part, cursor), level) in self.levels.parts.iter().zip(cursors).zip(of_parts) {
+            for ((part, cursor), level) in self.built.parts.iter().zip(cursors).zip(of_parts) {
                 part.prove(level, cursor.strips())?;
             }
             Ok(())
@@ -438,9 +441,9 @@ impl Levels {
     /// Return another object at the full mesh, which shares the model: for another instance or view.
     fn another(&self) -> PyResult<Self> {
         let cursor = self.state().cursor.another().map_err(Failure::from)?;
-        let (levels, model) = (Arc::clone(&self.levels), Arc::clone(&self.model));
+        let (built, model) = (Arc::clone(&self.built), Arc::clone(&self.model));
         Ok(Self {
-            levels,
+            built,
             model,
             kind: self.kind,
             state: Mutex::new(State { cursor, buffers: HashMap::new() }),
@@ -455,8 +458,8 @@ impl Levels {
     fn table<'py>(&self, py: Python<'py>, steps: Count) -> PyResult<Bound<'py, PyAny>> {
         let rows: Result<Vec<LevelRow>, Failure> = py.detach(|| {
             let mut cursor = self.state().cursor.another()?;
-            let steps = steps.0.min(self.levels.collapse_count().max(1));
-            self.levels.order.evenly(steps).into_iter().map(|level| self.row(&mut cursor, level)).collect()
+            let steps = steps.0.min(self.built.collapse_count().max(1));
+            self.built.order.evenly(steps).into_iter().map(|level| self.row(&mut cursor, level)).collect()
         });
         report(py, &rows?)
     }

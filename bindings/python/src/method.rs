@@ -14,7 +14,7 @@ pub(crate) fn flags<'py>(
     effort: impl IntoPyObject<'py>,
     cost: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let flags = others.map_or_else(|| Ok(PyDict::new(py)), |others| others.copy())?;
+    let flags = others.map_or_else(|| Ok(PyDict::new(py)), PyDictMethods::copy)?;
     flags.set_item("effort", effort)?;
     flags.set_item("cost", cost)?;
     Ok(flags)
@@ -27,7 +27,7 @@ pub(crate) fn options(
     flags: Option<&Bound<'_, PyDict>>,
 ) -> Result<StripifyOptions, Failure> {
     let mut pairs = vec![("--method".to_owned(), method.to_owned())];
-    for (name, value) in flags.into_iter().flat_map(|flags| flags.iter()) {
+    for (name, value) in flags.into_iter().flat_map(PyDictMethods::iter) {
         let name: String = name.extract()?;
         if !value.is_none() {
             pairs.push((format!("--{}", name.replace('_', "-")), value.str()?.to_string()));

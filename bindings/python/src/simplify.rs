@@ -179,7 +179,11 @@ impl Simplified {
     attributes = None, weight = None, price = "distance", permissive = false, lock_borders = false,
     weld_distance = None, normals_mode = "auto", fit = true, measure = false, verify = true, progress = None
 ))]
-#[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+#[allow(
+    clippy::too_many_arguments,
+    clippy::fn_params_excessive_bools,
+    reason = "keyword arguments of Python"
+)]
 pub(crate) fn simplify<'py>(
     py: Python<'py>,
     vertices: &Bound<'py, PyAny>,

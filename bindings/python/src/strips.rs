@@ -33,7 +33,7 @@ use crate::work::{Watcher, Watching};
 #[pyclass(frozen, module = "tristrip", eq, sequence)]
 #[derive(Debug, PartialEq)]
 pub(crate) struct Strips {
-    strips: Arc<tristrip::Strips>,
+    inner: Arc<tristrip::Strips>,
     options: Option<StripifyOptions>,
     stopped: Option<Stopped>,
     notes: Vec<String>,
@@ -58,7 +58,7 @@ impl Strips {
         stopped: Option<Stopped>,
     ) -> Self {
         let notes = stopped.iter().map(|stopped| stopped.note().into()).collect();
-        Self { strips: Arc::new(strips), options, stopped, notes, is_proven: false }
+        Self { inner: Arc::new(strips), options, stopped, notes, is_proven: false }
     }
 
     /// States that the strips are proven.
@@ -73,17 +73,17 @@ impl Strips {
     }
 
     pub(crate) fn inner(&self) -> &Arc<tristrip::Strips> {
-        &self.strips
+        &self.inner
     }
 
     /// Counts the vertices up to the highest that is used.
     fn vertex_count(&self) -> usize {
-        self.strips.vertices().iter().max().map_or(0, |&highest| highest as usize + 1)
+        self.inner.vertices().iter().max().map_or(0, |&highest| highest as usize + 1)
     }
 
     fn strip(&self, index: isize) -> Option<&[u32]> {
-        let index = if index < 0 { index + isize::try_from(self.strips.len()).ok()? } else { index };
-        self.strips.get(usize::try_from(index).ok()?)
+        let index = if index < 0 { index + isize::try_from(self.inner.len()).ok()? } else { index };
+        self.inner.get(usize::try_from(index).ok()?)
     }
 }
 
@@ -117,18 +117,18 @@ impl Strips {
     /// The vertices of all strips, one after the other: uint32 of shape (vertices_sent,).
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        PyArray1::from_slice(py, self.strips.vertices())
+        PyArray1::from_slice(py, self.inner.vertices())
     }
 
     /// The start of each strip in `vertices`, and the end of the last one: int64 of shape (strips + 1,).
     #[getter]
     fn offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        let mut end = 0;
-        let ends = self.strips.iter().map(|strip| {
-            end += strip.len() as i64;
+        let mut end = 0_u32;
+        let ends = self.inner.iter().map(|strip| {
+            end += strip.len() as u32;
             end
         });
-        PyArray1::from_vec(py, std::iter::once(0).chain(ends).collect())
+        PyArray1::from_vec(py, std::iter::once(0).chain(ends).map(i64::from).collect())
     }
 
     /// The method and its options, as the command prints them; None for strips that were not built here.
@@ -182,7 +182,7 @@ impl Strips {
     ) -> PyResult<Bound<'py, PyAny>> {
         let layout = layout_of(layout)?;
         let bits = index_bits(py, dtype, self.vertex_count())?;
-        Ok(indices_to_array(py, &self.strips, layout, bits)?)
+        Ok(indices_to_array(py, &self.inner, layout, bits)?)
     }
 
     /// Return the triangles that are drawn, in their order, with their winding: uint32 of shape (triangles, 3).
@@ -191,7 +191,7 @@ impl Strips {
     /// >>> tristrip.stripify([[0, 1, 2], [2, 1, 3]]).triangles().shape
     /// (2, 3)
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let strips = &*self.strips;
+        let strips = &*self.inner;
         let list = py.detach(|| strips.to_list());
         let rows = list.len() / 3;
         PyArray1::from_vec(py, list).reshape([rows, 3])
@@ -228,7 +228,7 @@ impl Strips {
         let points = vertices.map(|vertices| positions("vertices", vertices)).transpose()?;
         let points = points.map(|points| points.as_slice().map(|x| x.as_chunks().0.to_vec()));
         let points = points.transpose()?;
-        let strips = Arc::clone(&self.strips);
+        let strips = Arc::clone(&self.inner);
         let ended = Watching::default().run(py, move |_| match points {
             Some(points) => {
                 let mesh = Mesh::new(points, faces)?;
@@ -257,7 +257,7 @@ impl Strips {
     /// (1, 4, 2.0)
     fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let options = self.options.unwrap_or_default();
-        let (strips, vertex_count) = (&*self.strips, self.vertex_count());
+        let (strips, vertex_count) = (&*self.inner, self.vertex_count());
         let figures =
             py.detach(|| Figures::of(&[(strips, vertex_count)], &options)).map_err(Failure::from)?;
         report(py, &figures)
@@ -282,7 +282,7 @@ impl Strips {
     fn vertex_cache<'py>(&self, py: Python<'py>, cache: &str, flush: bool) -> PyResult<Bound<'py, PyDict>> {
         let cache: VertexCache = cache.parse().map_err(Failure::from)?;
         let policy = if flush { FlushPolicy::Flush } else { FlushPolicy::Keep };
-        let strips = &*self.strips;
+        let strips = &*self.inner;
         let used = py.detach(|| VertexCacheStatistics::of(strips, cache, policy));
         let found = PyDict::new(py);
         found.set_item("misses", used.misses)?;
@@ -292,12 +292,12 @@ impl Strips {
     }
 
     fn __len__(&self) -> usize {
-        self.strips.len()
+        self.inner.len()
     }
 
     fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let strip = self.strip(index).ok_or_else(|| {
-            PyIndexError::new_err(format!("strip {index}: found {} strips", self.strips.len()))
+            PyIndexError::new_err(format!("strip {index}: found {} strips", self.inner.len()))
         })?;
         Ok(PyArray1::from_slice(py, strip))
     }
@@ -307,8 +307,8 @@ impl Strips {
     }
 
     fn __repr__(&self) -> String {
-        let (strips, triangles) = (self.strips.len(), self.strips.triangles().count());
-        let indices = self.strips.index_count(Layout::Restart);
+        let (strips, triangles) = (self.inner.len(), self.inner.triangles().count());
+        let indices = self.inner.index_count(Layout::Restart);
         let counted = tristrip_pipeline::text::counted;
         let method = self.method().map(|method| format!(", {method}")).unwrap_or_default();
         let (strips, triangles) = (counted(strips, "strip"), counted(triangles, "triangle"));
@@ -322,7 +322,7 @@ impl Strips {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let this = slf.get();
         let pickled = Pickled {
-            strips: (*this.strips).clone(),
+            strips: (*this.inner).clone(),
             options: this.options,
             stopped: this.stopped.map(|stopped| stopped == Stopped::Budget),
             notes: this.notes.clone(),
@@ -339,7 +339,7 @@ impl Strips {
             serde_json::from_slice(bytes).map_err(|error| Failure::Parameter(format!("pickle: {error}")))?;
         let Pickled { strips, options, stopped, notes, is_proven } = pickled;
         let stopped = stopped.map(|budget| if budget { Stopped::Budget } else { Stopped::Interrupt });
-        Ok(Self { strips: Arc::new(strips), options, stopped, notes, is_proven })
+        Ok(Self { inner: Arc::new(strips), options, stopped, notes, is_proven })
     }
 }
 
@@ -358,7 +358,7 @@ impl StripIterator {
     }
 
     fn __next__<'py>(&mut self, py: Python<'py>) -> Option<Bound<'py, PyArray1<u32>>> {
-        let strip = PyArray1::from_slice(py, self.strips.get().strips.get(self.next)?);
+        let strip = PyArray1::from_slice(py, self.strips.get().inner.get(self.next)?);
         self.next += 1;
         Some(strip)
     }

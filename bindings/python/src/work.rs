@@ -150,11 +150,7 @@ impl<T> Ended<T> {
     }
 
     /// Converts the result into a Python object, which an interrupt takes with it.
-    pub(crate) fn object<'py, O>(
-        self,
-        py: Python<'py>,
-        convert: impl FnOnce(T) -> O,
-    ) -> PyResult<Bound<'py, O>>
+    pub(crate) fn object<O>(self, py: Python<'_>, convert: impl FnOnce(T) -> O) -> PyResult<Bound<'_, O>>
     where
         O: PyClass<BaseType = PyAny> + Into<PyClassInitializer<O>>,
     {

@@ -55,7 +55,11 @@ def textured() -> tristrip.Scene:
 
 def command(*arguments: str | Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "tristrip", *map(str, arguments), "--quiet"], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "tristrip", *map(str, arguments), "--quiet"],
+        env={**os.environ, "PYTHONPATH": str(Path(tristrip.__file__).parents[1])},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
 

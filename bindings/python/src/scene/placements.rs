@@ -25,13 +25,7 @@ pub(crate) fn placements<'py>(py: Python<'py>, scene: &SceneData) -> PyResult<Ve
     let arrays = placed.into_iter().map(|Placement { parts, transform, .. }| {
         let rows = transform.as_flattened().iter().copied().chain([0.0, 0.0, 0.0, 1.0]);
         let matrix = PyArray1::from_iter(py, rows).reshape([4, 4])?;
-<<<<<<< HEAD
         Ok((PyRange::new(py, isize::try_from(parts.start)?, isize::try_from(parts.end)?)?, matrix))
-=======
-        // There are fewer parts than bytes in memory.
-        let [start, end] = [parts.start, parts.end].map(|part| isize::try_from(part).unwrap_or(isize::MAX));
-        Ok((PyRange::new(py, start, end)?, matrix))
->>>>>>> py-scene
     });
     arrays.collect()
 }

@@ -18,7 +18,7 @@
 //! Vertices at one position move together. Those at borders and at edges of more than two triangles stay.
 //!
 //! # References
-//! Hoppe, DeRose, Duchamp, McDonald, Stuetzle: *Mesh Optimization*, 1993, section 4.1: the positions for fixed triangles. There the distances are
+//! Hoppe et al.: *Mesh Optimization*, 1993, section 4.1: the positions for fixed triangles. There the distances are
 //! those to the points found, not from planes. Chen, Medioni: *Object Modelling by Registration of Multiple Range Images*, 1992: distances from planes.
 //!
 //! # Complexity
@@ -445,7 +445,7 @@ fn step(at: &mut [Point], mut moves: Vec<Point>, surface: &[[u32; 3]], normals: 
             at.iter().zip(&moves).map(|(at, by)| [0, 1, 2].map(|k| at[k] + by[k])).collect();
         let turned = |(t, normal): (&[u32; 3], &Point)| {
             let now = unit_normal(&moved, t);
-            (*normal != [0.0; 3] && dot(now, *normal) < MOST_TURN).then_some(*t)
+            (dot(*normal, *normal) > 0.0 && dot(now, *normal) < MOST_TURN).then_some(*t)
         };
         let turned: Vec<[u32; 3]> = surface.iter().zip(normals).filter_map(turned).collect();
         if turned.is_empty() {
