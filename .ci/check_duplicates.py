@@ -22,7 +22,7 @@ WINDOW = 6
 PUNCTUATION = re.compile(r"[^A-Za-z0-9]*$")
 ATTRIBUTE = re.compile(r"#!?\[")
 USE = re.compile(r"^\s*(?:pub(?:\([^)]*\))? )?use [^;]*;", re.MULTILINE)
-PYTHON_LEFT_OUT = re.compile(r"^\s*(?:#|import \w|from \w).*", re.MULTILINE)
+PYTHON_LEFT_OUT = re.compile(r"^\s*(?:from [\w.]+ import \([^)]*\)|#.*|import \w.*|from [\w.].*)", re.MULTILINE)
 
 
 def rust_lines(text: str) -> str:

@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::work::Watching;
 
@@ -17,7 +17,7 @@ pub(crate) struct Arguments<'py> {
 impl<'py> Arguments<'py> {
     /// Copies the arguments of a call.
     pub(crate) fn of(py: Python<'py>, given: Option<Keywords<'_, 'py>>) -> PyResult<Self> {
-        let given = given.map_or_else(|| Ok(PyDict::new(py)), |given| given.copy())?;
+        let given = given.map_or_else(|| Ok(PyDict::new(py)), PyDictMethods::copy)?;
         Ok(Self { given })
     }
 

@@ -9,6 +9,8 @@
 //! defaults that a user sees stand in `python/tristrip/_native.pyi`.
 
 #![forbid(unsafe_code)]
+#![allow(clippy::needless_pass_by_value, reason = "arguments of Python are extracted into values")]
+#![allow(clippy::doc_link_with_quotes, reason = "the examples are in Python")]
 
 mod arguments;
 mod arrays;

@@ -32,6 +32,9 @@ def only_types() -> list[str]:
         if isinstance(statement, ast.AnnAssign) and isinstance(statement.annotation, ast.Name):
             if statement.annotation.id == "TypeAlias" and isinstance(statement.target, ast.Name):
                 names.append(statement.target.id)
+        elif isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Call):
+            # A typed dictionary with keys that are no names.
+            names.extend(target.id for target in statement.targets if isinstance(target, ast.Name))
         elif isinstance(statement, ast.ClassDef):
             bases = {base.id for base in statement.bases if isinstance(base, ast.Name)}
             if "TypedDict" in bases or bases & set(names):

@@ -6,6 +6,7 @@ import random
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -167,13 +168,14 @@ def test_oriented_strips(strips: list[list[int]]) -> None:
 
 def test_inputs() -> None:
     expected = [(0, 1, 2), (2, 1, 3)]
-    for triangles in [
+    inputs: list[Any] = [
         iter(expected),
         [list(triangle) for triangle in expected],
         np.array(expected),
         np.array(expected, dtype=np.uint16),
         ([np.int32(vertex) for vertex in triangle] for triangle in expected),
-    ]:
+    ]
+    for triangles in inputs:
         assert drawn(ours.triangulate(ours.stripify(triangles))) == drawn(expected)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,9 +22,9 @@ from tristrip.interop._arrays import Faces, part_of
 def test_missing_packages_are_named(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     to, of = getattr(tristrip, f"to_{package}"), getattr(tristrip, f"from_{package}")
-    for call in (lambda: to(vertices(), POLYGONS), lambda: of(object())):
+    for function, arguments in ((to, (vertices(), POLYGONS)), (of, (object(),))):
         with pytest.raises(ImportError, match=f"pip install {package}") as caught:
-            call()
+            function(*arguments)
         assert caught.value.name == package
 
 
@@ -31,7 +32,8 @@ def test_importing_imports_no_other_package() -> None:
     import subprocess
 
     code = "import sys, tristrip; print({'trimesh', 'pyvista', 'open3d', 'meshio', 'vtk', 'PIL'} & set(sys.modules))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    folder = str(Path(tristrip.__file__).parents[1])
+    done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
 
 

@@ -142,11 +142,11 @@ impl Materials {
     /// Stores an image once, and returns its name.
     fn store(&mut self, image: &Arc<Vec<u8>>) -> Arc<str> {
         let known = self.files.iter().find(|file| Arc::ptr_eq(&file.bytes, image) || file.bytes == *image);
-        let name = known.map(|file| file.name.clone()).unwrap_or_else(|| {
-            let name = format!("image_{}.{}", self.files.len(), image_extension(image));
-            self.files.push(SideFile { name: name.clone(), bytes: Arc::clone(image) });
-            name
-        });
+        if let Some(known) = known {
+            return known.name.as_str().into();
+        }
+        let name = format!("image_{}.{}", self.files.len(), image_extension(image));
+        self.files.push(SideFile { name: name.clone(), bytes: Arc::clone(image) });
         name.into()
     }
 

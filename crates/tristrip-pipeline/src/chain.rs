@@ -35,11 +35,10 @@ use crate::error::Error;
 use crate::figures::MeshFigures;
 use crate::goal::{Amount, Deviation, Ratio};
 use crate::observer::{Event, Observer, Stage, begin};
-use crate::parts::map;
 use crate::prepared::Survey;
 use crate::simplify::{
-    CollapseRules, Part, PartCollapses, TriangleGoal, diagonal, fans, locked_note, place_notes, simplify_all,
-    warning,
+    CollapseRules, Part, PartCollapses, TriangleGoal, diagonal, fans, locked_note, place_notes, prove,
+    simplify_all, warning,
 };
 use collapsed::CollapsedLevel;
 use coverage::{PartExtent, coverages};
@@ -207,10 +206,7 @@ pub fn chain_observed(
     let warning = warn(&levels, &collapses, options);
     warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
     if options.verify {
-        begin(observer, Stage::Prove)?;
-        let proofs = map(&done, |done| done.sequence.check());
-        proofs.into_iter().collect::<Result<(), _>>().map_err(|why| Error::Unproven(why.to_string()))?;
-        observer.event(Event::Proven { faces: collapses.triangles_after });
+        prove(&done, &collapses, observer)?;
     }
 
     // 3. The vertices in the order of their removal.

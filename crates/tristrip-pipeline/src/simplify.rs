@@ -279,10 +279,7 @@ fn simplify_to<'a>(
 
     // 3. The proof of the collapses.
     if options.verify {
-        begin(observer, Stage::Prove)?;
-        let proofs = map(&done, |done| done.sequence.check());
-        proofs.into_iter().collect::<Result<(), _>>().map_err(|why| Error::Unproven(why.to_string()))?;
-        observer.event(Event::Proven { faces: collapses.triangles_after });
+        prove(&done, &collapses, observer)?;
     }
 
     // 4. The model without the vertices that became unused.
@@ -306,7 +303,7 @@ fn simplify_to<'a>(
         begin(observer, Stage::Compare)?;
         let textures = texture_sizes(model);
         let change = if is_fitted {
-            fit::change(&parts, &redrawn, &textures)?
+            fit::change(&parts, &redrawn, &textures, POINTS)?
         } else {
             change(&parts, &done, &rebuilt, &textures)?
         };
@@ -376,6 +373,19 @@ impl Simplified {
         notes.extend(encoded.notes);
         Ok(Encoded { notes, ..encoded })
     }
+}
+
+/// Proves the collapses of all parts.
+pub(crate) fn prove(
+    done: &[PartCollapses],
+    collapses: &Collapses,
+    observer: &dyn Observer,
+) -> Result<(), Error> {
+    begin(observer, Stage::Prove)?;
+    let proofs = map(done, |done| done.sequence.check());
+    proofs.into_iter().collect::<Result<(), _>>().map_err(|why| Error::Unproven(why.to_string()))?;
+    observer.event(Event::Proven { faces: collapses.triangles_after });
+    Ok(())
 }
 
 /// Returns the triangles of all parts, polygons as fans around their first corner, and the number of places that were not compared.

@@ -30,7 +30,7 @@ def _can_change(cls: Any, context: Any) -> bool:
     return False
 
 
-class TRISTRIP_OT_strips(bpy.types.Operator):
+class TRISTRIP_OT_strips(bpy.types.Operator):  # type: ignore[misc]
     """Compute triangle strips of the active mesh, and store for each face the strip that draws it"""
 
     bl_idname = "tristrip.strips"
@@ -64,7 +64,7 @@ class TRISTRIP_OT_strips(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class TRISTRIP_OT_simplify(bpy.types.Operator):
+class TRISTRIP_OT_simplify(bpy.types.Operator):  # type: ignore[misc]
     """Replace the active mesh by a level of detail, with texture coordinates, colors, materials and vertex groups"""
 
     bl_idname = "tristrip.simplify"
@@ -124,7 +124,7 @@ class TRISTRIP_OT_simplify(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class TRISTRIP_OT_export(bpy.types.Operator, ExportHelper):
+class TRISTRIP_OT_export(bpy.types.Operator, ExportHelper):  # type: ignore[misc]
     """Export a GLB whose meshes are drawn as triangle strips; each file is proven to draw the same triangles"""
 
     bl_idname = "export_scene.tristrip_glb"
@@ -150,7 +150,7 @@ class TRISTRIP_OT_export(bpy.types.Operator, ExportHelper):
             (
                 "restart",
                 "Restarts",
-                "Strips separated by restart indices, which is less: a draft extension of glTF, that few programs read",
+                "Fewer indices, by a draft extension of glTF that few programs read; Blender is none of them",
             ),
         ],
         default="degenerate",
@@ -177,7 +177,7 @@ class TRISTRIP_OT_export(bpy.types.Operator, ExportHelper):
         return {"FINISHED"}
 
 
-def export(path: str, *, effort: int | None = None, layout: str = "degenerate", **options: Any) -> list[str]:
+def export(path: str, *, effort: int | None = None, layout: Any = "degenerate", **options: Any) -> list[str]:
     """Write the scene with Blender's own exporter, and again with strips.
 
     Returns:
@@ -200,7 +200,7 @@ def _failed(operator: Any, error: Exception) -> set[str]:
     return {"CANCELLED"}
 
 
-class TRISTRIP_OT_copy_command(bpy.types.Operator):
+class TRISTRIP_OT_copy_command(bpy.types.Operator):  # type: ignore[misc]
     """Copy the command that installs tristrip into Blender's Python"""
 
     bl_idname = "tristrip.copy_command"
@@ -212,7 +212,7 @@ class TRISTRIP_OT_copy_command(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class TRISTRIP_PT_panel(bpy.types.Panel):
+class TRISTRIP_PT_panel(bpy.types.Panel):  # type: ignore[misc]
     """The panel in the sidebar of the 3D view."""
 
     bl_idname = "TRISTRIP_PT_panel"

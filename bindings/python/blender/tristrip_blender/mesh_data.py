@@ -80,7 +80,9 @@ def corner_mesh(mesh: Any) -> CornerMesh:
         ):
             continue
         values = values_of(attribute)
-        if values is not None and attribute.domain == "POINT":
+        if values is None:
+            continue
+        if attribute.domain == "POINT":
             values = values[corners]
         if attribute.data_type == "FLOAT2" and attribute.domain == "CORNER":
             found.uv[attribute.name] = values

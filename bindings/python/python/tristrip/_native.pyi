@@ -714,7 +714,7 @@ class MethodSeconds(TypedDict):
     stripify: float | None
     verify: float | None
 
-class _MethodOptions(TypedDict, total=False):
+class MethodOptions(TypedDict, total=False):
     triangulation: str
     ties: str
     last_tie: str
@@ -731,7 +731,7 @@ class _MethodOptions(TypedDict, total=False):
     localization: str
     seed: int
 
-class MethodRow(_MethodOptions, Metrics):
+class MethodRow(MethodOptions, Metrics):
     method: str
     proven: bool
     seconds: MethodSeconds
@@ -834,7 +834,7 @@ class ChainLevel(TypedDict):
     bytes: int | None
     output: str | None
 
-class ChainReport(_MethodOptions):
+class ChainReport(MethodOptions):
     method: str
     proven: bool
     target_error: float | None
@@ -855,9 +855,10 @@ class ChainFileReport(TypedDict):
     notes: list[str]
     beside: list[str]
 
+@final
 class Part:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         vertices: npt.ArrayLike,
         faces: Faces,
         *,
@@ -869,7 +870,7 @@ class Part:
         material: Material | None = None,
         uv_origin: UvOrigin = "bottom",
         normalized: Sequence[str] | None = None,
-    ) -> None: ...
+    ) -> Part: ...
     @property
     def name(self) -> str | None: ...
     @property
@@ -897,6 +898,7 @@ class Part:
     @property
     def strips(self) -> Strips | None: ...
 
+@final
 class Scene:
     @classmethod
     def from_bytes(cls, data: bytes | bytearray | memoryview, format: ReadFormat | str | None = None) -> Scene: ...
@@ -1021,6 +1023,7 @@ class Scene:
     ) -> bytes: ...
     def _repr_html_(self) -> str: ...
 
+@final
 class StrippedScene:
     @property
     def scene(self) -> Scene: ...
@@ -1059,6 +1062,7 @@ class StrippedScene:
     def picture(self, width: int = 1200, height: int = 900) -> bytes: ...
     def _repr_html_(self) -> str: ...
 
+@final
 class SimplifiedScene:
     @property
     def source(self) -> Scene: ...
@@ -1077,6 +1081,7 @@ class SimplifiedScene:
     def picture(self, size: int = 256) -> bytes: ...
     def _repr_html_(self) -> str: ...
 
+@final
 class Chain:
     @property
     def source(self) -> Scene: ...

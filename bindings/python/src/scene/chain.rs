@@ -87,14 +87,12 @@ fn options_of(arguments: &Arguments<'_>) -> PyResult<ChainOptions> {
 
 /// Reads ratios: a text such as "100%,50%", or a sequence of numbers.
 fn ratios(given: &Bound<'_, PyAny>) -> Result<ChainRatios, Failure> {
-    let text = match given.extract::<String>() {
-        Ok(text) => text,
-        Err(_) => {
-            let expected = "numbers from 0 to 1 that decrease, or a text such as '100%,50%,25%'";
-            let numbers: Vec<f64> =
-                given.extract().map_err(|_| Failure::option("ratios", given, expected))?;
-            numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
-        }
+    let text = if let Ok(text) = given.extract::<String>() {
+        text
+    } else {
+        let expected = "numbers from 0 to 1 that decrease, or a text such as '100%,50%,25%'";
+        let numbers: Vec<f64> = given.extract().map_err(|_| Failure::option("ratios", given, expected))?;
+        numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
     };
     text.parse().map_err(|why| Failure::Parameter(format!("ratios: {why}")))
 }
@@ -131,14 +129,11 @@ impl Chain {
         let is_same = matches!(&model, Cow::Borrowed(model) if std::ptr::eq(*model, self.source.model()));
         let format = destination.target.format;
         if is_same && format == self.options.format {
-            let built = match self.built.get() {
-                Some(built) => built,
-                None => {
-                    let built = chain_observed(&model, &self.options, watcher)?;
-                    self.built.get_or_init(|| built)
-                }
-            };
-            return call(&model, built);
+            if let Some(built) = self.built.get() {
+                return call(&model, built);
+            }
+            let built = chain_observed(&model, &self.options, watcher)?;
+            return call(&model, self.built.get_or_init(|| built));
         }
         let options = self.options.clone().with_format(format);
         call(&model, &chain_observed(&model, &options, watcher)?)

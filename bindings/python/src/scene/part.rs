@@ -45,7 +45,7 @@ use crate::strips::Strips;
 #[pyclass(frozen, module = "tristrip")]
 #[derive(Debug, Clone)]
 pub(crate) struct Part {
-    pub(crate) part: tristrip_io::Part,
+    pub(crate) inner: tristrip_io::Part,
     pub(crate) material: NamedMaterial,
     /// Whether texture coordinates count downwards from the upper edge; `None` where the file does not say.
     pub(crate) counts_down: Option<bool>,
@@ -53,7 +53,7 @@ pub(crate) struct Part {
 
 impl Part {
     fn mesh(&self) -> &Mesh {
-        &self.part.mesh
+        &self.inner.mesh
     }
 
     /// Returns the mesh with texture coordinates that count in a direction.
@@ -109,20 +109,20 @@ impl Part {
             }
         };
         let material = NamedMaterial::of(material)?;
-        let part = tristrip_io::Part { name, material: material.name.clone(), mesh, ..Default::default() };
-        Ok(Self { part, material, counts_down: Some(counts_down) })
+        let inner = tristrip_io::Part { name, material: material.name.clone(), mesh, ..Default::default() };
+        Ok(Self { inner, material, counts_down: Some(counts_down) })
     }
 
     /// The name of the object, group or mesh; None where the file has none.
     #[getter]
     fn name(&self) -> Option<&str> {
-        self.part.name.as_deref()
+        self.inner.name.as_deref()
     }
 
     /// The name of the material; None without one.
     #[getter]
     fn material(&self) -> Option<&str> {
-        self.part.material.as_deref()
+        self.inner.material.as_deref()
     }
 
     /// What the material looks like: a dictionary with "base_color" (four numbers in linear light), "base_color_image" (the bytes of a PNG or JPEG, or None),
@@ -206,13 +206,13 @@ impl Part {
     /// The strips that the file has of this part, as it has them: joins by degenerate triangles are not split. None if it is drawn as a list or as fans.
     #[getter]
     fn strips(&self) -> Option<Strips> {
-        let stored = self.part.stored.as_ref().filter(|stored| !stored.fans)?;
+        let stored = self.inner.stored.as_ref().filter(|stored| !stored.fans)?;
         Some(Strips::new(stored.runs.clone(), None, None))
     }
 
     fn __repr__(&self) -> String {
         let counted = tristrip_pipeline::text::counted;
-        let name = self.part.name.as_ref().map(|name| format!("'{}', ", name.escape_debug()));
+        let name = self.inner.name.as_ref().map(|name| format!("'{}', ", name.escape_debug()));
         let vertices = counted(self.mesh().vertex_count(), "vertex");
         let faces = counted(self.mesh().faces().face_count(), "face");
         format!("Part({}{vertices}, {faces})", name.unwrap_or_default())
@@ -235,10 +235,10 @@ impl Part {
         state.set_item("material", this.material())?;
         state.set_item("properties", this.material_properties(py)?)?;
         state.set_item("uv_origin", this.uv_origin())?;
-        let stored = this.part.stored.as_ref();
+        let stored = this.inner.stored.as_ref();
         state.set_item("runs", stored.map(|stored| Strips::new(stored.runs.clone(), None, None)))?;
         state.set_item("fans", stored.map(|stored| (stored.fans, stored.restarts)))?;
-        state.set_item("stripped", this.part.stripped)?;
+        state.set_item("stripped", this.inner.stripped)?;
         Ok((slf.get_type().getattr("_restore")?, PyTuple::new(py, [state])?))
     }
 
@@ -250,10 +250,11 @@ impl Part {
 
 /// Returns the starts of faces, and the end of the last one.
 fn offsets(faces: &Faces) -> Vec<i64> {
-    let mut end = 0;
+    let mut end: u32 = 0;
     let ends = faces.iter().map(|face| {
-        end += face.len() as i64;
-        end
+        // Faces have at most as many corners as 32 bits count.
+        end += face.len() as u32;
+        i64::from(end)
     });
     std::iter::once(0).chain(ends).collect()
 }
@@ -332,7 +333,7 @@ fn restored(state: &Bound<'_, PyDict>) -> PyResult<Part> {
     };
     let stripped = item("stripped")?.extract()?;
     let origin: Option<String> = item("uv_origin")?.extract()?;
-    let part = tristrip_io::Part { name: name.clone(), material: material.clone(), mesh, stripped, stored };
+    let inner = tristrip_io::Part { name: name.clone(), material: material.clone(), mesh, stripped, stored };
     let material = NamedMaterial { name: material, plain };
-    Ok(Part { part, material, counts_down: origin.map(|origin| origin == "top") })
+    Ok(Part { inner, material, counts_down: origin.map(|origin| origin == "top") })
 }

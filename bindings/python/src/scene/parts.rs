@@ -16,7 +16,7 @@ pub(crate) fn parts_of(scene: &SceneData) -> Result<Vec<Part>, Failure> {
         (None, None) => None,
     };
     let parts = model.parts.iter().zip(scene.materials()?).map(|(part, plain)| Part {
-        part: part.clone(),
+        inner: part.clone(),
         material: NamedMaterial { name: part.material.clone(), plain: plain.clone() },
         counts_down,
     });
@@ -55,7 +55,7 @@ pub(crate) fn scene_of(parts: &[Part]) -> Result<SceneData, Failure> {
                 "part {number}: the image of its material is not shown: it has no texture coordinates"
             ));
         }
-        model.parts.push(tristrip_io::Part { material: name, mesh, ..part.part.clone() });
+        model.parts.push(tristrip_io::Part { material: name, mesh, ..part.inner.clone() });
     }
     model.materials = (counts_down.is_some() || !materials.is_empty()).then_some(materials);
     Ok(SceneData::of_model(model).with_notes(notes))

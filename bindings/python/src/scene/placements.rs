@@ -11,11 +11,11 @@ use crate::errors::Failure;
 /// The transform of what is not moved.
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
+/// The numbers of parts, and a matrix.
+type Placed<'py> = (Bound<'py, PyRange>, Bound<'py, PyArray2<f64>>);
+
 /// Returns the numbers of the parts in each place, and the transform of the place.
-pub(crate) fn placements<'py>(
-    py: Python<'py>,
-    scene: &SceneData,
-) -> PyResult<Vec<(Bound<'py, PyRange>, Bound<'py, PyArray2<f64>>)>> {
+pub(crate) fn placements<'py>(py: Python<'py>, scene: &SceneData) -> PyResult<Vec<Placed<'py>>> {
     let model = scene.model();
     let placed = match &model.scene {
         Some(scene) => scene.placements().map_err(Failure::from)?,
@@ -25,7 +25,13 @@ pub(crate) fn placements<'py>(
     let arrays = placed.into_iter().map(|Placement { parts, transform, .. }| {
         let rows = transform.as_flattened().iter().copied().chain([0.0, 0.0, 0.0, 1.0]);
         let matrix = PyArray1::from_iter(py, rows).reshape([4, 4])?;
-        Ok((PyRange::new(py, parts.start as isize, parts.end as isize)?, matrix))
+<<<<<<< HEAD
+        Ok((PyRange::new(py, isize::try_from(parts.start)?, isize::try_from(parts.end)?)?, matrix))
+=======
+        // There are fewer parts than bytes in memory.
+        let [start, end] = [parts.start, parts.end].map(|part| isize::try_from(part).unwrap_or(isize::MAX));
+        Ok((PyRange::new(py, start, end)?, matrix))
+>>>>>>> py-scene
     });
     arrays.collect()
 }

@@ -1,7 +1,7 @@
 //! Simplification of a whole scene.
 
 use std::borrow::Cow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
@@ -119,12 +119,11 @@ impl SimplifiedScene {
         let is_same = matches!(&model, Cow::Borrowed(model) if std::ptr::eq(*model, self.source.model()));
         let is_single = model.scene.is_none() && model.parts.len() < 2;
         if is_same && (target.format == self.options.format || is_single) {
-            let known = match self.simplified.get() {
-                Some(known) => known,
-                None => {
-                    let found = simplify_observed(&model, &self.options.with_measure(false), watcher)?;
-                    self.simplified.get_or_init(|| found)
-                }
+            let known = if let Some(known) = self.simplified.get() {
+                known
+            } else {
+                let found = simplify_observed(&model, &self.options.with_measure(false), watcher)?;
+                self.simplified.get_or_init(|| found)
             };
             return Ok(known.encode_as(target.format, verify, observer)?);
         }
@@ -133,7 +132,7 @@ impl SimplifiedScene {
         Ok(again.encode(observer)?)
     }
 
-    fn destination<'a>(path: &'a PathBuf, format: Option<&str>) -> Result<Destination<'a>, Failure> {
+    fn destination<'a>(path: &'a Path, format: Option<&str>) -> Result<Destination<'a>, Failure> {
         Destination::file(path, format, Some("list"))
     }
 }

@@ -43,11 +43,11 @@ impl StrippedScene {
     pub(crate) fn new(scene: Arc<SceneData>, stripped: Stripped) -> Self {
         Self { scene, stripped }
     }
+}
 
-    fn options(&self, destination: &Destination<'_>, reorder: bool, verify: bool) -> EncodeOptions {
-        let options = EncodeOptions::new(destination.target.format).with_layout(destination.layout);
-        options.with_list(!destination.is_chosen).with_reorder(reorder).with_verify(verify)
-    }
+fn options_of(destination: &Destination<'_>, reorder: bool, verify: bool) -> EncodeOptions {
+    let options = EncodeOptions::new(destination.target.format).with_layout(destination.layout);
+    options.with_list(!destination.is_chosen).with_reorder(reorder).with_verify(verify)
 }
 
 /// Finds the strips of a scene.
@@ -154,7 +154,7 @@ impl StrippedScene {
         let reorder_vertices = arguments.flag("reorder_vertices")?;
         let verify = arguments.extract("verify")?.unwrap_or(true);
         arguments.finish("save")?;
-        let options = self.options(&destination, reorder_vertices, verify);
+        let options = options_of(&destination, reorder_vertices, verify);
         let before_bytes = self.scene.file_bytes();
         let saved = Watching::default().run(py, |watcher| {
             let model = self.scene.model_for(&destination.target);
@@ -198,7 +198,7 @@ impl StrippedScene {
         verify: bool,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let destination = Destination::memory(format, layout)?;
-        let options = self.options(&destination, reorder_vertices, verify);
+        let options = options_of(&destination, reorder_vertices, verify);
         let encoded = Watching::default().run(py, |watcher| {
             let model = self.scene.model_for(&destination.target);
             let drawn = self.stripped.draw(&model, &options);

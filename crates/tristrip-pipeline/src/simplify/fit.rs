@@ -54,8 +54,6 @@ const STIFFNESS: f64 = 0.02;
 const MOST_TURN: f64 = 0.5;
 /// How often the moves around a turned triangle are halved before they are dropped.
 const HALVINGS: usize = 3;
-/// The points at which fitted surfaces are compared, in each direction.
-const POINTS_COMPARED: usize = super::POINTS;
 /// The most steps from triangle to neighbour in one search.
 const MOST_STEPS: usize = 32;
 /// Points whose searches are one task of a thread.
@@ -148,11 +146,12 @@ fn with_positions(mesh: &Mesh, positions: Vec<[f32; 3]>) -> Result<Mesh, Error> 
     Ok(moved)
 }
 
-/// Measures how far fitted parts are from what they were.
+/// Measures how far fitted parts are from what they were, at so many points in each direction.
 pub(super) fn change(
     parts: &[Part<'_>],
     redrawn: &Redrawn,
     textures: &[Option<[u32; 2]>],
+    points: usize,
 ) -> Result<SurfaceChange, Error> {
     let both = parts.iter().zip(&redrawn.model.parts).map(|(part, new)| both(&part.compact.mesh, &new.mesh));
     let both = both.collect::<Result<Vec<_>, Error>>()?;
@@ -167,7 +166,7 @@ pub(super) fn change(
             texels,
         })
         .collect();
-    surface_change(&surfaces, POINTS_COMPARED)
+    surface_change(&surfaces, points)
 }
 
 /// Returns the vertices of two meshes, and the triangles of the second one over them.

@@ -237,7 +237,9 @@ def _ends(sizes: Array) -> npt.NDArray[np.int64]:
 
 
 def _unit(vectors: Array) -> Array:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=1), np.finfo(np.float64).tiny)[:, None]
+    lengths = np.linalg.norm(vectors, axis=1)
+    unit: Array = vectors / np.maximum(lengths, np.finfo(np.float64).tiny)[:, None]
+    return unit
 
 
 def _integers(name: str, array: Array) -> npt.NDArray[np.int64]:

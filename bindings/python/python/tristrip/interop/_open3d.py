@@ -76,11 +76,6 @@ def to_open3d(
     Warns:
         ConversionWarning: the opacity of colours, properties of materials, and with `tensor=False` other attributes,
             are left out.
-
-    >>> import tristrip
-    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
-    >>> tristrip.to_open3d(points, tristrip.stripify([[0, 1, 2], [2, 1, 3]]))
-    TriangleMesh with 4 points and 2 triangles.
     """
     open3d = required("open3d")
     if is_scene(mesh):
@@ -172,7 +167,8 @@ def _pixels(material: dict[str, Any]) -> Array:
         return np.asarray(image if image.mode in ("L", "RGB") else image.convert("RGB"))
     linear = np.array(material["base_color"][:3])
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.rint(255 * encoded).astype(np.uint8).reshape(1, 1, 3)
+    pixel: Array = np.rint(255 * encoded).astype(np.uint8).reshape(1, 1, 3)
+    return pixel
 
 
 def _opaque(colours: Array) -> Array:
