@@ -29,7 +29,7 @@ pub struct Joined {
 /// use tristrip_pipeline::join;
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 3 2 1\n", Format::Obj)?;
 /// let joined = join(model)?;
-/// assert_eq!((joined.mesh.vertex_count(), joined.mesh.faces().triangle_count()), (3, 2));
+/// assert_eq!((joined.mesh.vertex_count(), joined.mesh.faces().triangle_count()), (6, 2));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
 pub fn join(model: Model) -> Result<Joined, Error> {
