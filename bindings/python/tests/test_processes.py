@@ -20,7 +20,9 @@ import tristrip
 ERRORS = [
     error
     for name in tristrip.__all__
-    if isinstance(error := getattr(tristrip, name), type) and issubclass(error, BaseException)
+    if isinstance(error := getattr(tristrip, name), type)
+    and issubclass(error, BaseException)
+    and not issubclass(error, Warning)
 ]
 
 

@@ -344,6 +344,7 @@ def unpack(
     progress: ProgressArgument = None,
 ) -> Unpacked: ...
 def inspect(input: Input) -> InspectReport: ...
+
 @final
 class Decoder:
     def __new__(
