@@ -15,6 +15,10 @@ import tristrip
 REPOSITORY = Path(__file__).resolve().parents[3]
 SHIPPED = REPOSITORY / "testdata" / "models"
 
+# Programs that tests start find the package, too.
+_PATHS = [str(Path(tristrip.__file__).parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
+os.environ["PYTHONPATH"] = os.pathsep.join(_PATHS)
+
 # Examples take longer on a busy machine, which is no defect; a failure is shown with the input that reproduces it.
 hypothesis.settings.register_profile(
     "default", max_examples=25, deadline=None, print_blob=True, database=None, derandomize=True

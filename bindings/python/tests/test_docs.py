@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import doctest
 import importlib
 import inspect
@@ -109,28 +108,8 @@ def blocks() -> Iterator[Any]:
             yield pytest.param("\n" * (line - 1) + match[1], str(readme), id=name)
 
 
-def missing(code: str) -> list[str]:
-    """Return the names of the package that code uses and that do not exist yet."""
-    used = {
-        node.attr
-        for node in ast.walk(ast.parse(code))
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "tristrip"
-    }
-    return sorted(name for name in used if not hasattr(tristrip, name) and not _is_module(name))
-
-
-def _is_module(name: str) -> bool:
-    try:
-        importlib.import_module(f"tristrip.{name}")
-    except ImportError:
-        return False
-    return True
-
-
 @pytest.mark.parametrize(("code", "file"), blocks())
 def test_readme(code: str, file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    if absent := missing(code):
-        pytest.skip(f"not part of the package yet: {', '.join(absent)}")
     for needed in re.findall(r"^(?:from|import) (\w+)", code, re.MULTILINE):
         pytest.importorskip(needed)
     stage_models(tmp_path)
