@@ -416,10 +416,10 @@ class StreamedPart:
 Filter: TypeAlias = Literal["none", "stss", "dtfs", "linked"]
 Vector: TypeAlias = Sequence[float] | npt.NDArray[np.floating[Any]]
 
-class BuildReport(TypedDict, total=False):
+class BuildReport(TypedDict):
     method: str
-    cost: str
-    effort: int
+    cost: NotRequired[str]
+    effort: NotRequired[int]
     order: Literal["quadric", "shortest-edge"] | None
     proven: bool | None
     parts: int | None
