@@ -473,6 +473,11 @@ fn unit(vector: Point) -> Point {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::format_push_string,
+    clippy::float_cmp,
+    reason = "small texts, and positions that must not change by a bit"
+)]
 mod tests {
     use super::*;
     use crate::{Amount, Goal, Ratio, Simplified, SimplifyOptions, simplify};

@@ -356,7 +356,7 @@ fn a_file_that_arrives_byte_by_byte_gives_what_is_complete() {
         assert_eq!(arriving.is_complete(), at >= glb.chunk_start() + glb.chunk_bytes(), "byte {at}");
         assert_eq!(arriving.has_base(), at >= glb.chunk_start(), "byte {at}");
         arriving.update(std::slice::from_ref(byte)).unwrap();
-        let chunks = arriving.decoder().map_or(0, |decoder| decoder.chunk_count());
+        let chunks = arriving.decoder().map_or(0, tristrip::stream::Decoder::chunk_count);
         if arriving.has_base() && seen.insert(chunks) {
             // What there is of the file, cut off here, has the same meshes. Without its first chunk there are the base meshes.
             let now = arriving.model(None).unwrap().unwrap();
