@@ -4,8 +4,8 @@
 //! NumPy arrays ─▶ arrays ─▶ strips │ mesh │ levels │ views │ stream ─▶ arrays, dictionaries with the keys of the command's JSON
 //!      files   ─▶ scene  ─▶ …
 //! ```
-//! Every long computation runs in [`work`]: without the lock of the interpreter, on the threads of one pool, while the calling thread
-//! handles signals and reports progress. Errors become the exceptions of `tristrip._errors` in the module [`errors`]. Types and
+//! Every long computation runs in `work`: without the lock of the interpreter, on the threads of one pool, while the calling thread
+//! handles signals and reports progress. Errors become the exceptions of `tristrip._errors` in the module `errors`. Types and
 //! defaults that a user sees stand in `python/tristrip/_native.pyi`.
 
 #![forbid(unsafe_code)]
