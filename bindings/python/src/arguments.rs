@@ -52,12 +52,29 @@ impl<'py> Arguments<'py> {
         Ok(self.extract(name)?.unwrap_or(false))
     }
 
-    /// Takes how a computation is watched: `progress`, `budget` and `on_interrupt`.
+    /// Takes how a computation is watched that has no result before its end: `progress`.
     pub(crate) fn watching(&self) -> PyResult<Watching> {
-        let on_interrupt: Option<String> = self.extract("on_interrupt")?;
-        let (progress, budget) = (self.take("progress")?, self.extract("budget")?);
+        self.watched(None, None)
+    }
+
+    /// Likewise where searches are a part of it: also their `budget`.
+    pub(crate) fn watching_searches(&self) -> PyResult<Watching> {
+        self.watched(self.extract("budget")?, None)
+    }
+
+    /// Takes how a computation is watched whose result so far is kept: `progress`, and what Ctrl-C does, `on_interrupt`.
+    pub(crate) fn interruptible(&self) -> PyResult<Watching> {
+        Ok(self.watched(None, self.extract("on_interrupt")?)?.keeping_best())
+    }
+
+    /// Likewise for a search: also its `budget`.
+    pub(crate) fn interruptible_search(&self) -> PyResult<Watching> {
+        Ok(self.watched(self.extract("budget")?, self.extract("on_interrupt")?)?.keeping_best())
+    }
+
+    fn watched(&self, budget: Option<f64>, on_interrupt: Option<String>) -> PyResult<Watching> {
         let on_interrupt = on_interrupt.as_deref().unwrap_or("raise");
-        Ok(Watching::new(self.given.py(), progress, budget, on_interrupt)?)
+        Ok(Watching::new(self.py(), self.take("progress")?, budget, on_interrupt)?)
     }
 
     /// Returns the arguments that are left.

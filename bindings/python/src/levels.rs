@@ -5,27 +5,30 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple, PyType};
 use serde::Serialize;
+use tristrip::Layout;
 use tristrip::lod::{ModelKind, View};
-use tristrip::{Layout, StripifyOptions};
-use tristrip_io::Model;
 use tristrip_pipeline::{
     Error, LevelGoal, LevelsOptions, ModelCursor, ModelLevels, Ratio, Stopped, levels_observed, rounded,
 };
 
+use crate::arguments::Arguments;
 use crate::arrays::indices_to_array;
 use crate::attributes::{GivenAttributes, positions_of};
 use crate::errors::Failure;
+use crate::mesh::{mesh_of, one_part};
 use crate::method;
 use crate::numbers::Count;
 use crate::reports::report;
-use crate::simplify::{deviation, mesh_of, one_part};
+use crate::scene::class::Scene;
+use crate::scene::data::SceneData;
+use crate::simplify::deviation;
 use crate::strips::{Strips, index_bits, layout_of};
-use crate::work::Watching;
 
 /// A mesh at any level of detail: the strips of the full mesh, with vertices renamed by half-edge collapses, as a level model stores them. Level 0 is
-/// the base mesh, and the last level the full mesh. The vertices are the same at all levels; an object stands at one level at a time.
+/// the base mesh, and the last level the full mesh. The vertices are the same at all levels; an object stands at one level at a time. `Scene.levels`
+/// makes one of all parts of a scene.
 ///
 /// Args:
 ///     vertices: positions of shape (n, 3).
@@ -62,8 +65,10 @@ use crate::work::Watching;
 #[pyclass(frozen, module = "tristrip")]
 pub(crate) struct Levels {
     built: Arc<ModelLevels>,
-    model: Arc<Model>,
+    scene: Arc<SceneData>,
     kind: ModelKind,
+    /// The arguments of `Scene.levels`, from which a pickle builds it again.
+    arguments: Py<PyDict>,
     state: Mutex<State>,
 }
 
@@ -96,26 +101,21 @@ struct LevelRow {
 }
 
 impl Levels {
-    /// Builds levels of a model.
-    pub(crate) fn build(
-        py: Python<'_>,
-        model: Arc<Model>,
-        kind: ModelKind,
-        options: &LevelsOptions,
-        watching: Watching,
-    ) -> Result<Self, Failure> {
-        let parts = Arc::clone(&model);
-        let ended = watching.run(py, move |watcher| {
-            let levels = levels_observed(&parts, options, watcher)?;
+    /// Builds the levels of a scene from the arguments of `Scene.levels`.
+    pub(crate) fn build(scene: Arc<SceneData>, arguments: &Arguments<'_>) -> PyResult<Self> {
+        let watching = arguments.watching()?;
+        let kept = arguments.rest()?;
+        let kind: Option<String> = arguments.extract("model")?;
+        let kind: ModelKind = kind.as_deref().unwrap_or("blocks").parse().map_err(Failure::from)?;
+        let options = options_of(arguments)?;
+        let ended = watching.run(kept.py(), |watcher| {
+            let levels = levels_observed(scene.as_read(), &options, watcher)?;
             let cursor = levels.cursor(kind)?;
             Ok((levels, cursor))
         })?;
-        if let Some(error) = ended.error {
-            return Err(error.into());
-        }
-        let (levels, cursor) = ended.value;
+        let (levels, cursor) = ended.result()?;
         let state = Mutex::new(State { cursor, buffers: HashMap::new() });
-        Ok(Self { built: Arc::new(levels), model, kind, state })
+        Ok(Self { built: Arc::new(levels), scene, kind, arguments: kept.unbind(), state })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -201,13 +201,16 @@ impl Levels {
         progress: Option<Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Self> {
-        let kind: ModelKind = model.parse().map_err(Failure::from)?;
-        let flags = method::flags(py, options, effort, cost)?;
-        let options = levels_options(method::options(method, false, Some(&flags))?, base, price, verify)?;
-        let watching = Watching::new(py, progress, None, "raise")?;
+        let arguments = method::flags(py, options, effort, cost)?;
+        arguments.set_item("model", model)?;
+        arguments.set_item("base", base)?;
+        arguments.set_item("price", price)?;
+        arguments.set_item("method", method)?;
+        arguments.set_item("verify", verify)?;
+        arguments.set_item("progress", progress)?;
         let given = GivenAttributes { normals, uv, colors, others: attributes };
-        let model = Arc::new(one_part(given.add_to(mesh_of(vertices, faces)?)?));
-        Ok(Self::build(py, model, kind, &options, watching)?)
+        let model = one_part(given.add_to(mesh_of(vertices, faces)?)?);
+        Self::build(Arc::new(SceneData::of_model(model)), &Arguments::of(py, Some(&arguments))?)
     }
 
     /// The current level.
@@ -270,8 +273,8 @@ impl Levels {
     ///     ParameterError: there is no such part.
     #[pyo3(signature = (part = Count(0)), text_signature = "($self, part=0)")]
     fn vertices<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let count = self.model.parts.len();
-        let found = self.model.parts.get(part.0);
+        let parts = &self.scene.as_read().parts;
+        let (count, found) = (parts.len(), parts.get(part.0));
         let found = found.ok_or_else(|| Failure::option("part", part.0, &format!("less than {count}")))?;
         positions_of(py, &found.mesh)
     }
@@ -439,15 +442,12 @@ impl Levels {
     }
 
     /// Return another object at the full mesh, which shares the model: for another instance or view.
-    fn another(&self) -> PyResult<Self> {
-        let cursor = self.state().cursor.another().map_err(Failure::from)?;
-        let (built, model) = (Arc::clone(&self.built), Arc::clone(&self.model));
-        Ok(Self {
-            built,
-            model,
-            kind: self.kind,
-            state: Mutex::new(State { cursor, buffers: HashMap::new() }),
-        })
+    fn another(&self, py: Python<'_>) -> PyResult<Self> {
+        let cursor = py.detach(|| self.state().cursor.another()).map_err(Failure::from)?;
+        let (built, scene) = (Arc::clone(&self.built), Arc::clone(&self.scene));
+        let arguments = self.arguments.clone_ref(py);
+        let state = Mutex::new(State { cursor, buffers: HashMap::new() });
+        Ok(Self { built, scene, kind: self.kind, arguments, state })
     }
 
     /// Return the figures of levels from the base mesh to the full mesh: a list of dictionaries.
@@ -487,18 +487,41 @@ impl Levels {
     fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("tristrip._notebook")?.call_method1("levels_html", (slf,))
     }
+
+    /// A pickle holds the meshes and the options: the levels, which are larger, are built again, which gives the same.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let scene = Scene { data: Arc::clone(&this.scene) };
+        let state = (scene, this.arguments.clone_ref(py), this.level(py));
+        Ok((slf.get_type().getattr("_restore")?, state.into_pyobject(py)?))
+    }
+
+    #[classmethod]
+    fn _restore(
+        _: &Bound<'_, PyType>,
+        scene: &Bound<'_, Scene>,
+        arguments: &Bound<'_, PyDict>,
+        level: Count,
+    ) -> PyResult<Self> {
+        let py = arguments.py();
+        let levels = Self::build(Arc::clone(&scene.get().data), &Arguments::of(py, Some(arguments))?)?;
+        py.detach(|| levels.state().cursor.set_level(level.0)).map_err(Failure::from)?;
+        Ok(levels)
+    }
 }
 
-/// Collects the options of levels.
-pub(crate) fn levels_options(
-    stripify: StripifyOptions,
-    base: Option<f64>,
-    price: &str,
-    verify: bool,
-) -> Result<LevelsOptions, Failure> {
-    let options =
-        LevelsOptions::default().with_stripify(stripify).with_price(price.parse()?).with_verify(verify);
-    let Some(base) = base else { return Ok(options) };
-    let ratio = Ratio::new(base).ok_or_else(|| Failure::option("base", base, "a number from 0 to 1"))?;
-    Ok(options.with_base(ratio))
+/// Takes the options of levels from the arguments of `Scene.levels`; all that are left belong to the method.
+fn options_of(arguments: &Arguments<'_>) -> PyResult<LevelsOptions> {
+    let mut options = LevelsOptions::default();
+    if let Some(price) = arguments.extract::<String>("price")? {
+        options = options.with_price(price.parse().map_err(Failure::from)?);
+    }
+    if let Some(base) = arguments.extract::<f64>("base")? {
+        let ratio = Ratio::new(base).ok_or_else(|| Failure::option("base", base, "a number from 0 to 1"))?;
+        options = options.with_base(ratio);
+    }
+    options = options.with_verify(arguments.extract("verify")?.unwrap_or(true));
+    let name: Option<String> = arguments.extract("method")?;
+    let stripify = method::options(name.as_deref().unwrap_or("best"), false, Some(&arguments.rest()?))?;
+    Ok(options.with_stripify(stripify))
 }

@@ -24,6 +24,7 @@ mod decoder;
 mod errors;
 mod input;
 mod levels;
+mod mesh;
 mod method;
 mod numbers;
 mod pool;

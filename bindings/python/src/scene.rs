@@ -36,6 +36,7 @@ use crate::arguments::{Arguments, Keywords};
 use crate::arrays::type_name;
 use crate::errors::{Failure, with_best};
 use crate::input::bytes_of;
+use crate::levels::Levels;
 use crate::method;
 use crate::reports::Report;
 use crate::stream::{Wire, pack_object};
@@ -169,7 +170,7 @@ impl Scene {
         given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Bound<'py, StrippedScene>> {
         let arguments = Arguments::of(py, given)?;
-        let watching = arguments.watching()?;
+        let watching = arguments.interruptible_search()?;
         let verify = arguments.extract("verify")?.unwrap_or(true);
         let stripify = method::taken(&arguments, "best")?;
         let options = StripOptions::default().with_stripify(stripify).with_verify(verify);
@@ -189,7 +190,7 @@ impl Scene {
     ///     compact: whether joint weights are rounded to 8 bits and rotations of animations to 16 bits in a GLB.
     ///     measure: whether the distance from the original is measured, which takes as long again.
     ///     verify: whether the collapses are proven.
-    ///     progress: as of `stripify`.
+    ///     progress, on_interrupt: as of `tristrip.simplify`.
     ///
     /// Returns:
     ///     The result with its report; it can be saved.
@@ -203,9 +204,13 @@ impl Scene {
     /// Scene(1 part, 2 faces, 4 vertices)
     #[pyo3(
         signature = (**given),
-        text_signature = "($self, *, ratio=None, triangles=None, error=None, weight=None, price='distance', permissive=False, lock_borders=False, weld_distance=None, normals='auto', fit=False, compact=False, measure=True, verify=True, progress=None)"
+        text_signature = "($self, *, ratio=None, triangles=None, error=None, weight=None, price='distance', permissive=False, lock_borders=False, weld_distance=None, normals='auto', fit=False, compact=False, measure=True, verify=True, progress=None, on_interrupt='raise')"
     )]
-    fn simplify<'py>(&self, py: Python<'py>, given: Option<Keywords<'_, 'py>>) -> PyResult<SimplifiedScene> {
+    fn simplify<'py>(
+        &self,
+        py: Python<'py>,
+        given: Option<Keywords<'_, 'py>>,
+    ) -> PyResult<Bound<'py, SimplifiedScene>> {
         simplify::simplify(&self.data, &Arguments::of(py, given)?)
     }
 
@@ -243,6 +248,32 @@ impl Scene {
         given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Chain> {
         chain::chain(&self.data, ratios, &Arguments::of(py, given)?)
+    }
+
+    /// Build all levels of detail of the scene: the strips of its parts, which go from level to level together.
+    ///
+    /// Args:
+    ///     model, base, price, verify: as of `Levels`.
+    ///     method, effort, cost, **options: how the strips of the full meshes are built, as of `stripify`.
+    ///     progress: as of `stripify`.
+    ///
+    /// Returns:
+    ///     The levels, at the full meshes.
+    ///
+    /// Raises:
+    ///     ParameterError: an option is unknown or has a wrong value.
+    ///
+    /// >>> import tristrip
+    /// >>> fan = tristrip.Scene.from_bytes(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
+    /// >>> levels = fan.levels(model="sets")
+    /// >>> levels.set_triangles(2), levels.triangles(part=0).shape
+    /// (1, (2, 3))
+    #[pyo3(
+        signature = (**given),
+        text_signature = "($self, *, model='blocks', base=None, price='distance', method='best', effort=None, cost=None, verify=True, progress=None, **options)"
+    )]
+    fn levels<'py>(&self, py: Python<'py>, given: Option<Keywords<'_, 'py>>) -> PyResult<Levels> {
+        Levels::build(Arc::clone(&self.data), &Arguments::of(py, given)?)
     }
 
     /// Pack the scene as a progressive GLB, which is drawn after its first bytes and refined by the others. The arguments and the result are those of `pack`.

@@ -2,16 +2,15 @@
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyDict, PyTuple, PyType};
 use tristrip::Mesh;
-use tristrip_io::{Model, Part};
-use tristrip_pipeline::{
-    Amount, CollapseRules, Deviation, Goal, Ratio, SimplifyOptions, SurfaceChange, simplify_observed,
-};
+use tristrip_pipeline::{Amount, CollapseRules, Deviation, Goal, Ratio, SimplifyOptions, simplify_observed};
 
-use crate::arrays::{GivenFaces, positions};
+use crate::arrays::indices_of;
 use crate::attributes::{COLOUR, GivenAttributes, NORMAL, UV, all, named, positions_of, triangles_of};
 use crate::errors::Failure;
+use crate::mesh::{mesh_of, one_part};
+use crate::scene::part::Part;
 use crate::work::Watching;
 
 /// A simplified mesh, over the vertices that it uses. It can be unpacked: `vertices, faces = simplified`.
@@ -20,12 +19,21 @@ use crate::work::Watching;
 pub(crate) struct Simplified {
     mesh: Mesh,
     sources: Vec<u32>,
+    figures: Figures,
+}
+
+/// What was reached; a dictionary in a pickle.
+#[derive(Debug, Clone, FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct Figures {
     triangles_before: usize,
     surface_error: f32,
-    change: Option<SurfaceChange>,
+    /// The root mean square and the largest of the distances between the surfaces, if they were measured.
+    deviations: Option<(f64, f64)>,
     diagonal: f64,
     warning: Option<String>,
     notes: Vec<String>,
+    interrupted: bool,
 }
 
 #[pymethods]
@@ -75,37 +83,43 @@ impl Simplified {
     /// The greatest error of a collapse, in the units of the positions.
     #[getter]
     fn surface_error(&self) -> f32 {
-        self.surface_error
+        self.figures.surface_error
     }
 
     /// The root mean square of the distances between the surfaces, in the units of the positions; None unless `measure=True`.
     #[getter]
     fn rms_deviation(&self) -> Option<f64> {
-        self.change.map(|change| change.rms)
+        self.figures.deviations.map(|(rms, _)| rms)
     }
 
     /// The largest distance found between the surfaces, in the units of the positions; None unless `measure=True`.
     #[getter]
     fn largest_deviation(&self) -> Option<f64> {
-        self.change.map(|change| change.largest)
+        self.figures.deviations.map(|(_, largest)| largest)
     }
 
     /// The length of the diagonal of the bounding box, of which the percentages of errors are.
     #[getter]
     fn diagonal(&self) -> f64 {
-        self.diagonal
+        self.figures.diagonal
     }
 
     /// A sentence on the goal, if it was not reached: what held it back, and what to try.
     #[getter]
     fn warning(&self) -> Option<&str> {
-        self.warning.as_deref()
+        self.figures.warning.as_deref()
+    }
+
+    /// Whether Ctrl-C ended the simplification before its goal.
+    #[getter]
+    fn interrupted(&self) -> bool {
+        self.figures.interrupted
     }
 
     /// Notes on what was dropped or is unusual.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.notes.clone()
+        self.figures.notes.clone()
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -115,8 +129,8 @@ impl Simplified {
 
     fn __repr__(&self) -> String {
         let counted = tristrip_pipeline::text::counted;
-        let (before, after) = (self.triangles_before, self.mesh.faces().triangle_count());
-        let (vertices, error) = (counted(self.mesh.vertex_count(), "vertex"), self.surface_error);
+        let (before, after) = (self.figures.triangles_before, self.mesh.faces().triangle_count());
+        let (vertices, error) = (counted(self.mesh.vertex_count(), "vertex"), self.figures.surface_error);
         let before = tristrip_pipeline::text::count(before);
         format!(
             "Simplified({} of {before}, {vertices}, surface error {error:.3e})",
@@ -126,6 +140,28 @@ impl Simplified {
 
     fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("tristrip._notebook")?.call_method1("simplified_html", (slf,))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let state = (Part::of_mesh(this.mesh.clone()), this.sources(py), this.figures.clone());
+        Ok((slf.get_type().getattr("_restore")?, state.into_pyobject(py)?))
+    }
+
+    #[classmethod]
+    fn _restore(
+        _: &Bound<'_, PyType>,
+        part: &Bound<'_, Part>,
+        sources: &Bound<'_, PyAny>,
+        figures: Figures,
+    ) -> PyResult<Self> {
+        let mesh = part.get().inner.mesh.clone();
+        let sources = indices_of("sources", sources, false)?;
+        if sources.len() != mesh.vertex_count() {
+            let (found, expected) = (sources.len(), mesh.vertex_count());
+            return Err(Failure::Parameter(format!("pickle: {found} sources, expected {expected}")).into());
+        }
+        Ok(Self { mesh, sources, figures })
     }
 }
 
@@ -152,7 +188,9 @@ impl Simplified {
 ///         vertices of the input.
 ///     measure: whether the distances between the surfaces are measured, which takes as long again.
 ///     verify: whether the collapses are proven.
-///     progress: as of `stripify`.
+///     progress: as of `stripify`; the steps are the triangles removed.
+///     on_interrupt: what Ctrl-C does: "raise" an `Interrupted` with the mesh simplified so far as `best`, or "return" it. It is neither fitted nor
+///         measured.
 ///
 /// Returns:
 ///     The simplified mesh.
@@ -177,7 +215,8 @@ impl Simplified {
 #[pyo3(signature = (
     vertices, faces, *, ratio = None, triangles = None, error = None, normals = None, uv = None, colors = None,
     attributes = None, weight = None, price = "distance", permissive = false, lock_borders = false,
-    weld_distance = None, normals_mode = "auto", fit = true, measure = false, verify = true, progress = None
+    weld_distance = None, normals_mode = "auto", fit = true, measure = false, verify = true, progress = None,
+    on_interrupt = "raise"
 ))]
 #[allow(
     clippy::too_many_arguments,
@@ -205,6 +244,7 @@ pub(crate) fn simplify<'py>(
     measure: bool,
     verify: bool,
     progress: Option<Bound<'py, PyAny>>,
+    on_interrupt: &str,
 ) -> PyResult<Bound<'py, Simplified>> {
     let goal = goal(ratio, triangles, error)?;
     let mut rules = CollapseRules { permissive, lock_borders, ..CollapseRules::default() };
@@ -220,37 +260,25 @@ pub(crate) fn simplify<'py>(
         .with_normals(normals_mode.parse().map_err(|why| Failure::Parameter(format!("normals_mode: {why}")))?)
         .with_fit(fit)
         .with_measure(measure);
-    let watching = Watching::new(py, progress, None, "raise")?;
+    let watching = Watching::new(py, progress, None, on_interrupt)?.keeping_best();
     let given = GivenAttributes { normals, uv, colors, others: attributes };
     let model = one_part(given.add_to(mesh_of(vertices, faces)?)?);
     let ended = watching.run(py, move |watcher| {
         let done = simplify_observed(&model, &options, watcher)?;
         let sources = done.source_vertices(0)?;
         let mesh = done.redrawn.model.parts.into_iter().next().map(|part| part.mesh).unwrap_or_default();
-        Ok(Simplified {
-            mesh,
-            sources,
+        let figures = Figures {
             triangles_before: done.collapses.triangles_before,
             surface_error: done.collapses.surface_error,
-            change: done.change,
+            deviations: done.change.map(|change| (change.rms, change.largest)),
             diagonal: done.collapses.diagonal,
             warning: done.warning,
             notes: done.notes,
-        })
+            interrupted: done.collapses.interrupted,
+        };
+        Ok(Simplified { mesh, sources, figures })
     });
     ended?.object(py, |simplified| simplified)
-}
-
-/// Reads a mesh without attributes.
-pub(crate) fn mesh_of(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> Result<Mesh, Failure> {
-    let points = positions("vertices", vertices)?;
-    let points = points.as_slice().map_err(PyErr::from)?.as_chunks().0.to_vec();
-    Ok(Mesh::new(points, GivenFaces::of("faces", faces)?.to_faces()?)?)
-}
-
-/// Returns a model of one mesh.
-pub(crate) fn one_part(mesh: Mesh) -> Model {
-    Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() }
 }
 
 /// Reads the goal of a simplification.

@@ -29,10 +29,10 @@ use crate::arrays::triangle_rows;
 use crate::attributes::{self, GivenAttributes};
 use crate::errors::Failure;
 use crate::input::{Input, format_of};
+use crate::mesh::{mesh_of, one_part};
 use crate::method;
 use crate::numbers::Count;
 use crate::reports::report;
-use crate::simplify::{mesh_of, one_part};
 use crate::strips::{Strips, index_bits};
 use crate::work::{Watcher, Watching};
 
@@ -169,7 +169,7 @@ impl ViewModel {
         let [normals, uv, colors] =
             [arguments.take("normals")?, arguments.take("uv")?, arguments.take("colors")?];
         let others: Option<Bound<'_, PyDict>> = arguments.extract("attributes")?;
-        let watching = arguments.watching()?;
+        let watching = arguments.watching_searches()?;
         let options = options(&arguments)?;
         let (normals, uv, colors) = (normals.as_ref(), uv.as_ref(), colors.as_ref());
         let given = GivenAttributes { normals, uv, colors, others: others.as_ref() };
@@ -206,7 +206,7 @@ impl ViewModel {
     ) -> PyResult<Bound<'py, Self>> {
         let arguments = Arguments::of(py, given)?;
         let format: Option<String> = arguments.extract("format")?;
-        let watching = arguments.watching()?;
+        let watching = arguments.watching_searches()?;
         let options = options(&arguments)?;
         let (input, format) = (Input::of(input)?, format_of(format.as_deref())?);
         let source = input.source();

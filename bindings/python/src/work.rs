@@ -4,8 +4,8 @@
 //! calling thread:  detach ── every 50 ms: signals, progress ── attach ─▶ result │ interrupt with the best result so far
 //! pool:                  └─▶ computation ─ asks whether to go on ─┘
 //! ```
-//! A computation that searches stops at the next question with its best result so far. One that does not search, or that is between two
-//! stages of the pipeline, is cancelled; then there is no result.
+//! A computation that searches or simplifies stops at the next question with its best result so far. One that does neither, or that is between
+//! two stages of the pipeline, is cancelled; then there is no result.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,7 +19,7 @@ use pyo3::prelude::*;
 use pyo3::pyclass_init::PyClassInitializer;
 use tristrip::StripifyOptions;
 use tristrip::stripify::{Progress, Watch};
-use tristrip_pipeline::{Event, Observer, Search, Stage, Stopped};
+use tristrip_pipeline::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
 
 use crate::errors::{Failure, with_best};
 use crate::pool::threads;
@@ -266,6 +266,17 @@ impl Observer for Watcher {
 
     fn search(&self, _: &StripifyOptions) -> Box<dyn Search + '_> {
         Box::new(Searches { watcher: self, started: Instant::now(), is_over_budget: AtomicBool::new(false) })
+    }
+
+    fn simplifies(&self, progress: SimplifyProgress) -> bool {
+        let removed = |left: usize| progress.before.saturating_sub(left) as u64;
+        let mut state = Progress::default();
+        (state.steps, state.step_limit) = (removed(progress.left), Some(removed(progress.goal)));
+        self.set(Stage::Simplify, state);
+        if self.is_interrupted() {
+            self.has_best.store(self.keeps_best, Ordering::Relaxed);
+        }
+        !self.is_interrupted()
     }
 
     fn is_cancelled(&self) -> bool {

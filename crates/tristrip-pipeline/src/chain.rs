@@ -200,7 +200,7 @@ pub fn chain_observed(
 
     // 2. The collapses of all levels.
     begin(observer, Stage::Simplify)?;
-    let (collapses, done) = collapse(&parts, options)?;
+    let (collapses, done) = collapse(&parts, options, observer)?;
     observer.event(Event::Simplified(&collapses));
     let levels = collapsed::levels(&parts, &done, &options.ratios)?;
     let warning = warn(&levels, &collapses, options);
@@ -253,10 +253,17 @@ pub fn chain_observed(
 }
 
 /// Simplifies all parts to the coarsest level.
-fn collapse(parts: &[Part<'_>], options: &ChainOptions) -> Result<(Collapses, Vec<PartCollapses>), Error> {
+fn collapse(
+    parts: &[Part<'_>],
+    options: &ChainOptions,
+    observer: &dyn Observer,
+) -> Result<(Collapses, Vec<PartCollapses>), Error> {
     let goal = Amount::Ratio(options.ratios.last()).of(parts.iter().map(Part::triangle_count).sum());
     let target_error = options.deviation.units(diagonal(parts));
-    let all = simplify_all(parts, TriangleGoal::OfModel(goal), Some(target_error), options.rules)?;
+    let all = simplify_all(parts, TriangleGoal::OfModel(goal), Some(target_error), options.rules, observer)?;
+    if all.interrupted {
+        return Err(Error::Cancelled);
+    }
     Ok((all.summary(parts)?, all.parts))
 }
 

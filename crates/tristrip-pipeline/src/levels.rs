@@ -131,7 +131,7 @@ pub fn levels_observed(
     // 2. The collapses.
     begin(observer, Stage::Simplify)?;
     let options = LevelsOptions { stripify, ..*options };
-    let mut all = ModelLevels::from_strips(&prepared, &strips, &options)?;
+    let mut all = ModelLevels::from_strips(&prepared, &strips, &options, observer)?;
     observer.event(Event::Simplified(&all.collapses));
     all.notes.iter().for_each(|note| observer.event(Event::Note(note)));
     notes.append(&mut all.notes);
@@ -140,10 +140,10 @@ pub fn levels_observed(
 
 impl ModelLevels {
     /// Builds levels of detail from strips of the full mesh, which are those of a prepared model by the method of the options. The report on the
-    /// mesh is left empty.
+    /// mesh is left empty. Of the observer only [`Observer::simplifies`] is called.
     ///
     /// # Errors
-    /// The strips do not fit the model, or it is too large.
+    /// The strips do not fit the model, it is too large, or the observer ended the collapses.
     ///
     /// ```
     /// use tristrip_pipeline::{LevelsOptions, ModelLevels, PreparedModel};
@@ -151,7 +151,7 @@ impl ModelLevels {
     /// let prepared = PreparedModel::new(&model, false);
     /// let options = LevelsOptions::default();
     /// let strips = prepared.find_strips(&options.stripify, &())?;
-    /// let levels = ModelLevels::from_strips(&prepared, &strips, &options)?;
+    /// let levels = ModelLevels::from_strips(&prepared, &strips, &options, &())?;
     /// assert_eq!((levels.collapse_count(), levels.triangle_count(0)?), (0, 1));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
@@ -159,6 +159,7 @@ impl ModelLevels {
         prepared: &PreparedModel<'_>,
         strips: &[Strips],
         options: &LevelsOptions,
+        observer: &dyn Observer,
     ) -> Result<Self, Error> {
         if strips.len() != prepared.parts().len() {
             let (found, expected) = (strips.len(), prepared.parts().len());
@@ -171,7 +172,10 @@ impl ModelLevels {
         let rules = CollapseRules { price: options.price, ..CollapseRules::default() };
         let (parts, skipped) = Part::of_all(drawn, prepared.places(), rules.weld_distance)?;
         let goal = Amount::Ratio(options.base).of(parts.iter().map(Part::triangle_count).sum());
-        let all = simplify_all(&parts, TriangleGoal::OfModel(goal), None, rules)?;
+        let all = simplify_all(&parts, TriangleGoal::OfModel(goal), None, rules, observer)?;
+        if all.interrupted {
+            return Err(Error::Cancelled);
+        }
         let (collapses, done) = (all.summary(&parts)?, all.parts);
         let mut notes = place_notes(prepared, skipped);
         notes.extend(locked_note(collapses.locked_vertices));

@@ -82,7 +82,7 @@ pub use levels::{
 pub use method::{
     MethodReport, MethodRow, compared_methods, method_of_flags, methods_to_compare, parse_method,
 };
-pub use observer::{Event, Observer, Search, Stage, Stopped};
+pub use observer::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
 pub use pack::{PackOptions, Packed, PackedReport, pack};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};

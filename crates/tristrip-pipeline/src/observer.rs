@@ -169,6 +169,18 @@ impl Search for () {
     }
 }
 
+/// How far a model is simplified.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct SimplifyProgress {
+    /// The triangles of the model.
+    pub before: usize,
+    /// Those that are left.
+    pub left: usize,
+    /// The number at which it ends; 0 without one.
+    pub goal: usize,
+}
+
 /// Learns of the stages of a model, watches its searches, and may cancel. All methods have defaults, which do nothing.
 ///
 /// ```
@@ -198,6 +210,32 @@ pub trait Observer: Sync {
     /// Returns the watch of the searches that begin now, with the options of their method.
     fn search(&self, _options: &StripifyOptions) -> Box<dyn Search + '_> {
         Box::new(())
+    }
+
+    /// Receives how far [`Stage::Simplify`] is, on any thread, after each sixteenth of the triangles, and returns whether it goes on. Otherwise it ends
+    /// with the collapses that are done: these are the result of a simplification, unless [`Observer::is_cancelled`]; for levels they
+    /// are not enough, so that [`Error::Cancelled`] is returned.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{Amount, Goal, Observer, SimplifyOptions, SimplifyProgress, simplify_observed};
+    /// struct Impatient;
+    /// impl Observer for Impatient {
+    ///     fn simplifies(&self, progress: SimplifyProgress) -> bool {
+    ///         progress.left > progress.before / 2
+    ///     }
+    /// }
+    /// // A strip of 40,000 flat squares, two triangles each.
+    /// let mut text: String = (0..=40_000).flat_map(|x| [format!("v {x} 0 0\n"), format!("v {x} 1 0\n")]).collect();
+    /// text.extend((0..40_000).map(|x| 2 * x + 1).map(|v| format!("f {v} {} {} {}\n", v + 2, v + 3, v + 1)));
+    /// let model = read(text.as_bytes(), Format::Obj)?;
+    /// let goal = Goal { amount: Some(Amount::Triangles(2)), ..Goal::default() };
+    /// let collapses = simplify_observed(&model, &SimplifyOptions::new(goal), &Impatient)?.collapses;
+    /// assert!(collapses.interrupted && (2..=40_000).contains(&collapses.triangles_after));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    fn simplifies(&self, _progress: SimplifyProgress) -> bool {
+        !self.is_cancelled()
     }
 
     /// Returns whether to cancel. Asked at the beginning of each stage, and by `pack` before each mesh, on any thread; the stage then returns [`Error::Cancelled`].

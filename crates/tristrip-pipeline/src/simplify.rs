@@ -22,7 +22,7 @@ use crate::encode::{EncodeOptions, Encoded, encode_observed, kept_vertices};
 use crate::error::Error;
 use crate::figures::MeshFigures;
 use crate::goal::Goal;
-use crate::observer::{Event, Observer, Stage, begin};
+use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::map;
 use crate::prepared::{PreparedModel, Survey};
 use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
@@ -150,7 +150,7 @@ pub struct Simplified {
     pub redrawn: Redrawn,
     /// The collapses, and how they ended.
     pub collapses: Collapses,
-    /// How far the surface is from the original; `None` if it was not measured.
+    /// How far the surface is from the original; `None` if it was not measured, or if the collapses were interrupted.
     pub change: Option<SurfaceChange>,
     /// What happened to the normals of the parts.
     pub normals: NormalCounts,
@@ -262,14 +262,15 @@ fn simplify_to<'a>(
     begin(observer, Stage::Simplify)?;
     let count = parts.iter().map(Part::triangle_count).sum();
     let target_error = options.goal.deviation.units(diagonal(&parts));
-    let all = simplify_all(&parts, goal(count), Some(target_error), options.rules)?;
+    let all = simplify_all(&parts, goal(count), Some(target_error), options.rules, observer)?;
     let (collapses, done) = (all.summary(&parts)?, all.parts);
     observer.event(Event::Simplified(&collapses));
     if options.normals == Normals::Auto {
         normals.choose_unfit(model, options.format, &parts, &done)?;
     }
     let of_parts = place_notes.into_iter().chain(locked_note(collapses.locked_vertices));
-    let new_notes: Vec<String> = normals.notes.iter().cloned().chain(of_parts).collect();
+    let interrupted = collapses.interrupted.then(|| Stopped::Interrupt.note().to_string());
+    let new_notes: Vec<String> = normals.notes.iter().cloned().chain(of_parts).chain(interrupted).collect();
     for note in new_notes {
         observer.event(Event::Note(&note));
         notes.push(note);
@@ -292,14 +293,15 @@ fn simplify_to<'a>(
     let triangles = parts.iter().zip(&done).map(base).collect::<Result<_, Error>>()?;
     let (mut redrawn, copies) = redraw(model, &parts, &rebuilt, triangles, options.format)?;
     let mut is_fitted = false;
-    if options.fit {
+    // Without delay for an observer that ended the collapses.
+    if options.fit && !collapses.interrupted {
         begin(observer, Stage::Fit)?;
         is_fitted = fit::fit(model, (&parts, &done), &mut redrawn, &mut notes, observer)?;
     }
 
     // 5. How far the result is from the original.
     let mut measured = None;
-    if options.measure {
+    if options.measure && !collapses.interrupted {
         begin(observer, Stage::Compare)?;
         let textures = texture_sizes(model);
         let change = if is_fitted {

@@ -157,6 +157,8 @@ class Simplified:
     @property
     def warning(self) -> str | None: ...
     @property
+    def interrupted(self) -> bool: ...
+    @property
     def notes(self) -> list[str]: ...
     def __iter__(self) -> Iterator[npt.NDArray[Any]]: ...
     def _repr_html_(self) -> str: ...
@@ -182,6 +184,7 @@ def simplify(
     measure: bool = False,
     verify: bool = True,
     progress: ProgressArgument = None,
+    on_interrupt: OnInterrupt = "raise",
 ) -> Simplified: ...
 
 # --- levels of detail
@@ -958,6 +961,7 @@ class Scene:
         measure: bool = True,
         verify: bool = True,
         progress: ProgressArgument = None,
+        on_interrupt: OnInterrupt = "raise",
     ) -> SimplifiedScene: ...
     def chain(
         self,
@@ -979,6 +983,19 @@ class Scene:
         progress: ProgressArgument = None,
         **options: Any,
     ) -> Chain: ...
+    def levels(
+        self,
+        *,
+        model: LevelModel = "blocks",
+        base: float | None = None,
+        price: Price = "distance",
+        method: Method | str = "best",
+        effort: int | None = None,
+        cost: Cost | None = None,
+        verify: bool = True,
+        progress: ProgressArgument = None,
+        **options: Any,
+    ) -> Levels: ...
     def pack(
         self,
         output: Path | None = None,
@@ -1077,6 +1094,8 @@ class SimplifiedScene:
     def notes(self) -> list[str]: ...
     @property
     def warning(self) -> str | None: ...
+    @property
+    def interrupted(self) -> bool: ...
     def save(self, path: Path, *, format: WrittenFormat | str | None = None, verify: bool = True) -> FileReport: ...
     def to_bytes(self, format: WrittenFormat | str = "glb", *, verify: bool = True) -> bytes: ...
     def picture(self, size: int = 256) -> bytes: ...

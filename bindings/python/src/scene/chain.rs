@@ -45,12 +45,11 @@ pub(crate) fn chain(
     ratios: &Bound<'_, PyAny>,
     arguments: &Arguments<'_>,
 ) -> PyResult<Chain> {
-    let progress = arguments.take("progress")?;
+    let watching = arguments.watching()?;
     let kept = arguments.rest()?;
     let py = kept.py();
     kept.set_item("ratios", ratios)?;
     let options = options_of(&Arguments::of(py, Some(&kept))?)?;
-    let watching = Watching::new(py, progress, None, "raise")?;
     let built = watching.run(py, |watcher| Ok(chain_observed(source.model(), &options, watcher)?));
     let built = built?.result()?;
     let found = report(py, &MethodReport::of(&options.stripify))?.cast_into::<PyDict>()?;

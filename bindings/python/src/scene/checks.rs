@@ -74,10 +74,10 @@ pub(crate) fn compare<'py>(
         options = options.with_cost(cost.parse().map_err(Failure::from)?);
     }
     let every_variant = arguments.flag("all")?;
-    let watching = arguments.watching()?;
+    let watching = arguments.interruptible_search()?;
     arguments.finish("compare")?;
     let rows = Mutex::new(Vec::new());
-    let ended = watching.keeping_best().run(py, |watcher| {
+    let ended = watching.run(py, |watcher| {
         let survey = Survey::new(scene.as_read(), options, watcher)?;
         for options in compared_methods(options, effort, every_variant) {
             if watcher.is_interrupted() {

@@ -8,7 +8,8 @@ use pyo3::types::PyDict;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_io::Format;
 use tristrip_pipeline::{
-    Encoded, Event, Observer, Search, Target, WRITTEN_FORMATS, WrittenFiles, format_to_write, layout_to_write,
+    Encoded, Event, Observer, Search, SimplifyProgress, Target, WRITTEN_FORMATS, WrittenFiles,
+    format_to_write, layout_to_write,
 };
 
 use crate::errors::Failure;
@@ -114,6 +115,10 @@ impl Observer for Noting<'_> {
 
     fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
         self.watcher.search(options)
+    }
+
+    fn simplifies(&self, progress: SimplifyProgress) -> bool {
+        self.watcher.simplifies(progress)
     }
 
     fn is_cancelled(&self) -> bool {

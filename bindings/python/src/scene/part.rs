@@ -11,7 +11,7 @@ use crate::attributes::{
     COLOUR, GivenAttributes, NORMAL, UV, all, named, positions_of, stored_attribute, to_array, triangles_of,
 };
 use crate::errors::Failure;
-use crate::simplify::mesh_of;
+use crate::mesh::mesh_of;
 use crate::strips::Strips;
 
 /// A part of a scene: the faces of one material of an OBJ, one primitive of a glTF, or all of another file. Made by `Scene.parts`, or from arrays.
@@ -52,6 +52,12 @@ pub(crate) struct Part {
 }
 
 impl Part {
+    /// Returns a part without a name and a material.
+    pub(crate) fn of_mesh(mesh: Mesh) -> Self {
+        let inner = tristrip_io::Part { mesh, ..tristrip_io::Part::default() };
+        Self { inner, material: NamedMaterial::default(), counts_down: None }
+    }
+
     fn mesh(&self) -> &Mesh {
         &self.inner.mesh
     }

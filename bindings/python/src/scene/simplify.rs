@@ -9,7 +9,7 @@ use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 use tristrip_io::Format;
 use tristrip_io::gltf::Rounding;
 use tristrip_pipeline::{
-    CollapseRules, Encoded, Normals, Observer, Simplified, SimplifyFigures, SimplifyOptions,
+    Amount, CollapseRules, Encoded, Normals, Observer, Simplified, SimplifyFigures, SimplifyOptions,
     simplify_observed,
 };
 
@@ -38,6 +38,7 @@ pub(crate) struct SimplifiedScene {
     proven: bool,
     notes: Vec<String>,
     warning: Option<String>,
+    interrupted: bool,
 }
 
 /// The format for which a scene is simplified unless another is written: which vertices of several parts are shared, and which ones something else
@@ -83,24 +84,34 @@ pub(crate) fn rules_of(arguments: &Arguments<'_>) -> PyResult<CollapseRules> {
 }
 
 /// Simplifies a scene.
-pub(crate) fn simplify(source: &Arc<SceneData>, arguments: &Arguments<'_>) -> PyResult<SimplifiedScene> {
-    let progress = arguments.take("progress")?;
+pub(crate) fn simplify<'py>(
+    source: &Arc<SceneData>,
+    arguments: &Arguments<'py>,
+) -> PyResult<Bound<'py, SimplifiedScene>> {
+    let watching = arguments.interruptible()?;
     let kept = arguments.rest()?;
     let py = kept.py();
-    let options = options_of(arguments)?;
-    let watching = Watching::new(py, progress, None, "raise")?;
-    let simplified = watching.run(py, |watcher| Ok(simplify_observed(source.model(), &options, watcher)?));
-    let simplified = simplified?.result()?;
-    let result = Arc::new(SceneData::of_model(simplified.redrawn.model.clone()));
-    Ok(SimplifiedScene {
+    let mut options = options_of(arguments)?;
+    let ended = watching.run(py, |watcher| Ok(simplify_observed(source.model(), &options, watcher)?))?;
+    let (simplified, figures) = (&ended.value, report(py, &SimplifyFigures::of(&ended.value))?.unbind());
+    let interrupted = simplified.collapses.interrupted;
+    if interrupted {
+        // What is made of it later has the same number of triangles.
+        let left = simplified.collapses.triangles_after;
+        options.goal.amount = Some(Amount::Triangles(left));
+        kept.del_item("ratio").ok();
+        kept.set_item("triangles", left)?;
+    }
+    ended.object(py, |simplified| SimplifiedScene {
         source: Arc::clone(source),
-        result,
+        result: Arc::new(SceneData::of_model(simplified.redrawn.model.clone())),
         arguments: kept.unbind(),
         options,
-        report: report(py, &SimplifyFigures::of(&simplified))?.unbind(),
+        report: figures,
         proven: simplified.proven,
         notes: simplified.notes.clone(),
         warning: simplified.warning.clone(),
+        interrupted,
         simplified: simplified.into(),
     })
 }
@@ -175,6 +186,12 @@ impl SimplifiedScene {
     #[getter]
     fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
+    }
+
+    /// Whether Ctrl-C ended the simplification before its goal.
+    #[getter]
+    fn interrupted(&self) -> bool {
+        self.interrupted
     }
 
     /// Write the result, as the command `simplify -o` does: triangle lists, without the vertices that became unused.
@@ -264,6 +281,7 @@ impl SimplifiedScene {
             this.proven,
             this.notes(),
             this.warning(),
+            this.interrupted,
         );
         Ok((slf.get_type().getattr("_restore")?, state.into_pyobject(py)?))
     }
@@ -279,10 +297,22 @@ impl SimplifiedScene {
         proven: bool,
         notes: Vec<String>,
         warning: Option<String>,
+        interrupted: bool,
     ) -> PyResult<Self> {
         let (source, result) = (Arc::clone(&source.get().data), Arc::clone(&scene.get().data));
         let options = options_of(&Arguments::of(arguments.py(), Some(&arguments))?)?;
         let (simplified, arguments) = (OnceLock::new(), arguments.unbind());
-        Ok(Self { source, result, arguments, options, simplified, report, proven, notes, warning })
+        Ok(Self {
+            source,
+            result,
+            arguments,
+            options,
+            simplified,
+            report,
+            proven,
+            notes,
+            warning,
+            interrupted,
+        })
     }
 }

@@ -57,7 +57,6 @@ pub(crate) fn strip(
     options: StripOptions,
     watching: Watching,
 ) -> Result<Ended<Stripped>, Failure> {
-    let watching = watching.keeping_best();
     watching.run(py, |watcher| Ok(strip_observed(scene.as_read(), &options, watcher)?))
 }
 

@@ -55,7 +55,7 @@ pub(super) fn measure(
     let (triangles, other) = OTHER_BASE;
     let base = if prepared.mesh_figures().triangles == triangles { other } else { BASE };
     let base = base.parse::<Ratio>().map_err(Error::Data)?;
-    let levels = ModelLevels::from_strips(prepared, strips, &options.with_base(base))?;
+    let levels = ModelLevels::from_strips(prepared, strips, &options.with_base(base), &())?;
     let traffic = TrafficModel::new(&levels);
 
     // 2. Vertices sent.

@@ -34,7 +34,7 @@ pub(super) fn measure(
     strips: &[Strips],
     options: LevelsOptions,
 ) -> Result<BTreeMap<String, f64>, Error> {
-    let levels = ModelLevels::from_strips(prepared, strips, &options.with_base(Ratio::ZERO))?;
+    let levels = ModelLevels::from_strips(prepared, strips, &options.with_base(Ratio::ZERO), &())?;
     let mut figures = BTreeMap::new();
 
     // 1. Memory.

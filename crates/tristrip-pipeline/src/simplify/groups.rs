@@ -25,6 +25,7 @@
 //! 260 bytes per triangle.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use tristrip::simplify::{self, AttributeWeights, JoinedSimplification, Price, Stopped, SurfaceSimplifier};
@@ -36,11 +37,14 @@ use super::vanishing::Vanishing;
 use crate::collapses::Collapses;
 use crate::error::Error;
 use crate::goal::Deviation;
+use crate::observer::{Observer, SimplifyProgress};
 use crate::parts::map;
 use crate::places::SAME_SCALE;
 
 /// The part of its triangles that a group drops in a round, and the least number.
 const ROUND: (usize, usize) = (16, 4);
+/// Likewise between two questions to the observer, where a group needs no rounds.
+const WATCHED_ROUND: (usize, usize) = (16, 1000);
 
 /// What collapses may do, and what they cost.
 ///
@@ -100,19 +104,60 @@ pub(crate) struct AllCollapses {
     goal: Option<usize>,
     /// The greatest error allowed in the scene.
     error: Option<f32>,
+    /// Whether the observer ended them before they reached their goal.
+    pub(crate) interrupted: bool,
 }
 
-/// Simplifies all parts until they have at most this number of triangles together, or until the error in the scene would exceed the maximum.
-/// With a maximum, small components vanish.
+/// Asks the observer whether the collapses of all groups go on.
+struct Watched<'a> {
+    observer: &'a dyn Observer,
+    before: usize,
+    goal: usize,
+    left: AtomicUsize,
+    is_interrupted: AtomicBool,
+}
+
+impl Watched<'_> {
+    /// Counts triangles that a group has dropped, and returns whether it goes on.
+    fn goes_on(&self, dropped: usize) -> bool {
+        let left = self.left.fetch_sub(dropped, Ordering::Relaxed) - dropped;
+        let progress = SimplifyProgress { before: self.before, left, goal: self.goal };
+        if left > self.goal && !self.observer.simplifies(progress) {
+            self.is_interrupted.store(true, Ordering::Relaxed);
+        }
+        !self.is_interrupted()
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.is_interrupted.load(Ordering::Relaxed)
+    }
+}
+
+/// Simplifies all parts until they have at most this number of triangles together, or until the error in the scene would exceed the maximum, or the
+/// observer ends it. With a maximum, small components vanish.
 pub(crate) fn simplify_all(
     parts: &[Part<'_>],
     goal: TriangleGoal<'_>,
     error: Option<f32>,
     rules: CollapseRules,
+    observer: &dyn Observer,
 ) -> Result<AllCollapses, Error> {
     let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     parts.iter().enumerate().for_each(|(number, part)| members.entry(part.group()).or_default().push(number));
     let members: Vec<Vec<usize>> = members.into_values().collect();
+    let requested = match goal {
+        TriangleGoal::Fewest => None,
+        TriangleGoal::OfModel(count) => Some(count),
+        TriangleGoal::OfParts(counts) => Some(counts.iter().sum()),
+    };
+    let before = parts.iter().map(Part::triangle_count).sum();
+    let watched = Watched {
+        observer,
+        before,
+        goal: requested.unwrap_or(0),
+        left: before.into(),
+        is_interrupted: false.into(),
+    };
     // 1. Each group, to its own end or to the common one.
     let shared = match goal {
         TriangleGoal::OfModel(count) if count > 0 && members.len() > 1 => Some(count),
@@ -121,8 +166,8 @@ pub(crate) fn simplify_all(
     let done: Vec<Result<FinishedGroup, MeshError>> = if let Some(count) = shared {
         let groups = map(&members, |members| Group::new(parts, members, error, rules));
         let mut groups = groups.into_iter().collect::<Result<Vec<_>, _>>()?;
-        share(&mut groups, count);
-        let is_reached = triangle_count(&groups) <= count;
+        share(&mut groups, count, &watched);
+        let is_reached = triangle_count(&groups) <= count || watched.is_interrupted();
         groups.into_par_iter().map(|group| group.finish(parts, 0, is_reached)).collect()
     } else {
         map(&members, |members| {
@@ -132,7 +177,7 @@ pub(crate) fn simplify_all(
                 TriangleGoal::OfModel(count) => count,
                 TriangleGoal::OfParts(counts) => members.iter().map(|&part| counts[part]).sum(),
             };
-            let is_reached = group.surface.simplify_to(count) || matches!(goal, TriangleGoal::Fewest);
+            let is_reached = group.simplify_to(count, &watched) || matches!(goal, TriangleGoal::Fewest);
             group.finish(parts, count, is_reached)
         })
     };
@@ -160,16 +205,12 @@ pub(crate) fn simplify_all(
     for (members, small) in members.iter().zip(small) {
         vanished += small.count(members.iter().map(|&part| &done[part].sequence))?;
     }
-    let goal = match goal {
-        TriangleGoal::Fewest => None,
-        TriangleGoal::OfModel(count) => Some(count),
-        TriangleGoal::OfParts(counts) => Some(counts.iter().sum()),
-    };
-    Ok(AllCollapses { parts: done, stopped, vanished, goal, error })
+    let interrupted = watched.is_interrupted();
+    Ok(AllCollapses { parts: done, stopped, vanished, goal: requested, error, interrupted })
 }
 
 /// Simplifies groups until they have at most this number of triangles together, all to about the same cost and none to less than needed.
-fn share(groups: &mut [Group<'_>], count: usize) {
+fn share(groups: &mut [Group<'_>], count: usize, watched: &Watched<'_>) {
     // 1. In rounds, those whose costs are lowest.
     while triangle_count(groups) > count {
         let mut open: Vec<usize> = (0..groups.len()).filter(|&group| !groups[group].is_done).collect();
@@ -183,7 +224,10 @@ fn share(groups: &mut [Group<'_>], count: usize) {
             groups[group].is_next = before <= half;
             before += groups[group].surface.triangle_count();
         }
-        groups.par_iter_mut().filter(|group| group.is_next).for_each(Group::go_on);
+        groups.par_iter_mut().filter(|group| group.is_next).for_each(|group| group.go_on(watched));
+        if watched.is_interrupted() {
+            return;
+        }
     }
     // 2. The cost of all of them, and those that are behind.
     let mut rounds: Vec<(f64, usize)> =
@@ -196,11 +240,16 @@ fn share(groups: &mut [Group<'_>], count: usize) {
     });
     if let Some(&(cost, _)) = enough {
         groups.par_iter_mut().for_each(|group| {
-            while !group.is_done && group.cost() < cost {
-                group.go_on();
+            while !group.is_done && group.cost() < cost && !watched.is_interrupted() {
+                group.go_on(watched);
             }
         });
     }
+}
+
+/// Returns how many triangles are left after a round that drops a part of them, and at least some.
+fn after_round(triangles: usize, (share, least): (usize, usize)) -> usize {
+    triangles.saturating_sub((triangles / share).max(least))
 }
 
 /// Counts the triangles that are left of all groups.
@@ -275,13 +324,31 @@ impl<'a> Group<'a> {
     }
 
     /// Drops some triangles.
-    fn go_on(&mut self) {
+    fn go_on(&mut self, watched: &Watched<'_>) {
         let before = self.surface.triangle_count();
-        let (share, least) = ROUND;
-        let goal = before.saturating_sub((before / share).max(least));
+        let goal = after_round(before, ROUND);
         self.is_done = !self.surface.simplify_to(goal) || goal == 0;
-        (self.rounds).push((self.cost(), before - self.surface.triangle_count()));
+        let dropped = before - self.surface.triangle_count();
+        (self.rounds).push((self.cost(), dropped));
         self.is_next = false;
+        watched.goes_on(dropped);
+    }
+
+    /// Goes on until there are at most this number of triangles, or no more collapse is possible, or the observer ends it. Returns whether no reason
+    /// is left to name: the number is reached, or the observer ended it.
+    fn simplify_to(&mut self, count: usize, watched: &Watched<'_>) -> bool {
+        loop {
+            let before = self.surface.triangle_count();
+            let goal = after_round(before, WATCHED_ROUND).max(count);
+            let goes_on = self.surface.simplify_to(goal);
+            let after = self.surface.triangle_count();
+            if !watched.goes_on(before - after) {
+                return true;
+            }
+            if !goes_on || after <= count {
+                return after <= count;
+            }
+        }
     }
 
     /// Returns the collapses of each part, until they have at most this number of triangles together; unless the goal of the model is reached,
@@ -343,7 +410,8 @@ impl AllCollapses {
             triangles_after: after.sum::<Result<usize, _>>()?,
             target_triangles: self.goal,
             target_error: self.error,
-            reached: self.stopped.is_none(),
+            reached: self.stopped.is_none() && !self.interrupted,
+            interrupted: self.interrupted,
             stopped: self.stopped,
             surface_error: errors.collect::<Result<Vec<f32>, _>>()?.into_iter().fold(0.0, f32::max),
             diagonal: diagonal(parts),
@@ -412,8 +480,9 @@ mod tests {
     fn a_common_goal_is_the_order_by_cost_cut_off() {
         let meshes = [grid(24, bumps), grid(6, |x, y| bumps(y, x)), grid(11, |x, y| 2.0 * bumps(x, y))];
         let parts = parts(&meshes, &[1.0, 3.0, 0.5]);
-        let all =
-            |goal| simplify_all(&parts, TriangleGoal::OfModel(goal), None, CollapseRules::default()).unwrap();
+        let all = |goal| {
+            simplify_all(&parts, TriangleGoal::OfModel(goal), None, CollapseRules::default(), &()).unwrap()
+        };
         let full = all(0);
         let order = LevelOrder::new(&full.parts);
         for goal in [1460, 1300, 1000, 700, 300, 100, 40] {
@@ -438,7 +507,10 @@ mod tests {
         let meshes = [grid(40, bumps), grid(4, bumps)];
         let of_scale = |scale: f64| {
             let parts = parts(&meshes, &[1.0, scale]);
-            counts(&simplify_all(&parts, TriangleGoal::OfModel(600), None, CollapseRules::default()).unwrap())
+            counts(
+                &simplify_all(&parts, TriangleGoal::OfModel(600), None, CollapseRules::default(), &())
+                    .unwrap(),
+            )
         };
         assert_eq!(of_scale(1.0)[1], 32, "nothing of the coarse part");
         // What is small in the scene may be coarse.
@@ -455,7 +527,8 @@ mod tests {
         let painted = (painted.0.with_attribute(colours).unwrap(), painted.1);
         let meshes = [plain, painted];
         let parts = parts(&meshes, &[1.0, 1.0]);
-        let all = simplify_all(&parts, TriangleGoal::OfModel(400), None, CollapseRules::default()).unwrap();
+        let all =
+            simplify_all(&parts, TriangleGoal::OfModel(400), None, CollapseRules::default(), &()).unwrap();
         assert!(counts(&all)[1] > 50, "{:?}", counts(&all));
         assert!(all.parts[1].sequence.error(0).unwrap() < 1e-6, "by its error it would have two triangles");
     }
@@ -464,8 +537,8 @@ mod tests {
     fn what_holds_a_model_above_its_goal_is_summed_over_the_groups() {
         let meshes = [grid(8, bumps), grid(12, bumps)];
         let parts = parts(&meshes, &[1.0, 2.0]);
-        let all =
-            simplify_all(&parts, TriangleGoal::OfModel(20), Some(1e-4), CollapseRules::default()).unwrap();
+        let all = simplify_all(&parts, TriangleGoal::OfModel(20), Some(1e-4), CollapseRules::default(), &())
+            .unwrap();
         let (stopped, summary) = (all.stopped.unwrap(), all.summary(&parts).unwrap());
         assert_eq!(stopped.triangle_count, counts(&all).iter().sum::<usize>());
         assert_eq!((summary.triangles_after, summary.reached), (stopped.triangle_count, false));
@@ -483,8 +556,8 @@ mod tests {
                 Part::of_all(vec![(&mesh, triangles.clone())], &places, Deviation::Units(0.0)).unwrap();
             let shown = parts[0].shown(&parts[0].compact.mesh).unwrap();
             assert!((f64::from(shown.positions()[12][0]) - scale.max(1.0)).abs() < 1e-3);
-            let all =
-                simplify_all(&parts, TriangleGoal::Fewest, Some(error), CollapseRules::default()).unwrap();
+            let all = simplify_all(&parts, TriangleGoal::Fewest, Some(error), CollapseRules::default(), &())
+                .unwrap();
             assert_eq!(all.stopped, None);
             all.parts.into_iter().next().unwrap().sequence
         };

@@ -129,8 +129,8 @@ fn strips_of_another_model_are_refused() {
     assert!(matches!(prepared.prove(&both), Err(Error::Unproven(_))));
     assert!(matches!(prepared.prove(&both[..1]), Err(Error::Unproven(_))));
     assert!(prepared.figures(&both, &StripifyOptions::default()).is_err());
-    assert!(ModelLevels::from_strips(&prepared, &both, &LevelsOptions::default()).is_err());
-    assert!(ModelLevels::from_strips(&prepared, &both[..1], &LevelsOptions::default()).is_err());
+    assert!(ModelLevels::from_strips(&prepared, &both, &LevelsOptions::default(), &()).is_err());
+    assert!(ModelLevels::from_strips(&prepared, &both[..1], &LevelsOptions::default(), &()).is_err());
     let all = levels(&model, &LevelsOptions::default()).unwrap();
     assert!(all.parts[0].outward(&strips).is_err());
 }
