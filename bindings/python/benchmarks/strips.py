@@ -13,9 +13,8 @@ import argparse
 import os
 import platform
 import sys
-import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,14 +22,11 @@ import pyffi
 import pyffi.utils.tristrip
 import pyvista
 import vtk
+from common import ROOT, folder_of_models, timed
 
 import tristrip
 import tristrip.compat.pyffi
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-ROOT = Path(__file__).resolve().parents[3]
 Triangles = npt.NDArray[np.int64]
 
 
@@ -43,22 +39,6 @@ class Row(NamedTuple):
     indices: int
     proof: str
     is_exact: bool
-
-
-def folder_of_models() -> Path:
-    """Return the folder that TRISTRIP_MODELS names, or the one beside the repository."""
-    return Path(os.environ.get("TRISTRIP_MODELS", ROOT.parent / "shared/models"))
-
-
-def timed(run: Callable[[], Any], repeat: int) -> tuple[float, Any]:
-    """Return the shortest time in seconds, and the last result."""
-    times = []
-    result = None
-    for _ in range(repeat):
-        start = time.perf_counter()
-        result = run()
-        times.append(time.perf_counter() - start)
-    return min(times), result
 
 
 def triangles_of(vertices: Triangles, offsets: Triangles) -> Triangles:
