@@ -186,7 +186,8 @@ impl Scene {
     ///     error: the maximum error in mesh units, or of the diagonal as "0.1%". By default "1%"; "100%" allows any.
     ///     weight, price, permissive, lock_borders, weld_distance: as of `simplify`.
     ///     normals: "auto" (those of flat-shaded parts are rebuilt, others kept where they fit), "keep" or "rebuild".
-    ///     fit: whether the vertices that are left are moved closer to the original surface.
+    ///     fit: whether the vertices that are left are moved closer to the original surface, as the command's `--fit` does. Those stay at open
+    ///         borders, where they touch parts in other places of the scene, and where a GLB cannot change them, which a note says.
     ///     compact: whether joint weights are rounded to 8 bits and rotations of animations to 16 bits in a GLB.
     ///     measure: whether the distance from the original is measured, which takes as long again.
     ///     verify: whether the collapses are proven.

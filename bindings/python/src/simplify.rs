@@ -110,7 +110,7 @@ impl Simplified {
         self.figures.warning.as_deref()
     }
 
-    /// Whether Ctrl-C ended the simplification before its goal.
+    /// Whether Ctrl-C ended it: before its goal, or before the fit or the measurement.
     #[getter]
     fn interrupted(&self) -> bool {
         self.figures.interrupted
@@ -274,7 +274,7 @@ pub(crate) fn simplify<'py>(
             diagonal: done.collapses.diagonal,
             warning: done.warning,
             notes: done.notes,
-            interrupted: done.collapses.interrupted,
+            interrupted: done.interrupted,
         };
         Ok(Simplified { mesh, sources, figures })
     });

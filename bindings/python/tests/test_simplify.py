@@ -87,15 +87,16 @@ def test_the_fit_is_closer_and_keeps_borders() -> None:
     mesh = bumpy(60)
     options: dict[str, Any] = {"ratio": 0.05, "error": "100%", "measure": True}
     kept, fitted = (tristrip.simplify(mesh.vertices, mesh.faces, fit=fit, **options) for fit in (False, True))
-    assert np.array_equal(kept.faces, fitted.faces)
-    assert np.array_equal(kept.sources, fitted.sources)
+    # The triangles are the same, over vertices in another order.
+    oracle.assert_same_triangles(kept.sources[kept.faces], fitted.sources[fitted.faces])
     assert kept.rms_deviation is not None
     assert fitted.rms_deviation is not None
     assert fitted.rms_deviation < 0.9 * kept.rms_deviation
-    edges, counts = np.unique(edges_of(kept.faces), axis=0, return_counts=True)
+    edges, counts = np.unique(edges_of(fitted.faces), axis=0, return_counts=True)
     border = np.unique(edges[counts == 1])
-    assert np.array_equal(kept.vertices[border], fitted.vertices[border])
-    assert not np.array_equal(kept.vertices, fitted.vertices)
+    moved = (fitted.vertices != mesh.vertices[fitted.sources]).any(axis=1)
+    assert not moved[border].any()
+    assert moved.sum() > 0.5 * (len(moved) - len(border))
 
 
 def test_attributes_and_their_seams_stay() -> None:
@@ -151,7 +152,7 @@ def stop(progress: tristrip.Progress) -> None:
 
 
 def test_an_interrupted_simplification_is_one_to_fewer_triangles() -> None:
-    mesh = bumpy(500)
+    mesh = bumpy(300)
     options: dict[str, Any] = {"triangles": 100, "error": "100%", "fit": False}
     with pytest.raises(tristrip.Interrupted) as caught:
         tristrip.simplify(mesh.vertices, mesh.faces, progress=stop, **options)
@@ -168,8 +169,22 @@ def test_an_interrupted_simplification_is_one_to_fewer_triangles() -> None:
     assert small.interrupted
 
 
+@pytest.mark.parametrize("stage", ["fit", "compare"])
+def test_ctrl_c_after_the_collapses_keeps_them(stage: str) -> None:
+    mesh = bumpy(150)
+
+    def stop_later(progress: tristrip.Progress) -> None:
+        if progress.stage == stage:
+            raise KeyboardInterrupt
+
+    with pytest.raises(tristrip.Interrupted) as caught:
+        tristrip.simplify(mesh.vertices, mesh.faces, ratio=0.2, error="100%", measure=True, progress=stop_later)
+    best = caught.value.best
+    assert 0.19 * len(mesh.faces) < len(best.faces) <= 0.2 * len(mesh.faces)
+
+
 def test_progress_counts_removed_triangles() -> None:
-    mesh = bumpy(250)
+    mesh = bumpy(200)
     seen: list[tristrip.Progress] = []
     small = tristrip.simplify(mesh.vertices, mesh.faces, ratio=0.1, error="100%", progress=seen.append)
     steps = [progress.steps for progress in seen if progress.stage == "simplify"]
@@ -179,7 +194,7 @@ def test_progress_counts_removed_triangles() -> None:
 
 
 def test_an_interrupted_scene() -> None:
-    mesh = bumpy(500)
+    mesh = bumpy(300)
     scene = tristrip.Scene.from_arrays(mesh.vertices, mesh.faces)
     with pytest.raises(tristrip.Interrupted) as caught:
         scene.simplify(ratio=0.001, error="100%", progress=stop)

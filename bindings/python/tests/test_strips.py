@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -376,3 +377,20 @@ def test_the_checker_of_files_agrees(tmp_path: Path, model: Callable[[str], Path
     metrics: dict[str, Any] = dict(strips.metrics())
     for key in ["triangles", "strips", "vertices_sent", "isolated"]:
         assert found[key] == metrics[key]
+
+
+def test_contiguous_uint32_is_not_copied() -> None:
+    faces = np.ascontiguousarray(meshes.grid(300, 300).faces, np.uint32)
+    tristrip.stripify(faces[:10])
+
+    def peak(given: Any) -> int:
+        tracemalloc.start()
+        tristrip.stripify(given, method="sequential")
+        found = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found
+
+    # NumPy reports its arrays to tracemalloc.
+    assert peak(faces) < faces.nbytes / 10
+    assert peak(faces.ravel()) < faces.nbytes / 10
+    assert peak(faces.astype(np.int64)) >= faces.nbytes

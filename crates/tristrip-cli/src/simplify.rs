@@ -27,6 +27,8 @@ struct SimplifySeconds {
     load: Option<f64>,
     dual: Option<f64>,
     simplify: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fit: Option<f64>,
     compare: Option<f64>,
     verify: Option<f64>,
     write: Option<f64>,
@@ -121,6 +123,12 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut Simplify
             report.seconds.simplify = Some(seconds);
             report.figures.record(collapses);
             console.stage("simplify", &line(&report.figures), Some(seconds));
+        }
+        Event::Fitted { positions } => {
+            report.seconds.fit = Some(seconds);
+            report.figures.moved_positions = Some(positions);
+            let what = format!("{} closer to the original", counted(positions, "position"));
+            console.stage("fit", &what, Some(seconds));
         }
         Event::Compared(change) => {
             report.seconds.compare = Some(seconds);

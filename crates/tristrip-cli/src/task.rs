@@ -256,7 +256,7 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
                 check_picture(path, &jobs)?;
             }
             let mut options = SimplifyOptions::new(goal).with_rules(args.collapse.rules());
-            options = options.with_normals(args.normals).with_verify(verify);
+            options = options.with_normals(args.normals).with_fit(args.fit).with_verify(verify);
             if args.compact {
                 options = options.with_rounding(Rounding::WeightsAndRotations);
             }

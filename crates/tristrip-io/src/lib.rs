@@ -35,6 +35,7 @@ mod le_bytes;
 mod levels;
 mod materials;
 mod model;
+mod new_values;
 mod new_vertices;
 mod obj;
 mod off;
@@ -58,7 +59,8 @@ pub use gltf::images::EmbeddedImages;
 pub use levels::{LeveledModel, PartLevel, SceneLevels, in_level_order};
 pub use materials::{Materials, PlainMaterial, SideFile};
 pub use model::{Drawing, Model, Part, StoredStrips};
-pub use new_vertices::{Extended, NewVertices, fixed_vertices, with_new_vertices};
+pub use new_values::{NewValues, NewVertices};
+pub use new_vertices::{Extended, fixed_vertices, with_new_vertices};
 #[cfg(feature = "fs")]
 pub use path::{
     ReadFile, embed_images, load_materials, read_beside, read_file, read_path, replace_file, write_path,

@@ -24,8 +24,6 @@ pub struct Collapses {
     pub surface_error: f32,
     /// The reasons for which vertices stayed, where there are more triangles than requested; `None` where the goal was reached.
     pub stopped: Option<Stopped>,
-    /// Whether the observer ended them before their goal: see [`Observer::simplifies`](crate::Observer::simplifies).
-    pub interrupted: bool,
     /// The diagonal of the bounding box of all triangles in the scene.
     pub diagonal: f64,
     /// Small components that vanished within the error limit.

@@ -109,6 +109,11 @@ pub enum Event<'a> {
         /// The levels of the tree.
         levels: usize,
     },
+    /// [`Stage::Fit`] ended.
+    Fitted {
+        /// The number of positions that moved.
+        positions: usize,
+    },
     /// [`Stage::Compare`] ended.
     Compared(&'a SurfaceChange),
     /// [`Stage::Filter`] ended.
@@ -213,8 +218,8 @@ pub trait Observer: Sync {
     }
 
     /// Receives how far [`Stage::Simplify`] is, on any thread, after each sixteenth of the triangles, and returns whether it goes on. Otherwise it ends
-    /// with the collapses that are done: these are the result of a simplification, unless [`Observer::is_cancelled`]; for levels they
-    /// are not enough, so that [`Error::Cancelled`] is returned.
+    /// with the collapses that are done: these are the result of a simplification, without fit and comparison, before which it asks again; unless
+    /// [`Observer::is_cancelled`]. For levels they are not enough, so that [`Error::Cancelled`] is returned.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -230,8 +235,8 @@ pub trait Observer: Sync {
     /// text.extend((0..40_000).map(|x| 2 * x + 1).map(|v| format!("f {v} {} {} {}\n", v + 2, v + 3, v + 1)));
     /// let model = read(text.as_bytes(), Format::Obj)?;
     /// let goal = Goal { amount: Some(Amount::Triangles(2)), ..Goal::default() };
-    /// let collapses = simplify_observed(&model, &SimplifyOptions::new(goal), &Impatient)?.collapses;
-    /// assert!(collapses.interrupted && (2..=40_000).contains(&collapses.triangles_after));
+    /// let simplified = simplify_observed(&model, &SimplifyOptions::new(goal), &Impatient)?;
+    /// assert!(simplified.interrupted && (2..=40_000).contains(&simplified.collapses.triangles_after));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     fn simplifies(&self, _progress: SimplifyProgress) -> bool {

@@ -15,21 +15,22 @@ mod warning;
 
 use tristrip::StripifyOptions;
 use tristrip_io::gltf::Rounding;
-use tristrip_io::{Drawing, Format, Model, Redrawn};
+use tristrip_io::{Drawing, Format, Model, NewValues, Redrawn};
 
 use crate::collapses::Collapses;
 use crate::encode::{EncodeOptions, Encoded, encode_observed, kept_vertices};
 use crate::error::Error;
 use crate::figures::MeshFigures;
 use crate::goal::Goal;
-use crate::observer::{Event, Observer, Stage, Stopped, begin};
+use crate::observer::{Event, Observer, SimplifyProgress, Stage, Stopped, begin};
 use crate::parts::map;
 use crate::prepared::{PreparedModel, Survey};
 use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
 use crate::text::counted;
+use fit::Fitted;
 pub use groups::CollapseRules;
 pub(crate) use groups::{TriangleGoal, simplify_all};
-use normals::{Copies, Rebuilding, RebuiltPart, redraw};
+use normals::{Copies, Rebuilding, RebuiltPart, kept_notes, redraw};
 pub use normals::{NormalCounts, Normals};
 pub use order::LevelOrder;
 pub(crate) use order::PartCollapses;
@@ -98,8 +99,8 @@ impl SimplifyOptions {
     }
 
     /// Sets whether the vertices that are left are moved closer to the original surface, which lowers the mean distance by a third or more where
-    /// it is curved. They are no vertices of the source any more, so that levels of detail cannot share them. Vertices at borders stay, and those of
-    /// scenes in glTF.
+    /// it is curved. They are no vertices of the source any more, so that levels of detail cannot share them. Vertices at borders stay, those that
+    /// touch parts in other places of the scene, and those of parts whose positions a GLB cannot change, which a note names.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -107,6 +108,7 @@ impl SimplifyOptions {
     /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
     /// let fitted = simplify(&model, &SimplifyOptions::new(Goal::default()).with_fit(true))?;
     /// assert_eq!(fitted.redrawn.model.parts[0].mesh.positions()[1], [1.0, 0.0, 0.0], "at a border");
+    /// assert_eq!(fitted.moved_positions, Some(0));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     #[must_use]
@@ -150,8 +152,10 @@ pub struct Simplified {
     pub redrawn: Redrawn,
     /// The collapses, and how they ended.
     pub collapses: Collapses,
-    /// How far the surface is from the original; `None` if it was not measured, or if the collapses were interrupted.
+    /// How far the surface is from the original; `None` if it was not measured.
     pub change: Option<SurfaceChange>,
+    /// The number of positions that the fit moved; `None` if nothing was fitted.
+    pub moved_positions: Option<usize>,
     /// What happened to the normals of the parts.
     pub normals: NormalCounts,
     /// A sentence on the goal, if it was not reached: what held it back, and what to try.
@@ -162,8 +166,10 @@ pub struct Simplified {
     pub notes: Vec<String>,
     /// Whether the collapses are proven.
     pub proven: bool,
+    /// Whether the observer ended it: with fewer collapses than requested, or without the fit or the comparison. See [`Observer::simplifies`].
+    pub interrupted: bool,
     options: SimplifyOptions,
-    /// The vertices of each part that were added for new normals.
+    /// The vertices of each part that were added for new normals and positions.
     copies: Vec<Option<Copies>>,
 }
 
@@ -265,16 +271,23 @@ fn simplify_to<'a>(
     let all = simplify_all(&parts, goal(count), Some(target_error), options.rules, observer)?;
     let (collapses, done) = (all.summary(&parts)?, all.parts);
     observer.event(Event::Simplified(&collapses));
+    let left = collapses.triangles_after;
+    let progress = SimplifyProgress { before: count, left, goal: collapses.target_triangles.unwrap_or(0) };
+    let mut interrupted = all.interrupted || !observer.simplifies(progress);
+    let goes_on = |interrupted: &mut bool| {
+        *interrupted = *interrupted || !observer.simplifies(progress);
+        !*interrupted
+    };
     if options.normals == Normals::Auto {
         normals.choose_unfit(model, options.format, &parts, &done)?;
     }
     let of_parts = place_notes.into_iter().chain(locked_note(collapses.locked_vertices));
-    let interrupted = collapses.interrupted.then(|| Stopped::Interrupt.note().to_string());
-    let new_notes: Vec<String> = normals.notes.iter().cloned().chain(of_parts).chain(interrupted).collect();
-    for note in new_notes {
-        observer.event(Event::Note(&note));
-        notes.push(note);
-    }
+    let new_notes = normals.notes.iter().cloned().chain(of_parts).collect();
+    let mut add_notes = |new: Vec<String>| {
+        new.iter().for_each(|note| observer.event(Event::Note(note)));
+        notes.extend(new);
+    };
+    add_notes(new_notes);
     let warning = warning(&collapses, options.goal.deviation, options.rules.lock_borders);
     warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
 
@@ -283,51 +296,57 @@ fn simplify_to<'a>(
         prove(&done, &collapses, observer)?;
     }
 
-    // 4. The model without the vertices that became unused.
-    let rebuilt = normals.rebuild(&parts, &done)?;
+    // 4. The vertices that are left, closer to the original.
+    let (mut fitted, mut moved_positions) = (vec![None; parts.len()], None);
+    if options.fit && goes_on(&mut interrupted) {
+        begin(observer, Stage::Fit)?;
+        let fixed = tristrip_io::fixed_vertices(model, NewValues::Positions, options.format)?;
+        let is_fixed: Vec<bool> = fixed.iter().map(Option::is_some).collect();
+        let Fitted { meshes, moved } = fit::fit(&parts, &done, &is_fixed)?;
+        (fitted, moved_positions) = (meshes, Some(moved));
+        observer.event(Event::Fitted { positions: moved });
+        add_notes(kept_notes("positions", fixed.into_iter().flatten()));
+    }
+
+    // 5. The model without the vertices that became unused.
+    let rebuilt = normals.rebuild(&parts, &done, &fitted)?;
     let base = |(part, done): (&Part<'_>, &PartCollapses)| {
         let mut corners = done.sequence.drawn(0)?.into_flattened();
         part.compact.used.outward(&mut corners);
         Ok(corners)
     };
     let triangles = parts.iter().zip(&done).map(base).collect::<Result<_, Error>>()?;
-    let (mut redrawn, copies) = redraw(model, &parts, &rebuilt, triangles, options.format)?;
-    let mut is_fitted = false;
-    // Without delay for an observer that ended the collapses.
-    if options.fit && !collapses.interrupted {
-        begin(observer, Stage::Fit)?;
-        is_fitted = fit::fit(model, (&parts, &done), &mut redrawn, &mut notes, observer)?;
-    }
+    let (redrawn, copies) = redraw(model, &parts, &rebuilt, triangles, options.format)?;
 
-    // 5. How far the result is from the original.
+    // 6. How far the result is from the original.
     let mut measured = None;
-    if options.measure && !collapses.interrupted {
+    if options.measure && goes_on(&mut interrupted) {
         begin(observer, Stage::Compare)?;
-        let textures = texture_sizes(model);
-        let change = if is_fitted {
-            fit::change(&parts, &redrawn, &textures, POINTS)?
-        } else {
-            change(&parts, &done, &rebuilt, &textures)?
-        };
+        let change = change(&parts, &done, &rebuilt, &texture_sizes(model))?;
         observer.event(Event::Compared(&change));
         measured = Some(change);
+    }
+    if interrupted {
+        add_notes(vec![Stopped::Interrupt.note().into()]);
     }
     Ok(Simplified {
         redrawn,
         copies,
         collapses,
         change: measured,
+        moved_positions,
         normals: normals.counts(&parts),
         warning,
         mesh,
         notes,
         proven: options.verify,
+        interrupted,
         options: *options,
     })
 }
 
 impl Simplified {
-    /// Returns the vertex of the source model that each vertex of a part is, or is a copy of with another normal.
+    /// Returns the vertex of the source model that each vertex of a part is, or is a copy of with another normal or position.
     ///
     /// # Errors
     /// There is no such part.

@@ -808,6 +808,7 @@ class SimplifyReport(TypedDict):
     vertices_before: int
     vertices_after: int
     collapses: int
+    moved_positions: NotRequired[int]
     surface_error: float
     surface_error_percent: float
     largest_deviation: float | None

@@ -94,13 +94,15 @@ pub(crate) fn simplify<'py>(
     let mut options = options_of(arguments)?;
     let ended = watching.run(py, |watcher| Ok(simplify_observed(source.model(), &options, watcher)?))?;
     let (simplified, figures) = (&ended.value, report(py, &SimplifyFigures::of(&ended.value))?.unbind());
-    let interrupted = simplified.collapses.interrupted;
+    let interrupted = simplified.interrupted;
     if interrupted {
-        // What is made of it later has the same number of triangles.
+        // What is made of it later has the same number of triangles, and is not fitted if this is not.
         let left = simplified.collapses.triangles_after;
         options.goal.amount = Some(Amount::Triangles(left));
         kept.del_item("ratio").ok();
         kept.set_item("triangles", left)?;
+        options.fit &= simplified.moved_positions.is_some();
+        kept.set_item("fit", options.fit)?;
     }
     ended.object(py, |simplified| SimplifiedScene {
         source: Arc::clone(source),
@@ -162,7 +164,7 @@ impl SimplifiedScene {
         Scene { data: Arc::clone(&self.result) }
     }
 
-    /// What was reached: a dictionary with the keys of the command's JSON, such as "triangles_before", "triangles_after", "surface_error" (in mesh units),
+    /// What was reached: a dictionary with the keys of the command's JSON, such as "triangles_before", "triangles_after", "moved_positions" (with `fit`), "surface_error" (in mesh units),
     /// "surface_error_percent" (of the diagonal), "rms_deviation", "normal_deviation_degrees", "uv_deviation_percent", "stopped".
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
@@ -188,7 +190,7 @@ impl SimplifiedScene {
         self.warning.as_deref()
     }
 
-    /// Whether Ctrl-C ended the simplification before its goal.
+    /// Whether Ctrl-C ended it: before its goal, or before the fit or the measurement.
     #[getter]
     fn interrupted(&self) -> bool {
         self.interrupted

@@ -16,7 +16,7 @@ use crate::values::{Amount, Vector, effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
-/// The cheapest collapse comes first. A removed vertex is replaced by one of its neighbours; no vertex moves, and none is added. The
+/// The cheapest collapse comes first. A removed vertex is replaced by one of its neighbours; without --fit no vertex moves, and none is added. The
 /// surface keeps its holes and, unless that costs too much, its shape; small components within the error limit of others vanish. If a goal cannot be reached within
 /// the error limit, or without tearing or folding the surface, simplification stops earlier, and a warning says why; this is not an error. Parts of
 /// one mesh that share positions (materials in OBJ, primitives in glTF) are simplified as one surface: both sides of a border between them collapse
@@ -26,6 +26,7 @@ use crate::values::{Amount, Vector, effort_parser, named};
 #[command(after_long_help = "Examples:
   tristrip simplify bunny.ply --ratio 5% -o bunny-small.ply
   tristrip simplify bunny.ply --triangles 2000 -o bunny-small.glb
+  tristrip simplify bunny.ply --ratio 5% --fit -o bunny-small.ply   a third closer to the input
   tristrip simplify scene.glb --error 0.1% -o light.glb   as few as this error allows
   tristrip simplify duck.glb --ratio 20% --picture before-after.png
   tristrip simplify bunny.ply --ratio 0.05 --error 1% --json")]
@@ -59,6 +60,15 @@ pub(crate) struct SimplifyArgs {
     /// smooth ones. This helps models with many hard edges to get smaller. Normals that a morph target changes are kept.
     #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default())]
     pub(crate) normals: Normals,
+    /// Move the vertices that are left closer to the original surface
+    ///
+    /// Vertices of the input lie on its surface, so that all of the simplified surface is on one side of it where it is curved. With this flag the positions
+    /// are found for which the squares of the distances between both surfaces add up to the least, in both directions: the root mean square falls by a third
+    /// or more. Both sides of a border between the parts of a mesh move together. Positions at open borders stay, those that touch parts in other places of the
+    /// scene, and those that a GLB cannot change: of a morph target, or stored as whole numbers. The result has vertices that the input does not
+    /// have: levels of detail that share the vertices of the input (`lod --chain`) cannot be fitted.
+    #[arg(long)]
+    pub(crate) fit: bool,
     /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
     ///
     /// Weights change by less than 1/255 each, rotations by less than 0.004 degrees. Without it weights are rounded to 16 bits, which

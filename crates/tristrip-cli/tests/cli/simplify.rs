@@ -346,3 +346,32 @@ fn compact_rounds_rotations_and_nothing_else_does() {
     assert_eq!((exact.0, rounded.0), (5126.into(), 5122.into()));
     assert_eq!(exact.1, rounded.1 + 256);
 }
+
+#[test]
+fn fit_moves_positions_and_reports_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("small.glb");
+    let [before, after] = [&[][..], &["--fit"]].map(|fit: &[&str]| {
+        simplify("hand.ply", &[fit, &["--ratio", "5%", "--error", "100%"]].concat(), &out)
+    });
+    assert!(before.get("moved_positions").is_none() && before["seconds"].get("fit").is_none());
+    let moved = number(&after, "moved_positions");
+    // The hand is closed, so that hardly a position stays.
+    assert!(moved <= number(&after, "vertices_after") && moved > 300, "{moved}");
+    assert!(after["seconds"]["fit"].is_number() && after["proven"] == true);
+    assert_eq!(number(&before, "triangles_after"), number(&after, "triangles_after"));
+    for key in ["rms_deviation", "largest_deviation"] {
+        let [before, after] = [&before, &after].map(|report| report[key].as_f64().unwrap());
+        assert!(
+            after < if key == "rms_deviation" { 0.75 * before } else { before },
+            "{key}: {before} {after}"
+        );
+    }
+    let mut command = tristrip();
+    let command = command.args(["simplify", "--ratio", "5%", "--fit"]).arg(model("hand.ply"));
+    command.assert().success().stderr(contains("positions closer to the original"));
+    // Levels of detail share the vertices of the input.
+    let mut command = tristrip();
+    let command = command.args(["lod", "--chain", "100%,50%", "--fit"]).arg(model("hand.ply")).arg("-o");
+    command.arg(&out).assert().failure().code(2);
+}

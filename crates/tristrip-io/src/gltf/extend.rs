@@ -5,7 +5,7 @@
 //!    dropped (`renumber.rs`), and where the values are within a limit.
 //! 2. The values of each accessor are written one after the other, in the order of the sources, to a buffer of their own. An accessor that was sparse is
 //!    not any more.
-//! 3. The accessor keeps its number. It also keeps its view if nothing else uses that; otherwise it gets a new one.
+//! 3. The accessor keeps its number, and gets other bounds if values are new. It also keeps its view if nothing else uses that; otherwise it gets a new one.
 //! 4. The bytes that held the old values are removed, as those of dropped vertices.
 //!
 //! # Complexity
@@ -18,6 +18,7 @@ use tristrip::{Attribute, AttributeData, Mesh};
 
 use super::accessor::AccessorResolver;
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
+use super::component::ComponentType;
 use super::document::{Located, array, index, items, list_mut, values};
 use super::json::{Members, Value};
 use super::permute::{AccessorLayout, ByteOwners, VERTEX_FACTOR};
@@ -30,9 +31,7 @@ use super::spec::ARRAY_BUFFER;
 use crate::error::Error;
 use crate::le_bytes::append;
 use crate::model::Model;
-
-/// The attributes with new values.
-const DIRECTIONS: [&str; 2] = ["NORMAL", "TANGENT"];
+use crate::new_values::{NewValues, NewVertices};
 
 /// The alignment of the values of vertices.
 const ALIGNMENT: usize = 4;
@@ -44,22 +43,30 @@ pub(crate) struct Extension<'a> {
     pub(crate) sources: Vec<u32>,
 }
 
-/// Returns for each part why it cannot have new vertices; in a file that is not a GLB only for what normals mean.
+/// Returns for each part why it cannot have vertices with new values; in a file that is not a GLB only for what these mean.
 pub(crate) fn fixed_parts(
     scene: &Scene,
     model: &Model,
+    values: NewValues,
     is_written: bool,
 ) -> Result<Vec<Option<String>>, Error> {
-    let mut fixed: Vec<Option<String>> = (0..model.parts.len()).map(|part| morphs(scene, part)).collect();
+    let mut fixed: Vec<Option<String>> =
+        (0..model.parts.len()).map(|part| morphs(scene, part, values)).collect();
     if !is_written {
         return Ok(fixed);
     }
-    let shared = shared_roles(scene)?;
+    let (shared, root) = (shared_roles(scene)?, &scene.document.root);
+    let component = |a: usize| index(array(root, "accessors").ok()?.get(a)?.get("componentType")?);
+    let is_float = |a: usize| component(a) == Some(ComponentType::F32.code() as usize);
     for (part, why) in fixed.iter_mut().enumerate() {
         let attributes = primitive(scene, part).and_then(|primitive| primitive.get("attributes"));
-        let of = |name| attributes.and_then(|attributes| index(attributes.get(name)?));
-        if why.is_none() && DIRECTIONS.into_iter().filter_map(of).any(|a| shared.contains(&a)) {
+        let of = |name: &&str| attributes.and_then(|attributes| index(attributes.get(name)?));
+        let accessors = || values.names().iter().filter_map(of);
+        if why.is_none() && accessors().any(|a| shared.contains(&a)) {
             *why = Some("other values share their accessor".into());
+        }
+        if why.is_none() && values == NewValues::Positions && !accessors().all(is_float) {
+            *why = Some("they are stored as whole numbers".into());
         }
     }
     let resolver = AccessorResolver { root: &scene.document.root, buffers: &scene.buffers };
@@ -100,7 +107,7 @@ fn check_accessor(
     budget.charge("values of new vertices", most, element).map_err(|error| error.to_string())
 }
 
-/// Returns the accessors that hold normals or tangents of vertices and have another meaning, too.
+/// Returns the accessors that hold values of vertices and have another meaning, too.
 fn shared_roles(scene: &Scene) -> Result<HashSet<usize>, Error> {
     let mut roles: HashMap<usize, &str> = HashMap::new();
     let mut shared = HashSet::new();
@@ -119,10 +126,10 @@ fn shared_roles(scene: &Scene) -> Result<HashSet<usize>, Error> {
     Ok(shared)
 }
 
-/// Returns why the normals of a part must stay, if a morph target changes them.
-fn morphs(scene: &Scene, part: usize) -> Option<String> {
+/// Returns why values of a part must stay, if a morph target changes them.
+fn morphs(scene: &Scene, part: usize, values: NewValues) -> Option<String> {
     let targets = items(primitive(scene, part)?, "targets");
-    let changes = targets.iter().any(|target| DIRECTIONS.iter().any(|name| target.get(name).is_some()));
+    let changes = targets.iter().any(|target| values.names().iter().any(|name| target.get(name).is_some()));
     changes.then(|| "a morph target changes them".into())
 }
 
@@ -132,19 +139,21 @@ fn primitive(scene: &Scene, part: usize) -> Option<&Value> {
     items(mesh, "primitives").get(source.primitive)
 }
 
-/// Extends groups; `meshes` are the parts with their new vertices, the first of which has the number in `first`.
+/// Extends groups; `meshes` are the parts with their new vertices, which are those in `added`, and the first of which has the number in `first`.
 pub(crate) fn apply(
     scene: &Scene,
     extensions: &[Extension<'_>],
     meshes: &[Mesh],
+    added: &[Option<NewVertices>],
     first: &[Option<u32>],
 ) -> Result<Scene, Error> {
     let resolver = AccessorResolver { root: &scene.document.root, buffers: &scene.buffers };
     let mut extended = scene.clone();
     let freed = freed_bytes(scene, extensions)?;
     let mut writer = ValueWriter::of(scene)?;
+    let mut shrink = Shrink::default();
     for extension in extensions {
-        let rebuilt = rebuilt_values(scene, extension.group, meshes, first);
+        let rebuilt = rebuilt_values(scene, extension.group, meshes, added, first);
         for &accessor in extension.group.accessors() {
             let number = Value::from(accessor);
             let values =
@@ -152,8 +161,7 @@ pub(crate) fn apply(
             let (element, stride) = (values.element, values.element.next_multiple_of(ALIGNMENT));
             let start = writer.bytes.len();
             writer.copy(&values.raw()?, element, &extension.sources)?;
-            for &(first, attribute) in rebuilt.get(&accessor).into_iter().flatten() {
-                let new = bytes_from(attribute, first);
+            for (first, new) in rebuilt.get(&accessor).into_iter().flatten() {
                 let rows = writer.bytes[start + first * stride..].chunks_exact_mut(stride);
                 rows.zip(new.chunks_exact(element))
                     .for_each(|(row, new)| row[..element].copy_from_slice(new));
@@ -166,14 +174,15 @@ pub(crate) fn apply(
                 "target": ARRAY_BUFFER,
             });
             let view = writer.put_view(&mut extended.document.root, accessor, view.into())?;
-            let has_new_values = rebuilt.contains_key(&accessor);
-            update(&mut extended.document.root, accessor, view, extension.sources.len(), has_new_values)?;
+            update(&mut extended.document.root, accessor, view, extension.sources.len())?;
+            if rebuilt.contains_key(&accessor) {
+                shrink.change(accessor);
+            }
         }
     }
     clear_unused_views(&mut extended.document.root, &writer.uses)?;
     list_mut(&mut extended.document.root, "buffers")?.push(json!({"byteLength": writer.bytes.len()}).into());
     extended.buffers.push(SharedBytes::from(writer.bytes));
-    let mut shrink = Shrink::default();
     freed.iter().for_each(|layout| shrink.free(layout));
     shrink.apply(extended)
 }
@@ -206,23 +215,34 @@ fn freed_bytes(scene: &Scene, extensions: &[Extension<'_>]) -> Result<Vec<Access
     Ok(freed)
 }
 
-/// Returns the attributes with new values by their accessors, each with the vertex from which on they are new.
-fn rebuilt_values<'a>(
+/// Returns the bytes of new values by their accessors, each with the vertex from which on they are new.
+fn rebuilt_values(
     scene: &Scene,
     group: &SceneGroup,
-    meshes: &'a [Mesh],
+    meshes: &[Mesh],
+    added: &[Option<NewVertices>],
     first: &[Option<u32>],
-) -> HashMap<usize, Vec<(usize, &'a Attribute)>> {
+) -> HashMap<usize, Vec<(usize, Vec<u8>)>> {
     let mut rebuilt: HashMap<usize, Vec<_>> = HashMap::new();
     for &part in &group.parts {
         let attributes = primitive(scene, part).and_then(|primitive| primitive.get("attributes"));
-        let (Some(attributes), Some(first)) = (attributes, first[part]) else { continue };
-        for name in DIRECTIONS {
-            let accessor = attributes.get(name).and_then(index);
-            let attribute = meshes[part].attributes().iter().find(|attribute| attribute.name == name);
-            if let (Some(accessor), Some(attribute)) = (accessor, attribute) {
-                rebuilt.entry(accessor).or_default().push((first as usize, attribute));
+        let (Some(attributes), Some(new), Some(first)) = (attributes, &added[part], first[part]) else {
+            continue;
+        };
+        let first = first as usize;
+        let mut put = |name: &str, bytes: Vec<u8>| {
+            if let Some(accessor) = attributes.get(name).and_then(index).filter(|_| !bytes.is_empty()) {
+                rebuilt.entry(accessor).or_default().push((first, bytes));
             }
+        };
+        for &name in NewValues::Directions.names().iter().filter(|_| !new.normals.is_empty()) {
+            let attribute = meshes[part].attributes().iter().find(|attribute| attribute.name == name);
+            put(name, attribute.map(|attribute| bytes_from(attribute, first)).unwrap_or_default());
+        }
+        for name in NewValues::Positions.names() {
+            let mut bytes = Vec::new();
+            append(&mut bytes, new.positions.as_flattened(), f32::to_le_bytes);
+            put(name, bytes);
         }
     }
     // The values from a later part's first vertex on are that part's.
@@ -305,22 +325,12 @@ impl ValueWriter {
 }
 
 /// Lets an accessor refer to all values of a view.
-fn update(
-    root: &mut Members,
-    accessor: usize,
-    view: usize,
-    count: usize,
-    has_new_values: bool,
-) -> Result<(), Error> {
+fn update(root: &mut Members, accessor: usize, view: usize, count: usize) -> Result<(), Error> {
     let accessor = list_mut(root, "accessors")?.get_mut(accessor).and_then(Value::as_object_mut);
     let Some(members) = accessor else { return Ok(()) };
     members.insert("bufferView", view);
     members.insert("count", count);
     members.remove("byteOffset");
     members.remove("sparse");
-    if has_new_values {
-        // The bounds of normals are optional.
-        ["min", "max"].into_iter().for_each(|name| members.remove(name));
-    }
     Ok(())
 }

@@ -78,6 +78,11 @@ impl Shrink {
         }
     }
 
+    /// Adds an accessor with new values.
+    pub(super) fn change(&mut self, accessor: usize) {
+        self.changed.insert(accessor);
+    }
+
     /// Adds bytes that held values of an accessor whose values are elsewhere now.
     pub(super) fn free(&mut self, layout: &AccessorLayout) {
         self.freed.extend(layout.slots().map(|slots| (slots.buffer, slots.span())));
@@ -85,7 +90,7 @@ impl Shrink {
 
     /// Returns the scene with the accessors cut off, and without the bytes that nothing uses any more.
     pub(super) fn apply(self, mut scene: Scene) -> Result<Scene, Error> {
-        if self.cuts.is_empty() && self.freed.is_empty() {
+        if self.cuts.is_empty() && self.freed.is_empty() && self.changed.is_empty() {
             return Ok(scene);
         }
         self.cut_accessors(&mut scene.document.root)?;

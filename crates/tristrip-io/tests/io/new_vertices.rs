@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 use tristrip::Layout;
 use tristrip_io::{
-    Drawing, Format, Model, NewVertices, fixed_vertices, gltf, with_new_vertices, with_triangles, write,
+    Drawing, Format, Model, NewValues, NewVertices, fixed_vertices, gltf, with_new_vertices, with_triangles,
+    write,
 };
 
 use crate::gltf_documents::scenes::{raw, shared_scene};
@@ -21,7 +22,7 @@ fn rebuilt(model: &Model, parts: &[usize], left: usize) -> (Vec<u8>, Vec<Vec<u32
     let new = |part: usize| {
         let sources = sources[part].clone();
         let normals = vec![NEW; sources.len()];
-        parts.contains(&part).then_some(NewVertices { sources, normals, tangents: vec![] })
+        parts.contains(&part).then_some(NewVertices { sources, normals, ..NewVertices::default() })
     };
     let added: Vec<_> = (0..model.parts.len()).map(new).collect();
     let extended = with_new_vertices(model, &added, Format::Glb).unwrap();
@@ -71,7 +72,7 @@ fn new_vertices_have_all_values_of_their_sources() {
     let draft = shared_scene(6);
     let glb = draft.glb();
     let model = gltf::read(&glb[..], None).unwrap();
-    assert_eq!(fixed_vertices(&model, Format::Glb).unwrap(), [None, None, None]);
+    assert_eq!(fixed_vertices(&model, NewValues::Directions, Format::Glb).unwrap(), [None, None, None]);
     let mut files = Vec::new();
     for left in [4, 1000] {
         let (after, sources) = rebuilt(&model, &[0], left);
@@ -88,13 +89,59 @@ fn new_vertices_have_all_values_of_their_sources() {
     validate("new_vertices", &files);
 }
 
+/// A fitted part over vertices that it shares with another: that one keeps its positions, and bounds are those of the values.
+#[test]
+fn new_positions_are_written_with_their_bounds() {
+    let glb = shared_scene(6).glb();
+    let model = gltf::read(&glb[..], None).unwrap();
+    let fixed = fixed_vertices(&model, NewValues::Positions, Format::Glb).unwrap();
+    assert_eq!(fixed, [Some("a morph target changes them".into()), None, None]);
+    let place = |i: usize| [100.0 + i as f32, -50.0, 0.25];
+    let added: Vec<Option<NewVertices>> = (0..3)
+        .map(|part| {
+            let sources = model.parts[part].mesh.faces().corners().to_vec();
+            let positions = (0..sources.len()).map(place).collect();
+            (part > 0).then_some(NewVertices { sources, positions, ..NewVertices::default() })
+        })
+        .collect();
+    let extended = with_new_vertices(&model, &added, Format::Glb).unwrap();
+    let lists = (0..3).map(|part| match extended.first[part] {
+        Some(first) => (first..).take(added[part].as_ref().unwrap().sources.len()).collect(),
+        None => model.parts[part].mesh.faces().corners().to_vec(),
+    });
+    let redrawn = with_triangles(&extended.model, lists.collect(), Format::Glb).unwrap();
+    let drawings = vec![Drawing::Faces; 3];
+    let after = write(&redrawn.model, &drawings, Format::Glb, Layout::List).unwrap();
+    let back = gltf::read(&after[..], None).unwrap();
+    for part in 0..3 {
+        let [old, new] = [&model, &back].map(|model| &model.parts[part].mesh);
+        assert_eq!(old.faces().corner_count(), new.faces().corner_count());
+        for (i, (&a, &b)) in old.faces().corners().iter().zip(new.faces().corners()).enumerate() {
+            let expected = if part == 0 { old.positions()[a as usize] } else { place(i) };
+            assert_eq!(new.positions()[b as usize].map(f32::to_bits), expected.map(f32::to_bits), "{part}");
+        }
+    }
+    let json = json_of(&after);
+    for mesh in json["meshes"].as_array().unwrap() {
+        for primitive in mesh["primitives"].as_array().unwrap() {
+            let accessor = &json["accessors"][primitive["attributes"]["POSITION"].as_u64().unwrap() as usize];
+            assert!(accessor.get("min").is_some() && accessor.get("max").is_some(), "{accessor}");
+        }
+    }
+    assert_eq!(
+        json["accessors"][0]["max"][0],
+        f64::from(place(added[1].as_ref().unwrap().sources.len() - 1)[0])
+    );
+    validate("new_positions", &[("fitted.glb".into(), after)]);
+}
+
 #[test]
 fn vertices_are_fixed_where_something_depends_on_them() {
     let why = |change: &dyn Fn(&mut Value), part: usize| {
         let mut draft = shared_scene(4);
         change(&mut draft.json);
         let model = gltf::read(draft.glb(), None).unwrap();
-        fixed_vertices(&model, Format::Glb).unwrap()[part].clone().unwrap_or_default()
+        fixed_vertices(&model, NewValues::Directions, Format::Glb).unwrap()[part].clone().unwrap_or_default()
     };
     assert_eq!(why(&|_| (), 0), "");
     let morph: &dyn Fn(&mut Value) =
@@ -111,6 +158,13 @@ fn vertices_are_fixed_where_something_depends_on_them() {
     let role: &dyn Fn(&mut Value) =
         &|json| json["meshes"][1]["primitives"][0]["attributes"]["POSITION"] = 1.into();
     assert_eq!(why(role, 0), "other values share their accessor");
+    // Positions as whole numbers are on a grid that other parts of a surface may not have.
+    let mut draft = shared_scene(4);
+    draft.json["accessors"][0]["componentType"] = 5122.into();
+    draft.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    let model = gltf::read(draft.glb(), None).unwrap();
+    let fixed = fixed_vertices(&model, NewValues::Positions, Format::Glb).unwrap();
+    assert_eq!(fixed[1].as_deref(), Some("they are stored as whole numbers"));
 }
 
 /// Documents with a few changed bytes: what can be read can get new vertices, or there is a reason why not.
@@ -120,7 +174,7 @@ fn mutations_never_panic() {
     let mut done = 0;
     for changed in mutated_documents(&glb, 3000) {
         let Ok(model) = gltf::read(&changed[..], None) else { continue };
-        let fixed = fixed_vertices(&model, Format::Glb).unwrap();
+        let fixed = fixed_vertices(&model, NewValues::Directions, Format::Glb).unwrap();
         let parts: Vec<usize> = (0..fixed.len()).filter(|&part| fixed[part].is_none()).collect();
         let (after, sources) = rebuilt(&model, &parts, 5);
         let back = gltf::read(after, None).unwrap();

@@ -142,9 +142,7 @@ pub(crate) fn simplify_all(
     rules: CollapseRules,
     observer: &dyn Observer,
 ) -> Result<AllCollapses, Error> {
-    let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    parts.iter().enumerate().for_each(|(number, part)| members.entry(part.group()).or_default().push(number));
-    let members: Vec<Vec<usize>> = members.into_values().collect();
+    let members = groups_of(parts);
     let requested = match goal {
         TriangleGoal::Fewest => None,
         TriangleGoal::OfModel(count) => Some(count),
@@ -207,6 +205,13 @@ pub(crate) fn simplify_all(
     }
     let interrupted = watched.is_interrupted();
     Ok(AllCollapses { parts: done, stopped, vanished, goal: requested, error, interrupted })
+}
+
+/// Returns the parts of each group, both ascending.
+pub(super) fn groups_of(parts: &[Part<'_>]) -> Vec<Vec<usize>> {
+    let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    parts.iter().enumerate().for_each(|(number, part)| members.entry(part.group()).or_default().push(number));
+    members.into_values().collect()
 }
 
 /// Simplifies groups until they have at most this number of triangles together, all to about the same cost and none to less than needed.
@@ -411,7 +416,6 @@ impl AllCollapses {
             target_triangles: self.goal,
             target_error: self.error,
             reached: self.stopped.is_none() && !self.interrupted,
-            interrupted: self.interrupted,
             stopped: self.stopped,
             surface_error: errors.collect::<Result<Vec<f32>, _>>()?.into_iter().fold(0.0, f32::max),
             diagonal: diagonal(parts),

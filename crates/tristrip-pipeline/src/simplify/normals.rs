@@ -10,7 +10,7 @@
 //! 3. Of the other parts with flat sides those are repaired in which the share of the area with normals that do not fit their faces grows:
 //!    vertices of a rounded edge that is gone would darken the sides beside it. Vertices keep the normals that fit.
 //! 4. The base mesh gets normals by its faces ([`Shading`]), and tangents by its texture coordinates. A new vertex is an old one
-//!    with another normal and tangent; vertices of equal attributes count as one.
+//!    with another normal and tangent, and the position that a fit gave it; vertices of equal attributes count as one.
 
 mod mode;
 mod tangents;
@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use tristrip::normals::{NormalFit, Shading};
 use tristrip::{Attribute, Faces, Mesh, VertexWelds};
-use tristrip_io::{Format, Model, NewVertices, Redrawn};
+use tristrip_io::{Format, Model, NewValues, NewVertices, Redrawn};
 
 use super::order::PartCollapses;
 use super::parts::Part;
@@ -119,15 +119,17 @@ impl Rebuilding {
         counts
     }
 
-    /// Builds the new vertices of the parts that are rebuilt.
+    /// Builds the new vertices of the parts that are rebuilt, or whose positions moved.
     pub(super) fn rebuild(
         &self,
         parts: &[Part<'_>],
         done: &[PartCollapses],
+        fitted: &[Option<Mesh>],
     ) -> Result<Vec<Option<RebuiltPart>>, Error> {
-        let all: Vec<_> = parts.iter().zip(done).zip(&self.of_parts).collect();
-        let rebuilt = map(&all, |((part, done), making)| {
-            making.map(|making| RebuiltPart::new(part, done, making)).transpose()
+        let all: Vec<_> = parts.iter().zip(done).zip(&self.of_parts).zip(fitted).collect();
+        let rebuilt = map(&all, |(((part, done), making), fitted)| {
+            let is_changed = making.is_some() || fitted.is_some();
+            is_changed.then(|| RebuiltPart::new(part, done, **making, fitted.as_ref())).transpose()
         });
         rebuilt.into_iter().collect()
     }
@@ -140,25 +142,32 @@ fn changeable(
     format: Format,
     parts: &[Part<'_>],
 ) -> Result<(Vec<Option<Shading>>, Vec<String>), Error> {
-    let mut by_reason: BTreeMap<String, usize> = BTreeMap::new();
+    let mut reasons = Vec::new();
     if shadings.iter().any(Option::is_some) {
-        let fixed = tristrip_io::fixed_vertices(model, format)?;
+        let fixed = tristrip_io::fixed_vertices(model, NewValues::Directions, format)?;
         for ((shading, part), fixed) in shadings.iter_mut().zip(parts).zip(fixed) {
             let mesh = &part.compact.mesh;
             let bare = || (has(mesh, "TANGENT") && !has(mesh, "TEXCOORD_0")).then(|| NO_TEXTURE.to_owned());
             if let Some(why) = shading.and(fixed.or_else(bare)) {
                 *shading = None;
-                *by_reason.entry(why).or_default() += 1;
+                reasons.push(why);
             }
         }
     }
-    let note = |(why, parts)| format!("kept the normals of {}: {why}", counted(parts, "part"));
-    Ok((shadings, by_reason.into_iter().map(note).collect()))
+    Ok((shadings, kept_notes("normals", reasons)))
+}
+
+/// Returns a note per reason for which parts keep what they have.
+pub(super) fn kept_notes(what: &str, reasons: impl IntoIterator<Item = String>) -> Vec<String> {
+    let mut by_reason: BTreeMap<String, usize> = BTreeMap::new();
+    reasons.into_iter().for_each(|why| *by_reason.entry(why).or_default() += 1);
+    let note = |(why, parts)| format!("kept the {what} of {}: {why}", counted(parts, "part"));
+    by_reason.into_iter().map(note).collect()
 }
 
 const NO_TEXTURE: &str = "their tangents need texture coordinates (TEXCOORD_0)";
 
-/// The vertices that were added to a part as copies of others.
+/// The vertices that were added to a part as copies of others, with another normal or position.
 #[derive(Debug, Clone)]
 pub(super) struct Copies {
     /// The number of the first copy.
@@ -178,8 +187,15 @@ pub(super) struct RebuiltPart {
 }
 
 impl RebuiltPart {
-    fn new(part: &Part<'_>, done: &PartCollapses, making: Making) -> Result<Self, Error> {
-        let mesh = &*part.compact.mesh;
+    /// Builds the new vertices from how the normals are made, and from the mesh with new positions, if there are any.
+    fn new(
+        part: &Part<'_>,
+        done: &PartCollapses,
+        making: Option<Making>,
+        fitted: Option<&Mesh>,
+    ) -> Result<Self, Error> {
+        let old = &*part.compact.mesh;
+        let mesh = fitted.unwrap_or(old);
         let mut base = done.sequence.drawn(0)?.into_flattened();
         // Vertices of equal attributes are one, so that triangles of one plane share vertices.
         if let Some(simplified) = &part.simplified {
@@ -187,25 +203,31 @@ impl RebuiltPart {
             base.iter_mut().for_each(|v| *v = welds.vertex(*v));
         }
         let normals = match making {
-            Making::Rebuilt(shading) => shading.corner_normals(mesh, part.triangles(), &base)?,
-            Making::Repaired(shading) => shading.repaired_normals(mesh, part.triangles(), &base)?,
+            Some(Making::Rebuilt(shading)) => shading.corner_normals(mesh, part.triangles(), &base)?,
+            Some(Making::Repaired(shading)) => shading.repaired_normals(mesh, part.triangles(), &base)?,
+            None => Vec::new(),
         };
-        let tangents = tangents(mesh, &base, &normals)?;
+        let tangents = if making.is_some() { tangents(mesh, &base, &normals)? } else { Vec::new() };
         let mut numbers = HashMap::new();
         let mut new = NewVertices::default();
         let mut triangles = Vec::with_capacity(base.len());
-        for (corner, (&source, normal)) in base.iter().zip(normals).enumerate() {
-            let tangent = tangents.get(corner);
-            let key = (source, normal.map(f32::to_bits), tangent.map(|tangent| tangent.map(f32::to_bits)));
+        for (corner, &source) in base.iter().enumerate() {
+            let (normal, tangent) = (normals.get(corner), tangents.get(corner));
+            let key = (
+                source,
+                normal.map(|normal| normal.map(f32::to_bits)),
+                tangent.map(|tangent| tangent.map(f32::to_bits)),
+            );
             let number = *numbers.entry(key).or_insert_with(|| {
                 new.sources.push(source);
-                new.normals.push(normal);
+                new.normals.extend(normal);
                 new.tangents.extend(tangent);
+                new.positions.extend(fitted.map(|fitted| fitted.positions()[source as usize]));
                 new.sources.len() as u32 - 1
             });
             triangles.push(number);
         }
-        Ok(Self { mesh: new.behind(mesh)?, new, triangles })
+        Ok(Self { mesh: new.behind(old)?, new, triangles })
     }
 
     /// Returns the triangles over the vertices of `mesh`.

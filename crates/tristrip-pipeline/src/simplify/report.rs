@@ -29,6 +29,9 @@ pub struct SimplifyFigures {
     pub vertices_after: Option<usize>,
     /// The number of collapses.
     pub collapses: Option<usize>,
+    /// The number of positions that a fit moved; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moved_positions: Option<usize>,
     /// The greatest error of a collapse, in mesh units.
     pub surface_error: Option<f32>,
     /// The same in percent of the diagonal.
@@ -109,6 +112,7 @@ impl SimplifyFigures {
         }
         figures.vertices_before = Some(simplified.mesh.vertices - simplified.mesh.unreferenced_vertices);
         figures.vertices_after = Some(simplified.redrawn.used);
+        figures.moved_positions = simplified.moved_positions;
         figures.normals = Some(simplified.normals);
         figures.parts = Some(simplified.redrawn.model.parts.len());
         figures.warning.clone_from(&simplified.warning);

@@ -75,6 +75,10 @@ pub(crate) struct Side {
 }
 
 impl Side {
+    pub(crate) fn of(facets: impl Iterator<Item = Facet>) -> Self {
+        Self { facets: facets.collect() }
+    }
+
     pub(crate) fn new(mesh: &Mesh, triangles: &[u32]) -> Result<Self, Error> {
         let mut side = Self::default();
         side.add(mesh, triangles)?;
@@ -127,21 +131,26 @@ impl Side {
         sum / f64::from(count.max(1))
     }
 
-    /// Visits about `points` points, spread in proportion to area: each triangle has its share of them, at random places.
-    pub(crate) fn sample(&self, points: f64, random: &mut Random, mut visit: impl FnMut(&Facet, [f64; 3])) {
+    /// Visits about `points` points, spread in proportion to area: each triangle, which has a number, has its share of them, at random places.
+    pub(crate) fn sample(
+        &self,
+        points: f64,
+        random: &mut Random,
+        mut visit: impl FnMut(usize, &Facet, [f64; 3]),
+    ) {
         let total = self.area();
         if total <= 0.0 {
             return;
         }
         let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
         let mut due = 0.0;
-        for facet in &self.facets {
+        for (number, facet) in self.facets.iter().enumerate() {
             due += facet.area() / total * points;
             while due >= 1.0 {
                 due -= 1.0;
                 let (u, v) = (uniform(), uniform());
                 let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-                visit(facet, [1.0 - u - v, u, v]);
+                visit(number, facet, [1.0 - u - v, u, v]);
             }
         }
     }
@@ -249,7 +258,7 @@ mod tests {
         let mesh = Mesh::new(positions, Faces::default()).unwrap();
         let side = Side::new(&mesh, &[0, 1, 2, 0, 4, 3]).unwrap();
         let mut counts = [0; 2];
-        side.sample(1000.0, &mut Random::new(1), |facet, _| counts[usize::from(facet.area() > 1.0)] += 1);
+        side.sample(1000.0, &mut Random::new(1), |_, facet, _| counts[usize::from(facet.area() > 1.0)] += 1);
         assert!((99..=101).contains(&counts[0]) && (899..=901).contains(&counts[1]), "{counts:?}");
     }
 }

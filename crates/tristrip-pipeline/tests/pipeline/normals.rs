@@ -102,6 +102,19 @@ fn flat_shaded_models_get_the_normals_of_the_faces_left() {
     assert!(kept.collapses.triangles_after > 1000 && kept.normals.kept == 1, "{:?}", kept.collapses);
 }
 
+#[test]
+fn fitted_faces_have_their_own_normals() {
+    let source = model(&triangles(wavy), |face, _| normal_of(face));
+    let amount = Some(Amount::Ratio("20%".parse().unwrap()));
+    let goal = Goal { amount, deviation: Deviation::Percent(100.0) };
+    let result = simplify(&source, &SimplifyOptions::new(goal).with_fit(true)).unwrap();
+    assert!(result.moved_positions > Some(100), "{:?}", result.moved_positions);
+    for_each_triangle(&result.redrawn.model.parts[0].mesh, |positions, normals| {
+        let face = normal_of(positions);
+        assert!(normals.iter().all(|normal| (0..3).all(|k| (normal[k] - face[k]).abs() < 1e-6)));
+    });
+}
+
 /// The default changes nothing where no part is flat-shaded.
 #[test]
 fn smooth_models_keep_their_normals() {

@@ -1,0 +1,121 @@
+//! A surface over its positions, on which the nearest point is searched from triangle to neighbour.
+
+use std::collections::HashMap;
+
+use tristrip::Faces;
+
+use crate::surface_change::{Facet, Side, dot};
+
+pub(super) type Point = [f64; 3];
+
+/// The most steps from triangle to neighbour in one search.
+const MOST_STEPS: usize = 32;
+
+/// Triangles over positions, with the triangles around each position.
+pub(super) struct Surface {
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) at: Vec<Point>,
+    /// The end of the triangles around each position.
+    ends: Vec<u32>,
+    around: Vec<u32>,
+}
+
+/// A point of a surface: a triangle, and the shares of its corners.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Spot {
+    pub(super) triangle: u32,
+    pub(super) shares: Point,
+}
+
+impl Spot {
+    /// Checks whether the point is inside of the triangle, not on its border.
+    pub(super) fn is_inside(&self) -> bool {
+        self.shares.iter().all(|&share| share > 0.0)
+    }
+}
+
+impl Surface {
+    /// Builds the surface of triangles over numbered positions.
+    pub(super) fn new(faces: &Faces, at: Vec<Point>) -> Self {
+        let triangles = faces.corners().as_chunks().0.to_vec();
+        let mut ends = vec![0_u32; at.len() + 1];
+        faces.corners().iter().for_each(|&v| ends[v as usize + 1] += 1);
+        (0..at.len()).for_each(|v| ends[v + 1] += ends[v]);
+        let mut around = vec![0; faces.corner_count()];
+        // Each start becomes the end while its triangles are entered.
+        for (corner, &v) in (0..).zip(faces.corners()) {
+            around[ends[v as usize] as usize] = corner / 3;
+            ends[v as usize] += 1;
+        }
+        ends.truncate(at.len());
+        Self { triangles, at, ends, around }
+    }
+
+    /// Returns the triangles around a position.
+    pub(super) fn around(&self, v: u32) -> &[u32] {
+        let start = if v == 0 { 0 } else { self.ends[v as usize - 1] };
+        &self.around[start as usize..self.ends[v as usize] as usize]
+    }
+
+    /// Returns the positions at which all edges have two triangles.
+    pub(super) fn inner(&self) -> Vec<bool> {
+        let mut edges: HashMap<[u32; 2], u32> = HashMap::with_capacity(2 * self.triangles.len());
+        for &[a, b, c] in &self.triangles {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                *edges.entry([from.min(to), from.max(to)]).or_default() += 1;
+            }
+        }
+        let mut is_inner = vec![true; self.at.len()];
+        for (edge, triangles) in edges {
+            if triangles != 2 {
+                edge.iter().for_each(|&v| is_inner[v as usize] = false);
+            }
+        }
+        is_inner
+    }
+
+    pub(super) fn facet(&self, triangle: u32) -> Facet {
+        let corners = self.triangles[triangle as usize];
+        Facet::new(corners, corners.map(|v| self.at[v as usize]))
+    }
+
+    pub(super) fn point(&self, spot: &Spot) -> Point {
+        self.facet(spot.triangle).at(spot.shares)
+    }
+
+    /// Returns the triangles, to spread points over them.
+    pub(super) fn side(&self) -> Side {
+        Side::of((0..self.triangles.len() as u32).map(|triangle| self.facet(triangle)))
+    }
+
+    /// Searches the nearest point from a triangle on. One inside of that triangle is taken if the search is to stay near it.
+    pub(super) fn nearest(&self, point: Point, start: u32, stays: bool) -> Spot {
+        let (mut least, shares) = self.facet(start).nearest(point);
+        let mut spot = Spot { triangle: start, shares };
+        for _ in 0..MOST_STEPS {
+            if stays && spot.is_inside() {
+                break;
+            }
+            let from = spot.triangle;
+            let ends = self.triangles[from as usize].into_iter().zip(spot.shares);
+            for (v, _) in ends.filter(|&(_, share)| share > 0.0) {
+                for &near in self.around(v).iter().filter(|&&near| near != from) {
+                    let (square, shares) = self.facet(near).nearest(point);
+                    if square < least {
+                        (least, spot) = (square, Spot { triangle: near, shares });
+                    }
+                }
+            }
+            if spot.triangle == from {
+                break;
+            }
+        }
+        spot
+    }
+}
+
+/// Returns a vector of length 1; the zero vector for one without a direction.
+pub(super) fn unit(vector: Point) -> Point {
+    let length = dot(vector, vector).sqrt();
+    if length > 0.0 && length.is_finite() { vector.map(|x| x / length) } else { [0.0; 3] }
+}
