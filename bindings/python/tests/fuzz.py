@@ -337,7 +337,69 @@ _GOALS: dict[str, st.SearchStrategy[Any]] = {
     "weld_distance": _NUMBERS | st.just("1%"),
     "normals_mode": st.sampled_from(["auto", "keep", "rebuild"]),
     "measure": st.booleans(),
+    "fit": st.booleans(),
+    "on_interrupt": st.sampled_from(choices("OnInterrupt")),
 }
+
+
+@target
+def levels(data: st.DataObject) -> None:
+    """Draw arguments of `Levels`, and move it."""
+    faces, vertices = data.draw(faces_and_vertices())
+    options: dict[str, Any] = {}
+    for name in sorted(data.draw(st.sets(st.sampled_from(sorted(_OF_LEVELS)), max_size=3))):
+        options[name] = data.draw(mostly(_OF_LEVELS[name]))
+    result = attempt(tristrip.Levels, vertices, faces, **options)
+    if result is None:
+        return
+    full = result.triangles().astype(np.int64)
+    moves = [
+        (
+            result.set_level,
+            [data.draw(mostly(st.integers(0, result.last_level) | st.sampled_from(["0%", "50%", "x"])))],
+        ),
+        (result.set_triangles, [data.draw(_INTEGERS)]),
+        (result.set_error, [data.draw(_NUMBERS | st.just("1%"))]),
+        (result.set_pixels, [data.draw(_NUMBERS), data.draw(_NUMBERS)]),
+    ]
+    for move, arguments in moves:
+        attempt(move, *arguments)
+        result.verify()
+        renamed = result.renaming().astype(np.int64)[full] if len(full) else full
+        oracle.assert_same_triangles(result.triangles(), renamed)
+        assert result.triangle_count == len(result.triangles())
+    attempt(result.update, data.draw(_LAYOUTS), data.draw(_INDEX_DTYPES))
+    attempt(result.table, data.draw(_INTEGERS))
+    assert repr(result).startswith("Levels(")
+
+
+_OF_LEVELS: dict[str, st.SearchStrategy[Any]] = {
+    "model": st.sampled_from(choices("LevelModel")),
+    "base": st.floats(0, 1) | _NUMBERS,
+    "price": st.sampled_from(["distance", "planes", "quadric"]),
+    "method": st.sampled_from(choices("Method")),
+    "effort": st.integers(0, 4),
+    "uv": array_like() | arrays.arrays(np.float32, (13, 2), elements=st.floats(-1, 1, width=32)),
+    "verify": st.booleans(),
+}
+
+
+@target
+def scenes(data: st.DataObject) -> None:
+    """Draw a scene of arrays, and write it in every format."""
+    faces, vertices = data.draw(faces_and_vertices())
+    options: dict[str, Any] = {}
+    for name in sorted(data.draw(st.sets(st.sampled_from(["normals", "uv", "colors"]), max_size=2))):
+        options[name] = data.draw(mostly(_GOALS[name]))
+    scene = attempt(tristrip.Scene.from_arrays, vertices, faces, **options)
+    if scene is None:
+        return
+    for result in (scene, attempt(scene.strip, method="sequential"), attempt(scene.simplify, ratio=0.5, measure=False)):
+        if result is None:
+            continue
+        written = attempt(result.to_bytes, data.draw(mostly(st.sampled_from(["glb", "ply", "obj"]))))
+        if written is not None:
+            attempt(tristrip.Scene.from_bytes, written[: data.draw(st.integers(0, len(written)))])
 
 
 @target
