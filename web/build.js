@@ -1,10 +1,11 @@
 #!/usr/bin/env node
 /**
- * Bundles the viewer for the server: `dist/` is the page in few bytes. It is committed, so that the server is built without Node.
+ * Bundles the viewer for the server: its folder `dist` has the page in few bytes. It is committed, so that the server is built without Node, and
+ * lies in the crate of the server, so that a package of the source has it.
  *
  *     npm run build
  *
- * The same sources give the same bytes; test/dist.test.js fails where `dist/` is not that of the sources.
+ * The same sources give the same bytes; test/dist.test.js fails where `dist` is not that of the sources.
  * @module
  */
 import { mkdir, readFile, rm, writeFile } from 'node:fs/promises';
@@ -12,6 +13,9 @@ import { fileURLToPath } from 'node:url';
 import { build } from 'esbuild';
 
 const HERE = new URL('.', import.meta.url);
+
+/** The folder of the bundle. */
+export const DIST = new URL('../crates/tristrip-serve/dist/', HERE);
 
 /** Where each bundle comes from: the page's two are modules, since the worker is one. */
 const ENTRIES = { viewer: 'viewer/main.js', worker: 'src/client/worker.js', style: 'viewer/viewer.css' };
@@ -41,8 +45,7 @@ export async function bundle() {
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
-  const dist = new URL('dist/', HERE);
-  await rm(dist, { recursive: true, force: true });
-  await mkdir(dist);
-  for (const [name, bytes] of await bundle()) await writeFile(new URL(name, dist), bytes);
+  await rm(DIST, { recursive: true, force: true });
+  await mkdir(DIST);
+  for (const [name, bytes] of await bundle()) await writeFile(new URL(name, DIST), bytes);
 }

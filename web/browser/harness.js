@@ -25,7 +25,7 @@ export class Harness {
   models = new Models();
   server = new Server({
     '/': new URL('../', import.meta.url),
-    ...Object.fromEntries(BUNDLE.map((name) => [`/${name}`, new URL(`../dist/${name}`, import.meta.url)])),
+    ...Object.fromEntries(BUNDLE.map((name) => [`/${name}`, new URL(`../../crates/tristrip-serve/dist/${name}`, import.meta.url)])),
     '/node_modules/': new URL('node_modules/', import.meta.url),
     '/models.json': `${this.models.folder}/models.json`,
     '/models/': `${this.models.folder}/`,

@@ -2,9 +2,8 @@ import assert from 'node:assert/strict';
 import { readdirSync, readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { gzipSync } from 'node:zlib';
-import { bundle } from '../build.js';
+import { bundle, DIST } from '../build.js';
 
-const DIST = new URL('../dist/', import.meta.url);
 const MOST_BYTES = 60_000;
 
 test('the bundle is that of the sources: npm run build', async () => {

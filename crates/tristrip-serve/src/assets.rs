@@ -1,4 +1,4 @@
-//! The viewer: the bundle in `web/dist`, in the binary, each file compressed once when it is first asked for.
+//! The viewer: the bundle in the folder `dist`, in the binary, each file compressed once when it is first asked for.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -18,7 +18,7 @@ use crate::replies::Resource;
 
 /// The files that the browser loads. `npm run build` in `web` makes them of the sources beside them.
 #[derive(RustEmbed)]
-#[folder = "$CARGO_MANIFEST_DIR/../../web/dist"]
+#[folder = "$CARGO_MANIFEST_DIR/dist"]
 struct Files;
 
 /// Files below this size are sent as they are.
