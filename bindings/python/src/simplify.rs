@@ -74,7 +74,7 @@ impl Simplified {
         all(py, &self.mesh)
     }
 
-    /// The vertex of the input that each vertex is, or is a copy of with another normal: uint32 of shape (n,).
+    /// The vertex of the input that each vertex is, or is a copy of with another normal or position: uint32 of shape (n,).
     #[getter]
     fn sources<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         PyArray1::from_slice(py, &self.sources)
@@ -189,8 +189,8 @@ impl Simplified {
 ///     measure: whether the distances between the surfaces are measured, which takes as long again.
 ///     verify: whether the collapses are proven.
 ///     progress: as of `stripify`; the steps are the triangles removed.
-///     on_interrupt: what Ctrl-C does: "raise" an `Interrupted` with the mesh simplified so far as `best`, or "return" it. It is neither fitted nor
-///         measured.
+///     on_interrupt: what Ctrl-C does: "raise" an `Interrupted` with the mesh simplified so far as `best`, or "return" it. Stages that have
+///         not begun are left out: the fit and the measurement.
 ///
 /// Returns:
 ///     The simplified mesh.

@@ -270,12 +270,15 @@ impl Observer for Watcher {
 
     fn simplifies(&self, progress: SimplifyProgress) -> bool {
         let removed = |left: usize| progress.before.saturating_sub(left) as u64;
-        let mut state = Progress::default();
-        (state.steps, state.step_limit) = (removed(progress.left), Some(removed(progress.goal)));
-        self.set(Stage::Simplify, state);
-        if self.is_interrupted() {
-            self.has_best.store(self.keeps_best, Ordering::Relaxed);
+        if let Some((Stage::Simplify, shown)) =
+            &mut *self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        {
+            // Several parts report in any order.
+            shown.steps = removed(progress.left).max(shown.steps);
+            shown.step_limit = Some(removed(progress.goal));
         }
+        // From here on there is a result.
+        self.has_best.store(self.keeps_best, Ordering::Relaxed);
         !self.is_interrupted()
     }
 

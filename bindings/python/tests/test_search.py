@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import io
-import os
 import pickle
 import signal
 import threading
 import time
-from collections.abc import Generator
-from contextlib import contextmanager
 from typing import Any
 
 import pytest
@@ -18,6 +15,7 @@ from tqdm.auto import tqdm
 import meshes
 import oracle
 import tristrip
+from interrupts import interrupt_after
 
 Hand = tuple[meshes.Positions, meshes.Triangles]
 #: A search of many seconds, which every test here stops.
@@ -95,26 +93,6 @@ def test_a_budget_of_zero_is_enough_for_a_result(hand: Hand) -> None:
     for method in ["best", "fewest", "cache"]:
         strips = tristrip.stripify(hand[1], method=method, budget=0)
         oracle.assert_same_triangles(strips.triangles(), hand[1])
-
-
-@contextmanager
-def interrupt_after(seconds: float) -> Generator[None]:
-    """Send SIGINT to this process while the body runs, and wait for it there, so that it never hits another test."""
-    sent = threading.Event()
-
-    def send() -> None:
-        time.sleep(seconds)
-        os.kill(os.getpid(), signal.SIGINT)
-        sent.set()
-
-    thread = threading.Thread(target=send)
-    thread.start()
-    try:
-        yield
-        sent.wait()
-        time.sleep(0.01)
-    finally:
-        thread.join()
 
 
 @pytest.mark.parametrize("options", [LONG, {**LONG, "progress": lambda _: None}], ids=["alone", "with progress"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import time
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from hypothesis import given
 import meshes
 import oracle
 import tristrip
+from interrupts import interrupt_after
 
 
 def bumpy(width: int) -> meshes.GeneratedMesh:
@@ -171,16 +173,72 @@ def test_an_interrupted_simplification_is_one_to_fewer_triangles() -> None:
 
 @pytest.mark.parametrize("stage", ["fit", "compare"])
 def test_ctrl_c_after_the_collapses_keeps_them(stage: str) -> None:
-    mesh = bumpy(150)
-
     def stop_later(progress: tristrip.Progress) -> None:
         if progress.stage == stage:
             raise KeyboardInterrupt
 
-    with pytest.raises(tristrip.Interrupted) as caught:
-        tristrip.simplify(mesh.vertices, mesh.faces, ratio=0.2, error="100%", measure=True, progress=stop_later)
-    best = caught.value.best
+    # A stage is seen if it takes longer than the time between two reports.
+    for width in (100, 200, 400, 800):
+        mesh = bumpy(width)
+        try:
+            tristrip.simplify(mesh.vertices, mesh.faces, ratio=0.2, error="100%", measure=True, progress=stop_later)
+        except tristrip.Interrupted as interrupted:
+            best = interrupted.best
+            break
+    else:
+        pytest.fail(f"{stage} was never seen")
     assert 0.19 * len(mesh.faces) < len(best.faces) <= 0.2 * len(mesh.faces)
+    assert best.interrupted == (stage == "fit")
+    assert (best.rms_deviation is None) == (stage == "fit")
+
+
+def test_an_interrupted_file_is_not_that_of_less_collapses() -> None:
+    mesh = bumpy(240)
+    scene = tristrip.Scene.from_arrays(mesh.vertices, mesh.faces)
+    for verify in (False, True):
+        small = scene.simplify(ratio=0.01, error="100%", measure=False, verify=verify)
+        again = pickle.loads(pickle.dumps(small))
+        # What a file is made of is computed now, and again after the interrupt.
+        with pytest.raises(KeyboardInterrupt), interrupt_after(0.06):
+            again.to_bytes("glb")
+        assert len(tristrip.Scene.from_bytes(again.to_bytes("glb")).parts[0].faces) == small.report["triangles_after"]
+
+
+def test_many_parts_are_interrupted_together() -> None:
+    mesh = bumpy(150)
+    parts = [tristrip.Part(mesh.vertices + np.array([200 * i, 0, i], np.float32), mesh.faces) for i in range(6)]
+    scene = tristrip.Scene.from_parts(parts)
+    total = 6 * len(mesh.faces)
+    seen: list[int] = []
+
+    def watch(progress: tristrip.Progress) -> None:
+        if progress.stage == "simplify":
+            seen.append(progress.steps)
+        stop(progress)
+
+    with pytest.raises(tristrip.Interrupted) as caught:
+        scene.simplify(ratio=0.01, error="100%", progress=watch)
+    best = caught.value.best
+    assert seen == sorted(seen)
+    assert best.interrupted
+    assert 0.01 * total < best.report["triangles_after"] < total
+    assert sum(len(part.faces) for part in best.scene.parts) == best.report["triangles_after"]
+
+
+def test_large_triangles_and_fans_take_no_long_time() -> None:
+    ball = meshes.sphere(6)
+    count = len(ball.vertices)
+    floor = np.array([[-900, -900, -2], [900, -900, -2], [900, 900, -2], [-900, 900, -2]], np.float32)
+    faces = np.concatenate([ball.faces, [[count, count + 1, count + 2], [count, count + 2, count + 3]]])
+    seconds = []
+    for fit in (False, True):
+        started = time.monotonic()
+        small = tristrip.simplify(np.concatenate([ball.vertices, floor]), faces, ratio=0.2, error="100%", fit=fit)
+        seconds.append(time.monotonic() - started)
+    # Without bounds of the searches it was a hundred times.
+    assert seconds[1] < 20 * seconds[0] + 1
+    radii = np.linalg.norm(small.vertices[small.sources < count], axis=1)
+    assert 0.99 < radii.min() <= radii.max() < 1.03
 
 
 def test_progress_counts_removed_triangles() -> None:

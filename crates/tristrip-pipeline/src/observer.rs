@@ -217,9 +217,10 @@ pub trait Observer: Sync {
         Box::new(())
     }
 
-    /// Receives how far [`Stage::Simplify`] is, on any thread, after each sixteenth of the triangles, and returns whether it goes on. Otherwise it ends
-    /// with the collapses that are done: these are the result of a simplification, without fit and comparison, before which it asks again; unless
-    /// [`Observer::is_cancelled`]. For levels they are not enough, so that [`Error::Cancelled`] is returned.
+    /// Receives how far [`Stage::Simplify`] is, on any thread, about after each sixteenth of the triangles, and returns whether it goes on. Otherwise it
+    /// ends with the collapses that are done. They are the result of a simplification, without the stages that have not begun: it asks again before
+    /// and in the fit, and before the comparison. An observer that also cancels gets [`Error::Cancelled`] instead, as do levels and chains, for
+    /// which these collapses are not enough.
     ///
     /// ```
     /// use tristrip_io::{Format, read};

@@ -273,11 +273,8 @@ fn simplify_to<'a>(
     observer.event(Event::Simplified(&collapses));
     let left = collapses.triangles_after;
     let progress = SimplifyProgress { before: count, left, goal: collapses.target_triangles.unwrap_or(0) };
-    let mut interrupted = all.interrupted || !observer.simplifies(progress);
-    let goes_on = |interrupted: &mut bool| {
-        *interrupted = *interrupted || !observer.simplifies(progress);
-        !*interrupted
-    };
+    let goes_on = || observer.simplifies(progress);
+    let mut interrupted = ended(all.interrupted, observer, progress)?;
     if options.normals == Normals::Auto {
         normals.choose_unfit(model, options.format, &parts, &done)?;
     }
@@ -294,18 +291,20 @@ fn simplify_to<'a>(
     // 3. The proof of the collapses.
     if options.verify {
         prove(&done, &collapses, observer)?;
+        interrupted = ended(interrupted, observer, progress)?;
     }
 
     // 4. The vertices that are left, closer to the original.
     let (mut fitted, mut moved_positions) = (vec![None; parts.len()], None);
-    if options.fit && goes_on(&mut interrupted) {
+    if options.fit && !interrupted {
         begin(observer, Stage::Fit)?;
         let fixed = tristrip_io::fixed_vertices(model, NewValues::Positions, options.format)?;
         let is_fixed: Vec<bool> = fixed.iter().map(Option::is_some).collect();
-        let Fitted { meshes, moved } = fit::fit(&parts, &done, &is_fixed)?;
+        let Fitted { meshes, moved } = fit::fit(&parts, &done, &is_fixed, &goes_on)?;
         (fitted, moved_positions) = (meshes, Some(moved));
         observer.event(Event::Fitted { positions: moved });
         add_notes(kept_notes("positions", fixed.into_iter().flatten()));
+        interrupted = ended(interrupted, observer, progress)?;
     }
 
     // 5. The model without the vertices that became unused.
@@ -320,7 +319,7 @@ fn simplify_to<'a>(
 
     // 6. How far the result is from the original.
     let mut measured = None;
-    if options.measure && goes_on(&mut interrupted) {
+    if options.measure && !interrupted {
         begin(observer, Stage::Compare)?;
         let change = change(&parts, &done, &rebuilt, &texture_sizes(model))?;
         observer.event(Event::Compared(&change));
@@ -343,6 +342,15 @@ fn simplify_to<'a>(
         interrupted,
         options: *options,
     })
+}
+
+/// Returns whether an observer has ended a simplification, or ends it now.
+///
+/// # Errors
+/// It cancels.
+fn ended(interrupted: bool, observer: &dyn Observer, progress: SimplifyProgress) -> Result<bool, Error> {
+    let interrupted = interrupted || !observer.simplifies(progress);
+    if interrupted && observer.is_cancelled() { Err(Error::Cancelled) } else { Ok(interrupted) }
 }
 
 impl Simplified {

@@ -148,7 +148,7 @@ fn compare(surface: &ChangedSurface<'_>, sides: &[Side; 2], points: [f64; 2], se
     let attributes = Attributes::new(surface.mesh);
     let mut random = Random::new(seed);
     for k in 0..2 {
-        sides[k].sample(points[k], &mut random, |_, facet, shares| {
+        sides[k].sample(points[k], &mut random, |facet, shares| {
             let at = facet.at(shares);
             let Some(nearest) = trees[1 - k].nearest_neighbor(at) else { return };
             let (square, there) = nearest.nearest(at);

@@ -12,8 +12,8 @@ class Progress(NamedTuple):
     stage: what is done now, in the words of the command: "stripify", "simplify", "verify", …
     steps: steps of a search done so far; effort is counted in steps. Of a simplification, the triangles removed.
     step_limit: the number of steps after which the search or the simplification ends; None where it is not known.
-    strips: the current number of strips.
-    cost: the cost of the best result so far, which the search minimizes.
+    strips: the current number of strips; 0 where none are searched.
+    cost: the cost of the best result so far, which the search minimizes; 0 likewise.
     """
 
     stage: str

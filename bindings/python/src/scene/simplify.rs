@@ -164,8 +164,8 @@ impl SimplifiedScene {
         Scene { data: Arc::clone(&self.result) }
     }
 
-    /// What was reached: a dictionary with the keys of the command's JSON, such as "triangles_before", "triangles_after", "moved_positions" (with `fit`), "surface_error" (in mesh units),
-    /// "surface_error_percent" (of the diagonal), "rms_deviation", "normal_deviation_degrees", "uv_deviation_percent", "stopped".
+    /// What was reached: a dictionary with the keys of the command's JSON, such as "triangles_before", "triangles_after", "moved_positions" (with `fit`),
+    /// "surface_error" (in mesh units), "surface_error_percent" (of the diagonal), "rms_deviation", "normal_deviation_degrees", "uv_deviation_percent", "stopped".
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let copied = self.report.bind(py).cast::<PyDict>()?.copy()?;

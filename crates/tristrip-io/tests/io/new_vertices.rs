@@ -15,14 +15,22 @@ const NEW: [f32; 3] = [0.6, 0.0, -0.8];
 
 /// Gives the first triangles of some parts vertices of their own, writes the scene, and returns it with the source of each corner.
 fn rebuilt(model: &Model, parts: &[usize], left: usize) -> (Vec<u8>, Vec<Vec<u32>>) {
+    with_values(model, parts, left, NewValues::Directions)
+}
+
+/// Does the same with new normals or new positions, which are all [`NEW`].
+fn with_values(model: &Model, parts: &[usize], left: usize, values: NewValues) -> (Vec<u8>, Vec<Vec<u32>>) {
     let list = |part: usize| model.parts[part].mesh.faces().as_triangles().unwrap();
     let sources: Vec<Vec<u32>> = (0..model.parts.len())
         .map(|part| list(part)[..3 * left.min(list(part).len() / 3)].to_vec())
         .collect();
     let new = |part: usize| {
         let sources = sources[part].clone();
-        let normals = vec![NEW; sources.len()];
-        parts.contains(&part).then_some(NewVertices { sources, normals, ..NewVertices::default() })
+        let all = vec![NEW; sources.len()];
+        let (normals, positions) =
+            if values == NewValues::Positions { (Vec::new(), all) } else { (all, Vec::new()) };
+        let new = NewVertices { sources, normals, positions, ..NewVertices::default() };
+        parts.contains(&part).then_some(new)
     };
     let added: Vec<_> = (0..model.parts.len()).map(new).collect();
     let extended = with_new_vertices(model, &added, Format::Glb).unwrap();
@@ -171,26 +179,31 @@ fn vertices_are_fixed_where_something_depends_on_them() {
 #[test]
 fn mutations_never_panic() {
     let glb = shared_scene(3).glb();
-    let mut done = 0;
+    let mut done = [0; 2];
     for changed in mutated_documents(&glb, 3000) {
         let Ok(model) = gltf::read(&changed[..], None) else { continue };
-        let fixed = fixed_vertices(&model, NewValues::Directions, Format::Glb).unwrap();
-        let parts: Vec<usize> = (0..fixed.len()).filter(|&part| fixed[part].is_none()).collect();
-        let (after, sources) = rebuilt(&model, &parts, 5);
-        let back = gltf::read(after, None).unwrap();
-        for (part, (before, after)) in model.parts.iter().zip(&back.parts).enumerate() {
-            for (&old, &new) in sources[part].iter().zip(after.mesh.faces().corners()) {
-                let [old_at, new_at] =
-                    [(&before.mesh, old), (&after.mesh, new)].map(|(mesh, v)| mesh.positions()[v as usize]);
-                assert_eq!(old_at.map(f32::to_bits), new_at.map(f32::to_bits));
-                let normal = after.mesh.attributes().iter().find(|a| a.name == "NORMAL" && a.components == 3);
-                if let Some(normal) = normal.filter(|_| parts.contains(&part)) {
-                    let x = normal.float(3 * new as usize).unwrap();
-                    assert!((x - NEW[0]).abs() < 0.01, "{x}");
+        for (values, done) in [NewValues::Directions, NewValues::Positions].into_iter().zip(&mut done) {
+            let fixed = fixed_vertices(&model, values, Format::Glb).unwrap();
+            let parts: Vec<usize> = (0..fixed.len()).filter(|&part| fixed[part].is_none()).collect();
+            let (after, sources) = with_values(&model, &parts, 5, values);
+            let back = gltf::read(after, None).unwrap();
+            for (part, (before, after)) in model.parts.iter().zip(&back.parts).enumerate() {
+                let is_new = parts.contains(&part);
+                for (&old, &new) in sources[part].iter().zip(after.mesh.faces().corners()) {
+                    let [old_at, new_at] = [(&before.mesh, old), (&after.mesh, new)]
+                        .map(|(mesh, v)| mesh.positions()[v as usize]);
+                    let expected = if is_new && values == NewValues::Positions { NEW } else { old_at };
+                    assert_eq!(expected.map(f32::to_bits), new_at.map(f32::to_bits));
+                    let normal =
+                        after.mesh.attributes().iter().find(|a| a.name == "NORMAL" && a.components == 3);
+                    if let Some(normal) = normal.filter(|_| is_new && values == NewValues::Directions) {
+                        let x = normal.float(3 * new as usize).unwrap();
+                        assert!((x - NEW[0]).abs() < 0.01, "{x}");
+                    }
                 }
             }
+            *done += usize::from(!parts.is_empty());
         }
-        done += usize::from(!parts.is_empty());
     }
-    assert!(done > 500, "{done}");
+    assert!(done.iter().all(|&done| done > 500), "{done:?}");
 }

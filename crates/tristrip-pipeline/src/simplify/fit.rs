@@ -7,18 +7,18 @@
 //!    · ╱     ╲  ·             ╱·     ·╲      each point pulls at the corners of the triangle that is nearest to it
 //! ```
 //! # Algorithm
-//! 1. Points are spread over both surfaces in proportion to area, by a seeded generator (`points`).
+//! 1. Points are spread over both surfaces by a seeded generator, about as many for each triangle of the simplified one, and stand for its area (`points`).
 //! 2. In each round, the nearest point of the other surface is searched for each of them, from triangle to neighbour as long as the distance
 //!    falls (`surface`). For a point of the original, the first search begins where the collapses brought the corners of its triangle; for one of the
 //!    simplified surface, at the nearest of the points that were found in its triangle.
 //! 3. The positions are moved by the solution of a linear least-squares problem (`equations`): the distances of the points from the planes that they were
 //!    found on, and to a small part those along the planes and the moves themselves, which keep the problem regular.
 //! 4. Moves that would turn a triangle are halved, and dropped if that is not enough.
-//! 5. The positions with the least distance are kept, those before the first round among them: the result is never worse.
+//! 5. The positions with the least mean of the squared distances are kept, those before the first round among them.
 //!
 //! Parts that are simplified as one surface are fitted as one: all vertices at a position move together, so that no crack opens between parts or at seams
 //! of attributes. What collapses keep stays: positions that touch parts in other places of the scene. So do those at borders and at edges
-//! of more than two triangles, and those of parts whose positions a file cannot change.
+//! of more than two triangles, and those of parts whose positions a file cannot change. Distances are those in the coordinates of the parts.
 //!
 //! # References
 //! Hoppe et al.: *Mesh Optimization*, 1993, section 4.1: the positions for fixed triangles. There the distances are
@@ -26,8 +26,8 @@
 //! Images*, 1992: distances from planes.
 //!
 //! # Complexity
-//! O(p) time per round for p points, of which there are 24 per triangle of the simplified surface; 64 bytes per point, and 60 per triangle of the
-//! original.
+//! O(p) time per round for p points, of which there are about 24 per triangle of the simplified surface; 72 bytes per point, and 60 per triangle of the
+//! original. A search looks at a limited number of triangles.
 
 mod equations;
 mod points;
@@ -52,6 +52,8 @@ const ROUNDS: usize = 3;
 const MOST_TURN: f64 = 0.5;
 /// How often the moves around a turned triangle are halved before they are dropped.
 const HALVINGS: usize = 3;
+/// How often moves are halved or dropped before all are.
+const MOST_ATTEMPTS: usize = 16;
 
 /// What was fitted.
 pub(super) struct Fitted {
@@ -64,18 +66,24 @@ pub(super) struct Fitted {
 /// The new positions by the bits of the old ones.
 type Moves = HashMap<[u32; 3], [f32; 3]>;
 
-/// Moves the vertices that are left of all parts; those of fixed parts stay, and what they share with others.
+/// Moves the vertices that are left of all parts; those of fixed parts stay, and what they share with others. It asks before each round whether to
+/// go on, and otherwise ends with the positions so far.
 ///
 /// # Errors
 /// The collapses do not fit the parts.
-pub(super) fn fit(parts: &[Part<'_>], done: &[PartCollapses], is_fixed: &[bool]) -> Result<Fitted, Error> {
+pub(super) fn fit(
+    parts: &[Part<'_>],
+    done: &[PartCollapses],
+    is_fixed: &[bool],
+    goes_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Fitted, Error> {
     let groups = groups_of(parts);
     let moves = map(&groups, |members| {
         let group: Vec<Member<'_>> = members
             .iter()
             .map(|&part| Member { part: &parts[part], done: &done[part], is_fixed: is_fixed[part] })
             .collect();
-        moves_of(&group)
+        moves_of(&group, goes_on)
     });
     let mut fitted = Fitted { meshes: vec![None; parts.len()], moved: 0 };
     for (members, moves) in groups.iter().zip(moves) {
@@ -113,8 +121,8 @@ struct Member<'a> {
 }
 
 /// Returns the positions that move in parts that are one surface.
-fn moves_of(group: &[Member<'_>]) -> Result<Moves, Error> {
-    if group.iter().all(|member| member.is_fixed || member.done.sequence.is_empty()) {
+fn moves_of(group: &[Member<'_>], goes_on: &(dyn Fn() -> bool + Sync)) -> Result<Moves, Error> {
+    if group.iter().all(|member| member.is_fixed || member.done.sequence.is_empty()) || !goes_on() {
         return Ok(Moves::new());
     }
     // 1. Both surfaces over numbered positions, those of the simplified one first.
@@ -139,6 +147,9 @@ fn moves_of(group: &[Member<'_>]) -> Result<Moves, Error> {
     let normals: Vec<Point> = simplified.triangles.iter().map(|t| unit_normal(&simplified.at, t)).collect();
     let mut best = (points.mean_squares(&original, &simplified), simplified.at.clone());
     for _ in 0..ROUNDS {
+        if !goes_on() {
+            break;
+        }
         let moves = points.equations(&original, &simplified).solve(&is_free);
         step(&mut simplified, moves, &normals);
         points.search(&original, &simplified);
@@ -205,9 +216,10 @@ fn starts(group: &[Member<'_>], base: &[Mesh]) -> Result<Vec<Option<u32>>, Error
     Ok(starts)
 }
 
-/// Adds the moves to the positions. Around triangles that would turn too far from their normals they are halved, and at last dropped.
+/// Adds the moves to the positions. Around triangles that would turn too far from their normals they are halved, and at last dropped, until no triangle
+/// turns; if that takes too long, all are dropped.
 fn step(surface: &mut Surface, mut moves: Vec<Point>, normals: &[Point]) {
-    for halving in 0..=HALVINGS {
+    for attempt in 0..MOST_ATTEMPTS {
         let moved: Vec<Point> =
             surface.at.iter().zip(&moves).map(|(at, by)| [0, 1, 2].map(|k| at[k] + by[k])).collect();
         let turned = |(t, normal): (&[u32; 3], &Point)| {
@@ -216,16 +228,14 @@ fn step(surface: &mut Surface, mut moves: Vec<Point>, normals: &[Point]) {
         };
         let turned: Vec<[u32; 3]> = surface.triangles.iter().zip(normals).filter_map(turned).collect();
         if turned.is_empty() {
-            break;
+            surface.at = moved;
+            return;
         }
-        let factor = if halving < HALVINGS { 0.5 } else { 0.0 };
+        let factor = if attempt < HALVINGS { 0.5 } else { 0.0 };
         let mut vertices = turned.into_flattened();
         vertices.sort_unstable();
         vertices.dedup();
         vertices.iter().for_each(|&v| moves[v as usize] = moves[v as usize].map(|x| factor * x));
-    }
-    for (at, by) in surface.at.iter_mut().zip(moves) {
-        (0..3).for_each(|k| at[k] += by[k]);
     }
 }
 
@@ -365,6 +375,119 @@ mod tests {
             for (&source, new) in sources.iter().zip(new.mesh.positions()) {
                 let old = scene.parts[part].mesh.positions()[source as usize];
                 assert!((0..3).all(|k| (old[k] - new[k]).abs() < 0.2), "{old:?} {new:?}");
+            }
+        }
+    }
+
+    /// A ball over a floor of two triangles with most of the area: the ball is fitted as well as alone.
+    #[test]
+    fn large_triangles_take_no_points_from_small_ones() {
+        let mut model = ball(24, 40, false);
+        let floor = "v -900 -900 -2\nv 900 -900 -2\nv 900 900 -2\nv -900 900 -2\nf 1 2 3\nf 1 3 4\n";
+        let floor = read(floor.as_bytes(), Format::Obj).unwrap();
+        model.parts.extend(floor.parts);
+        let goal =
+            Goal { amount: Ratio::new(0.2).map(Amount::Ratio), deviation: crate::Deviation::Percent(100.0) };
+        let done = simplify(&model, &SimplifyOptions::new(goal).with_fit(true)).unwrap();
+        assert!(done.moved_positions.unwrap() > 100);
+        for part in &done.redrawn.model.parts[..2] {
+            for p in part.mesh.positions() {
+                let radius = p.iter().map(|x| x * x).sum::<f32>().sqrt();
+                assert!((0.99..1.06).contains(&radius), "{radius}");
+            }
+        }
+    }
+
+    /// A column of many sides, whose ends are fans around one corner each: no search visits all of a fan.
+    #[test]
+    fn fans_of_many_triangles_take_little_time() {
+        let sides = 3000;
+        let mut text = String::from("v 0 0 0\nv 0 0 4\n");
+        for row in 0..5 {
+            for side in 0..sides {
+                let around = std::f64::consts::TAU * f64::from(side) / f64::from(sides);
+                text += &format!("v {} {} {row}\n", around.cos(), around.sin());
+            }
+        }
+        let at = |row: i32, side: i32| 3 + row * sides + side % sides;
+        for side in 0..sides {
+            for row in 0..4 {
+                let [a, b] = [at(row, side), at(row, side + 1)];
+                let [c, d] = [at(row + 1, side), at(row + 1, side + 1)];
+                text += &format!("f {a} {b} {c}\nf {b} {d} {c}\n");
+            }
+            text += &format!(
+                "f 1 {} {}\nf 2 {} {}\n",
+                at(0, side + 1),
+                at(0, side),
+                at(4, side),
+                at(4, side + 1)
+            );
+        }
+        let model = read(text.as_bytes(), Format::Obj).unwrap();
+        let goal = Goal { amount: Ratio::new(0.5).map(Amount::Ratio), ..Goal::default() };
+        let done = simplify(&model, &SimplifyOptions::new(goal).with_fit(true).with_measure(false)).unwrap();
+        assert!(done.moved_positions.is_some());
+    }
+
+    /// Whatever the moves are, no triangle turns by more than it may.
+    #[test]
+    fn no_step_turns_a_triangle() {
+        let mut random = tristrip::random::Random::new(3);
+        let mut number = move || (random.below(2000) as f64 - 1000.0) / 1000.0;
+        let mesh = ball(12, 20, false).parts.remove(0).mesh;
+        let at: Vec<Point> = mesh.positions().iter().map(|p| p.map(f64::from)).collect();
+        for size in [0.01, 0.1, 0.5, 3.0] {
+            let mut surface = Surface::new(mesh.faces(), at.clone());
+            let normals: Vec<Point> = surface.triangles.iter().map(|t| unit_normal(&at, t)).collect();
+            let moves = at.iter().map(|_| [size * number(), size * number(), size * number()]).collect();
+            step(&mut surface, moves, &normals);
+            for (t, normal) in surface.triangles.iter().zip(&normals) {
+                assert!(dot(unit_normal(&surface.at, t), *normal) >= MOST_TURN, "{size} {t:?}");
+            }
+            assert!(size > 0.1 || surface.at != at);
+        }
+    }
+
+    /// An observer that ends a simplification in the fit gets what there is; one that cancels, an error.
+    #[test]
+    fn the_fit_can_be_interrupted() {
+        use std::sync::atomic::{AtomicBool, Ordering};
+
+        use crate::{Error, Event, Observer, SimplifyProgress, Stage, simplify_observed};
+
+        struct Ends {
+            is_ended: AtomicBool,
+            cancels: bool,
+            at: Stage,
+        }
+        impl Observer for Ends {
+            fn event(&self, event: Event<'_>) {
+                if let Event::Begin(stage) = event {
+                    self.is_ended.fetch_or(stage == self.at, Ordering::Relaxed);
+                }
+            }
+            fn simplifies(&self, _: SimplifyProgress) -> bool {
+                !self.is_ended.load(Ordering::Relaxed)
+            }
+            fn is_cancelled(&self) -> bool {
+                self.cancels && self.is_ended.load(Ordering::Relaxed)
+            }
+        }
+        let model = ball(24, 40, false);
+        let goal = Goal { amount: Ratio::new(0.1).map(Amount::Ratio), ..Goal::default() };
+        for at in [Stage::Fit, Stage::Prove, Stage::Compare] {
+            for verify in [true, false] {
+                let options = SimplifyOptions::new(goal).with_fit(true).with_verify(verify);
+                let run = |cancels| {
+                    simplify_observed(&model, &options, &Ends { is_ended: false.into(), cancels, at })
+                };
+                let is_asked_later = at != Stage::Compare && (verify || at == Stage::Fit);
+                let done = run(false).unwrap();
+                assert_eq!(done.interrupted, is_asked_later, "{at:?} {verify}");
+                assert_eq!(done.change.is_some(), !is_asked_later);
+                assert_eq!(done.moved_positions.is_some(), at != Stage::Prove || !verify);
+                assert_eq!(matches!(run(true), Err(Error::Cancelled)), is_asked_later, "{at:?} {verify}");
             }
         }
     }

@@ -41,7 +41,7 @@ impl Facet {
         cross(sub(b, a), sub(c, a))
     }
 
-    fn area(&self) -> f64 {
+    pub(crate) fn area(&self) -> f64 {
         let normal = self.normal();
         0.5 * dot(normal, normal).sqrt()
     }
@@ -131,21 +131,30 @@ impl Side {
         sum / f64::from(count.max(1))
     }
 
-    /// Visits about `points` points, spread in proportion to area: each triangle, which has a number, has its share of them, at random places.
-    pub(crate) fn sample(
+    /// Returns the triangles.
+    pub(crate) fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// Visits about `points` points, spread in proportion to area: each triangle has its share of them, at random places.
+    pub(crate) fn sample(&self, points: f64, random: &mut Random, mut visit: impl FnMut(&Facet, [f64; 3])) {
+        let total = self.area();
+        if total > 0.0 {
+            self.visit(|_, area| area / total * points, random, |_, facet, shares| visit(facet, shares));
+        }
+    }
+
+    /// Visits as many points as are expected of each triangle by its number and area, at random places. Fractions add up.
+    pub(crate) fn visit(
         &self,
-        points: f64,
+        expected: impl Fn(usize, f64) -> f64,
         random: &mut Random,
         mut visit: impl FnMut(usize, &Facet, [f64; 3]),
     ) {
-        let total = self.area();
-        if total <= 0.0 {
-            return;
-        }
         let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
         let mut due = 0.0;
         for (number, facet) in self.facets.iter().enumerate() {
-            due += facet.area() / total * points;
+            due += expected(number, facet.area());
             while due >= 1.0 {
                 due -= 1.0;
                 let (u, v) = (uniform(), uniform());
@@ -258,7 +267,7 @@ mod tests {
         let mesh = Mesh::new(positions, Faces::default()).unwrap();
         let side = Side::new(&mesh, &[0, 1, 2, 0, 4, 3]).unwrap();
         let mut counts = [0; 2];
-        side.sample(1000.0, &mut Random::new(1), |_, facet, _| counts[usize::from(facet.area() > 1.0)] += 1);
+        side.sample(1000.0, &mut Random::new(1), |facet, _| counts[usize::from(facet.area() > 1.0)] += 1);
         assert!((99..=101).contains(&counts[0]) && (899..=901).contains(&counts[1]), "{counts:?}");
     }
 }

@@ -16,7 +16,7 @@ use crate::surface_change::dot;
 const STEPS: usize = 24;
 /// How much a distance along the plane of a triangle counts, compared with one from it.
 const ALONG: f64 = 0.05;
-/// How much the moves themselves count, compared with the points.
+/// How much the moves themselves count, compared with points that are spread evenly: a position that few points pull at does not go far.
 const STIFFNESS: f64 = 0.02;
 /// The pairs of corners.
 const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
@@ -42,7 +42,7 @@ pub(super) struct Equations<'a> {
     /// A block for each pair of corners of each triangle.
     blocks: Vec<[Block; 6]>,
     right: Vec<Point>,
-    /// The sum of the squared shares at each position.
+    /// How heavy each position is: see [`Surface::masses`](super::surface::Surface::masses).
     mass: Vec<f64>,
 }
 
@@ -64,13 +64,9 @@ impl Pull {
 }
 
 impl<'a> Equations<'a> {
-    pub(super) fn new(triangles: &'a [[u32; 3]], position_count: usize) -> Self {
-        Self {
-            triangles,
-            blocks: vec![[[0.0; 6]; 6]; triangles.len()],
-            right: vec![[0.0; 3]; position_count],
-            mass: vec![0.0; position_count],
-        }
+    pub(super) fn new(triangles: &'a [[u32; 3]], mass: Vec<f64>) -> Self {
+        let (blocks, right) = (vec![[[0.0; 6]; 6]; triangles.len()], vec![[0.0; 3]; mass.len()]);
+        Self { triangles, blocks, right, mass }
     }
 
     pub(super) fn add(&mut self, pull: &Pull) {
@@ -84,7 +80,6 @@ impl<'a> Equations<'a> {
         for (&corner, share) in self.triangles[pull.triangle as usize].iter().zip(pull.shares) {
             let right = &mut self.right[corner as usize];
             *right = [0, 1, 2].map(|k| right[k] + share * weighted[k]);
-            self.mass[corner as usize] += pull.weight * share * share;
         }
     }
 
@@ -199,19 +194,20 @@ mod tests {
                 Pull { triangle: i % 4, shares: [1.0 - u - v, u, v], rest, normal, weight }
             })
             .collect();
-        let mut equations = Equations::new(&triangles, 4);
+        let mass = [3.0, 5.0, 4.0, 6.0];
+        let mut equations = Equations::new(&triangles, mass.to_vec());
         pulls.iter().for_each(|pull| equations.add(pull));
         let moves = equations.solve(&[true, true, true, false]);
         assert_eq!(moves[3], [0.0; 3]);
         let energy = |moves: &[Point]| {
-            let mut sum = 0.0;
+            let stiff = moves.iter().zip(mass).map(|(&by, mass)| STIFFNESS * mass * dot(by, by));
+            let mut sum: f64 = stiff.sum();
             for pull in &pulls {
                 let corners = triangles[pull.triangle as usize];
                 let mut value = [0.0; 3];
                 for (&corner, share) in corners.iter().zip(pull.shares) {
                     let by = moves[corner as usize];
                     value = [0, 1, 2].map(|k| value[k] + share * by[k]);
-                    sum += pull.weight * STIFFNESS * share * share * dot(by, by);
                 }
                 let left = sub(value, pull.rest);
                 let across = dot(pull.normal, left);

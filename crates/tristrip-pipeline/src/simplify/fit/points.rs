@@ -5,18 +5,25 @@ use tristrip::random::Random;
 
 use super::equations::{Equations, Pull};
 use super::surface::{Point, Spot, Surface, unit};
-use crate::surface_change::{dot, sub};
+use crate::surface_change::{Facet, dot, sub};
 
 /// The points per triangle of the simplified surface, on each surface.
 const POINTS_PER_TRIANGLE: f64 = 12.0;
-/// The least and the most points on each surface.
-const POINTS: (f64, f64) = (2_000.0, 4_000_000.0);
+/// The most points on each surface.
+const MOST_POINTS: f64 = 4_000_000.0;
+/// How many points a small and a large triangle have, compared with the mean: each vertex needs some, and no triangle needs most of them.
+const LEAST_SHARE: f64 = 0.5;
+const LARGEST_SHARE: f64 = 4.0;
+/// The most points of a triangle that are tried as the start of a search.
+const MOST_STARTS: usize = 16;
 
 /// A point of each surface: one is fixed, the other is searched.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     original: Spot,
     simplified: Spot,
+    /// The share of the area for which the point stands.
+    weight: f64,
 }
 
 /// The points of both surfaces.
@@ -31,38 +38,56 @@ impl Points {
     /// the searches for the points of a triangle of the original begin. None are in vanished components, which have no such triangle.
     /// The first positions of the original are those of the simplified surface.
     pub(super) fn new(original: &Surface, simplified: &Surface, starts: &[Option<u32>]) -> Self {
-        let count = (simplified.triangles.len() as f64 * POINTS_PER_TRIANGLE).clamp(POINTS.0, POINTS.1);
         let mut random = Random::new(0);
+        // 1. The original. What the collapses brought to one triangle has the points of that triangle.
+        let (original_side, simplified_side) = (original.side(), simplified.side());
+        let mut areas = vec![0.0; simplified.triangles.len()];
+        for (facet, start) in original_side.facets().iter().zip(starts) {
+            start.iter().for_each(|&start| areas[start as usize] += facet.area());
+        }
+        let spread = Spread::new(&areas);
         let mut of_original = Vec::new();
-        original.side().sample(count, &mut random, |number, _, shares| {
+        let expected =
+            |number: usize, area: f64| starts[number].map_or(0.0, |s| spread.points(s as usize, area));
+        original_side.visit(expected, &mut random, |number, _, shares| {
             let pair = |start| Pair {
                 original: Spot { triangle: number as u32, shares },
                 simplified: Spot { triangle: start, shares },
+                weight: spread.weights[start as usize],
             };
             of_original.extend(starts[number].map(pair));
         });
         let mut points = Self { of_original, of_simplified: Vec::new() };
         points.search_simplified(original, simplified, false);
-        // The searches in the other direction begin at the points that were found in the same triangle.
+        // 2. The simplified surface. Its searches begin at the points that were found in the same triangle.
         points.of_original.sort_by_key(|pair| pair.simplified.triangle);
         let found = &points.of_original;
+        let areas: Vec<f64> = simplified_side.facets().iter().map(Facet::area).collect();
+        let spread = Spread::new(&areas);
         let mut of_simplified = Vec::new();
-        simplified.side().sample(count, &mut random, |number, facet, shares| {
-            let spot = Spot { triangle: number as u32, shares };
-            let near = found.partition_point(|pair| pair.simplified.triangle < spot.triangle);
-            let near = found[near..].iter().take_while(|pair| pair.simplified.triangle == spot.triangle);
-            let at = facet.at(shares);
-            let square = |pair: &Pair| {
-                let rest = sub(simplified.point(&pair.simplified), at);
-                dot(rest, rest)
-            };
-            let nearest =
-                near.min_by(|a, b| square(a).total_cmp(&square(b))).map(|pair| pair.original.triangle);
-            let start = nearest
-                .or_else(|| facet.vertices().iter().find_map(|&v| original.around(v).first().copied()));
-            let pair = |start| Pair { original: Spot { triangle: start, shares }, simplified: spot };
-            of_simplified.extend(start.map(pair));
-        });
+        simplified_side.visit(
+            |number, area| spread.points(number, area),
+            &mut random,
+            |number, facet, shares| {
+                let spot = Spot { triangle: number as u32, shares };
+                let first = found.partition_point(|pair| pair.simplified.triangle < spot.triangle);
+                let count = found[first..].partition_point(|pair| pair.simplified.triangle == spot.triangle);
+                let near = found[first..first + count].iter().step_by(count.div_ceil(MOST_STARTS).max(1));
+                let at = facet.at(shares);
+                let square = |pair: &Pair| {
+                    let rest = sub(simplified.point(&pair.simplified), at);
+                    dot(rest, rest)
+                };
+                let nearest =
+                    near.min_by(|a, b| square(a).total_cmp(&square(b))).map(|pair| pair.original.triangle);
+                let start = nearest
+                    .or_else(|| facet.vertices().iter().find_map(|&v| original.around(v).first().copied()));
+                let weight = spread.weights[number];
+                let pair =
+                    |start| Pair { original: Spot { triangle: start, shares }, simplified: spot, weight };
+                of_simplified.extend(start.map(pair));
+            },
+        );
         points.of_simplified = of_simplified;
         points.search_original(original, simplified, false);
         points
@@ -93,29 +118,52 @@ impl Points {
         let mean = |pairs: &[Pair]| {
             let squares = pairs.iter().map(|pair| {
                 let rest = pair.rest(original, simplified);
-                dot(rest, rest)
+                pair.weight * dot(rest, rest)
             });
-            squares.sum::<f64>() / pairs.len().max(1) as f64
+            squares.sum::<f64>()
         };
         mean(&self.of_original) + mean(&self.of_simplified)
     }
 
     /// Returns the equations of all points.
     pub(super) fn equations<'a>(&self, original: &Surface, simplified: &'a Surface) -> Equations<'a> {
-        let mut equations = Equations::new(&simplified.triangles, simplified.at.len());
-        let lists = [(&self.of_original, true), (&self.of_simplified, false)];
-        for (pairs, is_of_original) in lists {
-            let weight = 1.0 / pairs.len().max(1) as f64;
+        let mut equations = Equations::new(&simplified.triangles, simplified.masses());
+        for (pairs, is_of_original) in [(&self.of_original, true), (&self.of_simplified, false)] {
             for pair in pairs {
                 let rest = pair.rest(original, simplified);
                 let (surface, found) =
                     if is_of_original { (simplified, &pair.simplified) } else { (original, &pair.original) };
                 let normal = if found.is_inside() { surface.facet(found.triangle).normal() } else { rest };
                 let Spot { triangle, shares } = pair.simplified;
-                equations.add(&Pull { triangle, shares, rest, normal: unit(normal), weight });
+                equations.add(&Pull { triangle, shares, rest, normal: unit(normal), weight: pair.weight });
             }
         }
         equations
+    }
+}
+
+/// How points are spread over triangles, or over what belongs to each.
+struct Spread {
+    /// The points per area.
+    densities: Vec<f64>,
+    /// The share of the whole area for which a point stands.
+    weights: Vec<f64>,
+}
+
+impl Spread {
+    fn new(areas: &[f64]) -> Self {
+        let (sum, count) = (areas.iter().sum::<f64>(), areas.len() as f64);
+        let mean = POINTS_PER_TRIANGLE.min(MOST_POINTS / count.max(1.0));
+        let points = |area: f64| (area / sum * count).clamp(LEAST_SHARE, LARGEST_SHARE) * mean;
+        let of = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            areas.iter().map(|&area| if area > 0.0 { value(area) } else { 0.0 }).collect()
+        };
+        Self { densities: of(&|area| points(area) / area), weights: of(&|area| area / sum / points(area)) }
+    }
+
+    /// Returns how many points a part of the area of a triangle has.
+    fn points(&self, triangle: usize, area: f64) -> f64 {
+        self.densities[triangle] * area
     }
 }
 

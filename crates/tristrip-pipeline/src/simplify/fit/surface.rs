@@ -10,6 +10,8 @@ pub(super) type Point = [f64; 3];
 
 /// The most steps from triangle to neighbour in one search.
 const MOST_STEPS: usize = 32;
+/// The most triangles around a corner that a step looks at, evenly among all.
+const MOST_AROUND: usize = 32;
 
 /// Triangles over positions, with the triangles around each position.
 pub(super) struct Surface {
@@ -83,6 +85,19 @@ impl Surface {
         self.facet(spot.triangle).at(spot.shares)
     }
 
+    /// Returns the sum of the squared shares of each position in points that are spread evenly over the surface and stand for its area twice: each
+    /// of three corners has a sixth of a triangle's.
+    pub(super) fn masses(&self) -> Vec<f64> {
+        let areas: Vec<f64> =
+            (0..self.triangles.len() as u32).map(|triangle| self.facet(triangle).area()).collect();
+        let sum: f64 = areas.iter().sum();
+        let mut masses = vec![0.0; self.at.len()];
+        for (corners, area) in self.triangles.iter().zip(areas).filter(|(_, area)| *area > 0.0) {
+            corners.iter().for_each(|&v| masses[v as usize] += area / sum / 3.0);
+        }
+        masses
+    }
+
     /// Returns the triangles, to spread points over them.
     pub(super) fn side(&self) -> Side {
         Side::of((0..self.triangles.len() as u32).map(|triangle| self.facet(triangle)))
@@ -92,14 +107,24 @@ impl Surface {
     pub(super) fn nearest(&self, point: Point, start: u32, stays: bool) -> Spot {
         let (mut least, shares) = self.facet(start).nearest(point);
         let mut spot = Spot { triangle: start, shares };
+        // A corner of many triangles is looked around from once, and not near the start.
+        let mut known = None;
         for _ in 0..MOST_STEPS {
             if stays && spot.is_inside() {
                 break;
             }
             let from = spot.triangle;
-            let ends = self.triangles[from as usize].into_iter().zip(spot.shares);
-            for (v, _) in ends.filter(|&(_, share)| share > 0.0) {
-                for &near in self.around(v).iter().filter(|&&near| near != from) {
+            let corners = self.triangles[from as usize].into_iter().zip(spot.shares);
+            for (v, _) in corners.filter(|&(_, share)| share > 0.0) {
+                let around = self.around(v);
+                let step = around.len().div_ceil(MOST_AROUND).max(1);
+                if step > 1 && (stays || known == Some(v)) {
+                    continue;
+                }
+                if step > 1 {
+                    known = Some(v);
+                }
+                for &near in around.iter().step_by(step).filter(|&&near| near != from) {
                     let (square, shares) = self.facet(near).nearest(point);
                     if square < least {
                         (least, spot) = (square, Spot { triangle: near, shares });
