@@ -16,13 +16,15 @@ const LEAST_SHARE: f64 = 0.5;
 const LARGEST_SHARE: f64 = 4.0;
 /// The most points of a triangle that are tried as the start of a search.
 const MOST_STARTS: usize = 16;
+/// From how many times the root of the mean square on a point is searched for again, more widely.
+const FAR: f64 = 8.0;
 
 /// A point of each surface: one is fixed, the other is searched.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     original: Spot,
     simplified: Spot,
-    /// The share of the area for which the point stands.
+    /// The share of the area for which the point stands; zero for vertices.
     weight: f64,
 }
 
@@ -57,8 +59,17 @@ impl Points {
             };
             of_original.extend(starts[number].map(pair));
         });
+        // The vertices of the original, evenly among them, show how far the surface goes; they pull at nothing.
+        let vertices = original.at.len() as u32;
+        let step = (vertices as usize).div_ceil(of_original.len().max(1)).max(1);
+        of_original.extend((0..vertices).step_by(step).filter_map(|v| {
+            let original = original.corner(v)?;
+            let start = starts[original.triangle as usize]?;
+            Some(Pair { original, simplified: Spot { triangle: start, ..original }, weight: 0.0 })
+        }));
+        let all = vec![true; simplified.triangles.len()];
         let mut points = Self { of_original, of_simplified: Vec::new() };
-        points.search_simplified(original, simplified, false);
+        points.search_simplified(original, simplified, &all, false);
         // 2. The simplified surface. Its searches begin at the points that were found in the same triangle.
         points.of_original.sort_by_key(|pair| pair.simplified.triangle);
         let found = &points.of_original;
@@ -88,48 +99,99 @@ impl Points {
                 of_simplified.extend(start.map(pair));
             },
         );
+        // The vertices of the simplified surface lie on the original.
+        let corners = (0..simplified.at.len() as u32).filter_map(|v| {
+            let start = *original.around(v).first()?;
+            let simplified = simplified.corner(v)?;
+            Some(Pair { original: Spot { triangle: start, ..simplified }, simplified, weight: 0.0 })
+        });
+        of_simplified.extend(corners);
         points.of_simplified = of_simplified;
-        points.search_original(original, simplified, false);
+        points.search_original(original, simplified, &all, false);
+        let mean = 0.5 * points.mean_squares(original, simplified);
+        points.search_beyond(original, simplified, &all, FAR * FAR * mean);
         points
     }
 
-    /// Searches the nearest points again after the simplified surface has moved, near where they were.
-    pub(super) fn search(&mut self, original: &Surface, simplified: &Surface) {
-        self.search_simplified(original, simplified, true);
-        self.search_original(original, simplified, true);
+    /// Searches the nearest points again near where they were, after some triangles of the simplified surface have moved.
+    pub(super) fn search(&mut self, original: &Surface, simplified: &Surface, has_moved: &[bool]) {
+        self.search_simplified(original, simplified, has_moved, true);
+        self.search_original(original, simplified, has_moved, true);
     }
 
-    fn search_simplified(&mut self, original: &Surface, simplified: &Surface, stays: bool) {
-        self.of_original.par_iter_mut().for_each(|pair| {
+    fn search_simplified(
+        &mut self,
+        original: &Surface,
+        simplified: &Surface,
+        has_moved: &[bool],
+        stays: bool,
+    ) {
+        Pair::of(&mut self.of_original, has_moved).for_each(|pair| {
             let point = original.point(&pair.original);
             pair.simplified = simplified.nearest(point, pair.simplified.triangle, stays);
         });
     }
 
-    fn search_original(&mut self, original: &Surface, simplified: &Surface, stays: bool) {
-        self.of_simplified.par_iter_mut().for_each(|pair| {
+    fn search_original(&mut self, original: &Surface, simplified: &Surface, has_moved: &[bool], stays: bool) {
+        Pair::of(&mut self.of_simplified, has_moved).for_each(|pair| {
             let point = simplified.point(&pair.simplified);
             pair.original = original.nearest(point, pair.original.triangle, stays);
+        });
+    }
+
+    /// Searches more widely for points beyond a squared distance: the search from triangle to neighbour may have ended too early.
+    fn search_beyond(&mut self, original: &Surface, simplified: &Surface, has_moved: &[bool], limit: f64) {
+        let is_far = |pair: &Pair| pair.square(original, simplified) > limit;
+        Pair::of(&mut self.of_original, has_moved).filter(|pair| is_far(pair)).for_each(|pair| {
+            let point = original.point(&pair.original);
+            pair.simplified = simplified.nearest_around(point, pair.simplified);
+        });
+        Pair::of(&mut self.of_simplified, has_moved).filter(|pair| is_far(pair)).for_each(|pair| {
+            let point = simplified.point(&pair.simplified);
+            pair.original = original.nearest_around(point, pair.original);
         });
     }
 
     /// Returns the sum of the mean squared distances in both directions.
     pub(super) fn mean_squares(&self, original: &Surface, simplified: &Surface) -> f64 {
         let mean = |pairs: &[Pair]| {
-            let squares = pairs.iter().map(|pair| {
-                let rest = pair.rest(original, simplified);
-                pair.weight * dot(rest, rest)
-            });
-            squares.sum::<f64>()
+            pairs.iter().map(|pair| pair.weight * pair.square(original, simplified)).sum::<f64>()
         };
         mean(&self.of_original) + mean(&self.of_simplified)
+    }
+
+    /// Returns the largest squared distance.
+    pub(super) fn largest_square(&self, original: &Surface, simplified: &Surface) -> f64 {
+        let largest = |pairs: &[Pair]| {
+            let squares = pairs.par_iter().map(|pair| pair.square(original, simplified));
+            squares.reduce(|| 0.0, f64::max)
+        };
+        largest(&self.of_original).max(largest(&self.of_simplified))
+    }
+
+    /// Returns the triangles of the simplified surface, among those that have moved, with points beyond a squared distance.
+    pub(super) fn beyond(
+        &mut self,
+        original: &Surface,
+        simplified: &Surface,
+        has_moved: &[bool],
+        limit: f64,
+    ) -> Vec<u32> {
+        self.search_beyond(original, simplified, has_moved, limit);
+        let is_far = |pair: &&Pair| pair.square(original, simplified) > limit;
+        let mut far = Vec::new();
+        for pairs in [&mut self.of_original, &mut self.of_simplified] {
+            let pairs = Pair::of(pairs, has_moved).map(|pair| &*pair);
+            far.par_extend(pairs.filter(is_far).map(|pair| pair.simplified.triangle));
+        }
+        far
     }
 
     /// Returns the equations of all points.
     pub(super) fn equations<'a>(&self, original: &Surface, simplified: &'a Surface) -> Equations<'a> {
         let mut equations = Equations::new(&simplified.triangles, simplified.masses());
         for (pairs, is_of_original) in [(&self.of_original, true), (&self.of_simplified, false)] {
-            for pair in pairs {
+            for pair in pairs.iter().filter(|pair| pair.weight > 0.0) {
                 let rest = pair.rest(original, simplified);
                 let (surface, found) =
                     if is_of_original { (simplified, &pair.simplified) } else { (original, &pair.original) };
@@ -168,8 +230,18 @@ impl Spread {
 }
 
 impl Pair {
+    /// Returns the pairs at triangles of the simplified surface that have moved.
+    fn of<'a>(pairs: &'a mut [Self], has_moved: &'a [bool]) -> impl ParallelIterator<Item = &'a mut Self> {
+        pairs.par_iter_mut().filter(|pair| has_moved[pair.simplified.triangle as usize])
+    }
+
     /// Returns the vector from the simplified surface to the original.
     fn rest(&self, original: &Surface, simplified: &Surface) -> Point {
         sub(original.point(&self.original), simplified.point(&self.simplified))
+    }
+
+    fn square(&self, original: &Surface, simplified: &Surface) -> f64 {
+        let rest = self.rest(original, simplified);
+        dot(rest, rest)
     }
 }

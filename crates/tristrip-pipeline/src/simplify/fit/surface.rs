@@ -1,6 +1,7 @@
 //! A surface over its positions, on which the nearest point is searched from triangle to neighbour.
 
-use std::collections::HashMap;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap, HashSet};
 
 use tristrip::Faces;
 
@@ -12,6 +13,8 @@ pub(super) type Point = [f64; 3];
 const MOST_STEPS: usize = 32;
 /// The most triangles around a corner that a step looks at, evenly among all.
 const MOST_AROUND: usize = 32;
+/// The most triangles that a wide search looks at.
+const MOST_WIDE: usize = 256;
 
 /// Triangles over positions, with the triangles around each position.
 pub(super) struct Surface {
@@ -85,6 +88,13 @@ impl Surface {
         self.facet(spot.triangle).at(spot.shares)
     }
 
+    /// Returns a position as a point of a triangle; `None` without triangles around it.
+    pub(super) fn corner(&self, v: u32) -> Option<Spot> {
+        let triangle = *self.around(v).first()?;
+        let corner = self.triangles[triangle as usize].iter().position(|&corner| corner == v);
+        Some(Spot { triangle, shares: [0, 1, 2].map(|k| f64::from(u8::from(corner == Some(k)))) })
+    }
+
     /// Returns the sum of the squared shares of each position in points that are spread evenly over the surface and stand for its area twice: each
     /// of three corners has a sixth of a triangle's.
     pub(super) fn masses(&self) -> Vec<f64> {
@@ -101,6 +111,35 @@ impl Surface {
     /// Returns the triangles, to spread points over them.
     pub(super) fn side(&self) -> Side {
         Side::of((0..self.triangles.len() as u32).map(|triangle| self.facet(triangle)))
+    }
+
+    /// Searches the nearest point among the triangles around a spot, those near the point first: farther ones may lie nearer again.
+    pub(super) fn nearest_around(&self, point: Point, spot: Spot) -> Spot {
+        let at = |triangle: u32| {
+            let (square, shares) = self.facet(triangle).nearest(point);
+            (square, Spot { triangle, shares })
+        };
+        let mut best = at(spot.triangle);
+        // The squares are not negative, so that their bits are in the order of the numbers.
+        let mut queue = BinaryHeap::from([Reverse((best.0.to_bits(), spot.triangle))]);
+        let mut seen = HashSet::from([spot.triangle]);
+        while let Some(Reverse((_, triangle))) = queue.pop() {
+            for v in self.triangles[triangle as usize] {
+                for &near in self.around(v) {
+                    if seen.len() >= MOST_WIDE {
+                        return best.1;
+                    }
+                    if seen.insert(near) {
+                        let found = at(near);
+                        queue.push(Reverse((found.0.to_bits(), near)));
+                        if found.0 < best.0 {
+                            best = found;
+                        }
+                    }
+                }
+            }
+        }
+        best.1
     }
 
     /// Searches the nearest point from a triangle on. One inside of that triangle is taken if the search is to stay near it.
@@ -143,4 +182,42 @@ impl Surface {
 pub(super) fn unit(vector: Point) -> Point {
     let length = dot(vector, vector).sqrt();
     if length > 0.0 && length.is_finite() { vector.map(|x| x / length) } else { [0.0; 3] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tristrip::random::Random;
+
+    /// A strip of triangles in the shape of a U: from one end to the other the way is far, and the distance rises before it falls.
+    fn bent(length: usize) -> Surface {
+        let at: Vec<Point> = (0..2 * length)
+            .map(|v| {
+                let along = std::f64::consts::PI * 1.8 * (v / 2) as f64 / (length - 1) as f64;
+                [along.cos(), along.sin(), (v % 2) as f64]
+            })
+            .collect();
+        let corners: Vec<u32> = (0..2 * length as u32 - 2).flat_map(|v| [v, v + 1, v + 2]).collect();
+        Surface::new(&Faces::from_triangles(corners).unwrap(), at)
+    }
+
+    #[test]
+    fn wide_searches_find_what_short_ones_miss() {
+        let surface = bent(40);
+        let last = surface.triangles.len() as u32 - 1;
+        let mut random = Random::new(3);
+        let mut number = || random.below(1000) as f64 / 1000.0;
+        let mut missed = 0;
+        for _ in 0..200 {
+            let point = [2.0 * number() - 1.0, 2.0 * number() - 1.0, number()];
+            let squares = (0..=last).map(|triangle| surface.facet(triangle).nearest(point).0);
+            let least = squares.fold(f64::INFINITY, f64::min);
+            let short = surface.nearest(point, 0, false);
+            let wide = surface.nearest_around(point, short);
+            let square = |spot: Spot| surface.facet(spot.triangle).nearest(point).0;
+            assert!((square(wide) - least).abs() < 1e-12, "{point:?}");
+            missed += usize::from(square(short) > least + 1e-12);
+        }
+        assert!((10..190).contains(&missed), "{missed}");
+    }
 }
