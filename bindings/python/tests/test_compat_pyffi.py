@@ -20,7 +20,7 @@ theirs = pytest.importorskip("pyffi.utils.tristrip", reason="PyFFI is not instal
 
 Triangle = tuple[int, int, int]
 
-MODELS = ["wingnut.ply", "hand.ply", "non_manif_hole.ply", "galleon.ply", "airplane.ply", "cow.ply"]
+MODELS = ["wingnut.ply", "non_manif_hole.ply", "galleon.ply", "airplane.ply", "cow.ply"]
 
 CASES: list[list[Triangle]] = [
     [],

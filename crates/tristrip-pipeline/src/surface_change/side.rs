@@ -102,7 +102,7 @@ impl Side {
     }
 
     /// Returns the diagonal of the bounding box.
-    pub(super) fn diagonal(&self) -> f64 {
+    pub(crate) fn diagonal(&self) -> f64 {
         let corners = self.facets.iter().flat_map(|facet| &facet.corners);
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for corner in corners {

@@ -33,6 +33,8 @@ pub(super) struct Points {
     /// Those of the original, with the nearest of the simplified surface; then the reverse.
     of_original: Vec<Pair>,
     of_simplified: Vec<Pair>,
+    /// A squared distance that is as good as none: such are left by the rounding of positions.
+    negligible: f64,
 }
 
 impl Points {
@@ -68,7 +70,8 @@ impl Points {
             Some(Pair { original, simplified: Spot { triangle: start, ..original }, weight: 0.0 })
         }));
         let all = vec![true; simplified.triangles.len()];
-        let mut points = Self { of_original, of_simplified: Vec::new() };
+        let negligible = (f64::from(f32::EPSILON) * original_side.diagonal()).powi(2);
+        let mut points = Self { of_original, of_simplified: Vec::new(), negligible };
         points.search_simplified(original, simplified, &all, false);
         // 2. The simplified surface. Its searches begin at the points that were found in the same triangle.
         points.of_original.sort_by_key(|pair| pair.simplified.triangle);
@@ -108,8 +111,11 @@ impl Points {
         of_simplified.extend(corners);
         points.of_simplified = of_simplified;
         points.search_original(original, simplified, &all, false);
-        let mean = 0.5 * points.mean_squares(original, simplified);
-        points.search_beyond(original, simplified, &all, FAR * FAR * mean);
+        // By number, not by area: of any squares, at most the 64th part is beyond 64 times their mean.
+        let pairs = || points.of_original.iter().chain(&points.of_simplified);
+        let squares: f64 = pairs().map(|pair| pair.square(original, simplified)).sum();
+        let limit = FAR * FAR * squares / pairs().count().max(1) as f64;
+        points.search_beyond(original, simplified, &all, limit.max(negligible));
         points
     }
 
@@ -160,13 +166,13 @@ impl Points {
         mean(&self.of_original) + mean(&self.of_simplified)
     }
 
-    /// Returns the largest squared distance.
+    /// Returns the largest squared distance, or a negligible one if it is larger.
     pub(super) fn largest_square(&self, original: &Surface, simplified: &Surface) -> f64 {
         let largest = |pairs: &[Pair]| {
             let squares = pairs.par_iter().map(|pair| pair.square(original, simplified));
             squares.reduce(|| 0.0, f64::max)
         };
-        largest(&self.of_original).max(largest(&self.of_simplified))
+        largest(&self.of_original).max(largest(&self.of_simplified)).max(self.negligible)
     }
 
     /// Returns the triangles of the simplified surface, among those that have moved, with points beyond a squared distance.
