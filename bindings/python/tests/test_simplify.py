@@ -225,7 +225,7 @@ def test_many_parts_are_interrupted_together() -> None:
     assert sum(len(part.faces) for part in best.scene.parts) == best.report["triangles_after"]
 
 
-def test_large_triangles_and_fans_take_no_long_time() -> None:
+def test_large_triangles_take_no_points_and_no_long_time() -> None:
     ball = meshes.sphere(6)
     count = len(ball.vertices)
     floor = np.array([[-900, -900, -2], [900, -900, -2], [900, 900, -2], [-900, 900, -2]], np.float32)
