@@ -105,9 +105,9 @@ pub use document::JSON_VALUE_LIMIT;
 pub use pack::{Rounding, pack};
 pub use placements::Placement;
 pub use pose::{MorphReader, Skin};
-pub use progressive::{ChunkRange, ProgressiveGlb, with_stream};
+pub use progressive::{ChunkRange, ProgressiveGlb, WrittenGlb, read_base, write_progressive};
 pub(crate) use read::read_with_files;
-pub use read::{read, read_separate};
+pub use read::{read, read_separate, with_scene};
 pub use refine::{StreamMeshes, StreamedPart};
 pub use scene::Scene;
 pub use separate::{SeparateFiles, separate};
@@ -175,7 +175,7 @@ pub fn unread_vertex_values(model: &Model) -> Vec<bool> {
 pub fn write_glb(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
     model.check_drawings(drawings)?;
     match &model.scene {
-        Some(scene) => keep::write(scene, model, drawings, layout),
-        None => build::write(model, drawings, layout),
+        Some(scene) => keep::draw(scene, model, drawings, layout)?.write(),
+        None => build::build(model, drawings, layout).write(),
     }
 }

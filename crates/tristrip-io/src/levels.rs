@@ -24,7 +24,7 @@ use crate::error::Error;
 use crate::format::Format;
 use crate::gltf;
 use crate::gltf::levels::PartAtLevel;
-use crate::model::{Drawing, Model};
+use crate::model::Model;
 use crate::shared_vertices::{parts_by_vertices, renumber};
 use crate::vertex_group::{Renumbering, VertexGroup};
 
@@ -257,10 +257,10 @@ impl LeveledModel {
     /// ```
     pub fn scene(&self, coverage: &dyn Fn(&[usize]) -> Vec<f64>) -> Result<SceneLevels, Error> {
         // The parts that the scene has, and the scene.
-        let built = if self.model.scene.is_none() { Some(self.built()?) } else { None };
-        let has_vertices = |part: &usize| built.is_none() || self.model.parts[*part].mesh.vertex_count() > 0;
+        let is_built = self.model.scene.is_none();
+        let has_vertices = |part: &usize| !is_built || self.model.parts[*part].mesh.vertex_count() > 0;
         let of_scene: Vec<usize> = (0..self.model.parts.len()).filter(has_vertices).collect();
-        let model = built.as_ref().unwrap_or(&self.model);
+        let model = gltf::with_scene(&self.model)?;
         let scene = model.scene.clone().unwrap_or_default();
         let lower = (1..self.level_count()).map(|level| {
             let at_level = of_scene.iter().map(|&part| PartAtLevel {
@@ -292,11 +292,5 @@ impl LeveledModel {
     fn is_same(&self, level: usize, part: usize) -> bool {
         self.triangles[level][part] == self.triangles[level - 1][part]
             && self.vertex_counts[level][part] == self.vertex_counts[level - 1][part]
-    }
-
-    /// Returns the model with the scene that a GLB of it has.
-    fn built(&self) -> Result<Model, Error> {
-        let drawings = vec![Drawing::Faces; self.model.parts.len()];
-        gltf::read(gltf::write_glb(&self.model, &drawings, tristrip::Layout::List)?, None)
     }
 }

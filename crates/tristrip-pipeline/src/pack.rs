@@ -6,7 +6,7 @@
 //! ```
 //!
 //! # Algorithm
-//! 1. A model that is not from glTF becomes a document of it; all else is kept: nodes, materials, textures, skins, animations.
+//! 1. A model that is not from glTF gets a scene in memory; a scene keeps everything else: nodes, materials, textures, skins, animations.
 //! 2. Parts with the same places in the scene and the same attributes form a group: they are one mesh of the stream, in which each vertex has the number of its part. So the
 //!    borders between them are seams, which open at no level. Vertices that touch another group, or a part that
 //!    stays whole, stay in the base mesh, with all bits of their positions.
@@ -24,12 +24,13 @@ mod order;
 mod report;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use tristrip::simplify::{Price, SimplifyOptions, simplify_triangles};
 use tristrip::stream::StreamOptions;
 use tristrip::verify::verify_models;
-use tristrip::{Layout, Mesh, StripifyOptions, Strips, stripify};
-use tristrip_io::gltf::{ProgressiveGlb, Rounding, StreamedPart, with_stream};
+use tristrip::{Mesh, StripifyOptions, Strips, stripify};
+use tristrip_io::gltf::{StreamedPart, WrittenGlb, read_base, with_scene, write_progressive};
 use tristrip_io::{Drawing, Format, Model, Part};
 
 use self::eye::error_factors;
@@ -37,10 +38,10 @@ use self::group::{Group, groups, touching_vertices};
 use self::order::{Queue, in_order};
 pub use self::report::PackedReport;
 pub(crate) use self::report::bits_per_vertex;
-use crate::encode::{EncodeOptions, encode, kept_vertices};
+use crate::encode::kept_vertices;
 use crate::error::Error;
 use crate::observer::{Observer, Stage, begin};
-use crate::parts::map;
+use crate::parts::{map, meshes};
 use crate::places::Places;
 use crate::stream::{StreamedMesh, drawn_triangles, stream_with, used_vertices};
 use crate::text::counted;
@@ -136,13 +137,7 @@ pub struct Packed {
 /// ```
 pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Result<Packed, Error> {
     let losses = tristrip_io::losses(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb);
-    let built;
-    let model = if model.scene.is_some() {
-        model
-    } else {
-        built = as_scene(model)?;
-        &built
-    };
+    let model = &*with_scene(model)?;
     begin(observer, Stage::Simplify)?;
     let places = Places::of(model);
     let mut notes: Vec<String> = places.note().into_iter().collect();
@@ -266,20 +261,26 @@ impl<'a> Assembly<'a> {
             self.triangles += list.len() / 3;
             self.vertices += used_vertices(list);
         }
-        let mut bytes = coarse_glb(self.model, self.drawn, &mut self.notes)?;
-        let mut chunk_start = bytes.len();
-        if !self.queues.is_empty() {
-            bytes = with_stream(bytes, &self.sources, &in_order(&self.queues))?;
-            let opened = ProgressiveGlb::open(bytes.clone())?;
-            chunk_start = opened.map_or(bytes.len(), |glb| glb.chunk_start());
-        }
+        let coarse = tristrip_io::with_triangles(self.model, self.drawn, Format::Glb)?;
+        self.notes.extend(kept_vertices(&coarse, &()));
+        let strips = shorter_strips(&coarse.model)?;
+        let drawings = strips.iter().map(|strips| strips.as_ref().map_or(Drawing::Faces, Drawing::Strips));
+        let drawings: Vec<Drawing<'_>> = drawings.collect();
+        let chunks = in_order(&self.queues);
+        let WrittenGlb { bytes, chunk_start, .. } =
+            write_progressive(&coarse.model, &drawings, &self.sources, &chunks)?;
+        // The models that are read back share the bytes.
+        let bytes = Arc::new(bytes);
         let mut proven = None;
         if let Some(expected) = &self.expected {
             begin(observer, Stage::ReadBack)?;
+            if !chunks.is_empty() {
+                prove_base(&coarse.model, &bytes)?;
+            }
             proven = Some(prove(self.model, &bytes, expected)?);
         }
         Ok(Packed {
-            bytes,
+            bytes: Arc::unwrap_or_clone(bytes),
             meshes: self.queues.len(),
             chunks: self.queues.iter().map(|queue| queue.chunks.len()).sum(),
             chunk_start,
@@ -294,26 +295,14 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Writes a model as a GLB and reads it, so that it has a scene.
-fn as_scene(model: &Model) -> Result<Model, Error> {
-    let glb = tristrip_io::write(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb, Layout::List)?;
-    Ok(tristrip_io::read(&glb, Format::Glb)?)
-}
-
-/// Writes what is drawn before the first chunk, as strips where that takes fewer indices, in few bytes.
-fn coarse_glb(model: &Model, drawn: Vec<Vec<u32>>, notes: &mut Vec<String>) -> Result<Vec<u8>, Error> {
-    let redrawn = tristrip_io::with_triangles(model, drawn, Format::Glb)?;
-    notes.extend(kept_vertices(&redrawn, &()));
-    let strips: Vec<Strips> =
-        map(&redrawn.model.parts, |part| stripify(&part.mesh, &StripifyOptions::default()))
-            .into_iter()
-            .collect::<Result<_, _>>()?;
-    let drawings = redrawn.model.parts.iter().zip(&strips).map(|(part, strips)| {
+/// Returns strips of each part of a model, where they take fewer indices than its faces.
+fn shorter_strips(model: &Model) -> Result<Vec<Option<Strips>>, Error> {
+    let found = map(&model.parts, |part| {
+        let strips = stripify(&part.mesh, &StripifyOptions::default())?;
         let is_shorter = strips.to_degenerate().len() < part.mesh.faces().corner_count();
-        if is_shorter { Drawing::Strips(strips) } else { Drawing::Faces }
+        Ok(is_shorter.then_some(strips))
     });
-    let options = EncodeOptions::new(Format::Glb).with_pack(Some(Rounding::None));
-    Ok(encode(&redrawn.model, &drawings.collect::<Vec<_>>(), &options)?.bytes)
+    found.into_iter().collect()
 }
 
 /// Returns the triangles that are drawn before the first chunk: those of the base mesh, or where these would take more than a small share of the file, those of a simplification of its own: streams
@@ -344,10 +333,18 @@ fn pays(group: &Group, streamed: &StreamedMesh, coarse: &[u32]) -> bool {
     streamed.stream.chunks.iter().map(|chunk| chunk.bytes.len()).sum::<usize>() < left_out
 }
 
-/// Reads the bytes back, and proves that each part has exactly the triangles of the model, at the positions that the stream keeps of them.
-fn prove(model: &Model, bytes: &[u8], expected: &HashMap<usize, Mesh>) -> Result<usize, Error> {
-    let unproven = |error: tristrip_io::Error| Error::Unproven(error.to_string());
-    let again = tristrip_io::read(bytes, Format::Glb).map_err(unproven)?;
+/// Reads the base meshes back, and proves that they are what is to be drawn before the first chunk.
+fn prove_base(coarse: &Model, bytes: &Arc<Vec<u8>>) -> Result<(), Error> {
+    let again = read_base(bytes).map_err(unproven)?;
+    match verify_models(&meshes(coarse), &meshes(&again))? {
+        Ok(_) => Ok(()),
+        Err(difference) => Err(Error::Unproven(format!("base meshes: {difference}"))),
+    }
+}
+
+/// Reads the full meshes back, and proves that each part has exactly the triangles of the model, at the positions that the stream keeps of them.
+fn prove(model: &Model, bytes: &Arc<Vec<u8>>, expected: &HashMap<usize, Mesh>) -> Result<usize, Error> {
+    let again = tristrip_io::read_shared(bytes, Format::Glb).map_err(unproven)?;
     if again.parts.len() != model.parts.len() {
         let (found, expected) = (again.parts.len(), model.parts.len());
         return Err(Error::Unproven(format!("found {found} parts, expected {expected}")));
@@ -361,4 +358,9 @@ fn prove(model: &Model, bytes: &[u8], expected: &HashMap<usize, Mesh>) -> Result
         }
     }
     Ok(triangles)
+}
+
+#[allow(clippy::needless_pass_by_value, reason = "called by map_err")]
+fn unproven(error: tristrip_io::Error) -> Error {
+    Error::Unproven(error.to_string())
 }

@@ -15,11 +15,12 @@ use serde_json::{Value, json};
 use tristrip::{Attribute, AttributeData, Layout, Mesh};
 
 use super::component::ComponentType;
-use super::container;
+use super::container::GlbContent;
+use super::document::Document;
 use super::index::{IndexRun, pack_runs, runs};
+use super::json::{Content, Members};
 use super::material_builder::{JPEG, MaterialBuilder};
 use super::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION};
-use crate::error::Error;
 use crate::join;
 use crate::le_bytes::{append, fill_rows};
 use crate::materials::SideFile;
@@ -75,8 +76,8 @@ pub fn losses(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
     counted.map(|(words, count)| format!("{words}: {count}")).collect()
 }
 
-/// Writes the minimal document; the caller has checked the drawings.
-pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
+/// Builds the minimal document; the caller has checked the drawings.
+pub(super) fn build(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> GlbContent {
     let flips = model.materials.as_ref().is_some_and(|materials| !materials.counts_down);
     let mut builder = DocumentBuilder { flips, ..DocumentBuilder::default() };
     let mut meshes: Vec<Value> = Vec::new();
@@ -293,7 +294,7 @@ impl<'a> DocumentBuilder<'a> {
         names: &[Option<&str>],
         materials: MaterialBuilder<'_>,
         restarts: bool,
-    ) -> Result<Vec<u8>, Error> {
+    ) -> GlbContent {
         let mut root = json!({ "asset": { "version": "2.0", "generator": "tristrip" } });
         if restarts {
             root["extensionsUsed"] = json!([RESTART_EXTENSION]);
@@ -313,8 +314,11 @@ impl<'a> DocumentBuilder<'a> {
             root["bufferViews"] = self.views.into();
             root["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
         }
-        let json = serde_json::to_vec(&root).map_err(|e| Error::Unsupported(e.to_string()))?;
-        container::write(&json, &[&self.bytes])
+        let root = match super::json::Value::from(root).content {
+            Content::Object(members) => members,
+            _ => Members::default(),
+        };
+        GlbContent { document: Document::of_members(root), buffer: self.bytes.into() }
     }
 }
 

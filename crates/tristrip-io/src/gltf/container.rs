@@ -1,8 +1,10 @@
-//! The GLB container: a header, a JSON chunk, and a binary chunk. A `.gltf` file counts as a JSON chunk alone.
+//! The GLB container: a header, a JSON chunk, and a binary chunk. A `.gltf` file counts as a JSON chunk alone. [`GlbContent`] is a GLB
+//! before it is written: a document whose buffers are joined into one.
 
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::document::Document;
 use super::shared_bytes::SharedBytes;
 use crate::error::Error;
 
@@ -33,6 +35,31 @@ impl GlbContainer {
             end -= 1;
         }
         SharedBytes { owner: Arc::clone(&self.file), range: start..end }
+    }
+}
+
+/// A document and the bytes of its only buffer.
+#[derive(Clone)]
+pub(super) struct GlbContent {
+    pub(super) document: Document,
+    /// Empty for a document without buffers.
+    pub(super) buffer: SharedBytes,
+}
+
+impl GlbContent {
+    /// Returns the buffers of the document: one, or none.
+    pub(super) fn buffers(&self) -> Vec<SharedBytes> {
+        Vec::from_iter((self.buffer.len() > 0).then(|| self.buffer.clone()))
+    }
+
+    /// Counts the bytes of the file.
+    pub(super) fn file_bytes(&self) -> usize {
+        file_bytes(self.document.to_bytes().len(), self.buffer.len())
+    }
+
+    /// Writes the file.
+    pub(super) fn write(&self) -> Result<Vec<u8>, Error> {
+        write(&self.document.to_bytes(), &[self.buffer.as_slice()])
     }
 }
 
@@ -178,13 +205,23 @@ fn word(file: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.try_into().ok()?))
 }
 
+/// Returns the first byte of the buffer in a GLB with JSON of this length.
+pub(super) fn bin_start(json: usize) -> usize {
+    HEADER_BYTES + CHUNK_HEADER_BYTES + json.next_multiple_of(4) + CHUNK_HEADER_BYTES
+}
+
+/// Returns the length of a GLB with JSON and a buffer of these lengths.
+pub(super) fn file_bytes(json: usize, bin: usize) -> usize {
+    let start = bin_start(json);
+    if bin == 0 { start - CHUNK_HEADER_BYTES } else { start + bin.next_multiple_of(4) }
+}
+
 /// Writes a GLB from JSON and from its bytes in several slices, one directly after the other.
 pub(super) fn write(json: &[u8], slices: &[&[u8]]) -> Result<Vec<u8>, Error> {
     let json_bytes = json.len().next_multiple_of(4);
     let bin: usize = slices.iter().map(|s| s.len()).sum();
     let bin_bytes = bin.next_multiple_of(4);
-    let chunk_bytes = if bin == 0 { 0 } else { CHUNK_HEADER_BYTES + bin_bytes };
-    let length = HEADER_BYTES + CHUNK_HEADER_BYTES + json_bytes + chunk_bytes;
+    let length = file_bytes(json.len(), bin);
     let Ok(length_word) = u32::try_from(length) else {
         let limit = u64::from(u32::MAX);
         return Err(Error::LimitExceeded { at: "GLB length".into(), found: length as u64, limit });

@@ -27,6 +27,11 @@ impl Document {
         Ok(Self { root, text })
     }
 
+    /// Makes a document of JSON that was built.
+    pub(super) fn of_members(root: Members) -> Self {
+        Self { root, text: SharedBytes::default() }
+    }
+
     /// Returns the JSON, with the text that was read for every value that has not been changed.
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let mut out = Vec::with_capacity(self.text.len());

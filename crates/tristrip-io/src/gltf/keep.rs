@@ -21,23 +21,51 @@ use tristrip::Layout;
 use self::compact::{BufferCompaction, set_buffer};
 use self::extensions::{declare, drop_order_extensions, has_line_strips, undeclare};
 use self::unused::{Replaced, UnusedEntries};
-use super::container;
-use super::document::{array, entries_mut, index, items, list_mut, whole};
+use super::container::{self, GlbContent};
+use super::document::{Document, array, entries_mut, index, items, list_mut, whole};
 use super::index::{IndexRun, pack_runs, runs};
 use super::json::{Content, Members, Value};
 use super::removed_bytes::ALIGNMENT;
 use super::scene::{PrimitiveRef, Scene};
+use super::shared_bytes::SharedBytes;
 use super::spec::{ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION, TRIANGLES};
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
-/// Writes the scene with new drawings; the caller has checked the drawings.
-pub(super) fn write(
-    scene: &Scene,
+/// A scene with new drawings, not yet written.
+pub(super) struct KeptScene<'a> {
+    document: Document,
+    compaction: BufferCompaction,
+    buffers: &'a [SharedBytes],
+    /// The bytes of the new indices.
+    new: Vec<u8>,
+}
+
+impl KeptScene<'_> {
+    /// Returns the bytes of the joined buffer.
+    fn slices(&self) -> Vec<&[u8]> {
+        self.compaction.slices(self.buffers, &self.new)
+    }
+
+    /// Writes a GLB; the buffers are copied once.
+    pub(super) fn write(&self) -> Result<Vec<u8>, Error> {
+        container::write(&self.document.to_bytes(), &self.slices())
+    }
+
+    /// Joins the buffers, so that more can be changed before the file is written.
+    pub(super) fn joined(self) -> GlbContent {
+        let buffer = self.slices().concat().into();
+        GlbContent { document: self.document, buffer }
+    }
+}
+
+/// Replaces the drawings of a scene; the caller has checked them.
+pub(super) fn draw<'a>(
+    scene: &'a Scene,
     model: &Model,
     drawings: &[Drawing<'_>],
     layout: Layout,
-) -> Result<Vec<u8>, Error> {
+) -> Result<KeptScene<'a>, Error> {
     scene.check_part_count(model.parts.len())?;
     let mut document = scene.document.clone();
     let root = &mut document.root;
@@ -76,9 +104,9 @@ pub(super) fn write(
 
     // 4. Buffers.
     compaction.apply(root, &writer.views)?;
-    let new = &writer.bytes;
+    let new = writer.bytes;
     set_buffer(root, if new.is_empty() { compaction.end } else { compaction.new_start() + new.len() })?;
-    container::write(&document.to_bytes(), &compaction.slices(&scene.buffers, new))
+    Ok(KeptScene { document, compaction, buffers: &scene.buffers, new })
 }
 
 /// The new mode and indices of a primitive.

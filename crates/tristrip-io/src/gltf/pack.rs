@@ -32,9 +32,10 @@ use self::packing::{Fixed, Packing};
 use super::BufferFiles;
 use super::accessor::{AccessorResolver, check_views};
 use super::buffer;
-use super::container;
+use super::container::{self, GlbContent};
 use super::document::{Document, array};
 use super::references::ExtensionNumbers;
+use super::shared_bytes::SharedBytes;
 use crate::error::Error;
 
 pub use packing::Rounding;
@@ -58,21 +59,41 @@ pub fn pack(glb: Vec<u8>, rounding: Rounding) -> Result<Vec<u8>, Error> {
     let container = container::open(Arc::clone(&glb), &mut Vec::new())?;
     let mut document = Document::parse(container.json_bytes())?.without_spaces()?;
     let is_separate = array(&document.root, "buffers")?.iter().any(|buffer| buffer.get("uri").is_some());
-    if is_separate || ExtensionNumbers::of(&document.root).names_bytes {
-        drop(container);
-        return Ok(Arc::unwrap_or_clone(glb));
+    let mut packed = None;
+    if !is_separate {
+        let mut files = BufferFiles::new(&[]);
+        let bin = container.bin.as_ref();
+        let buffers = buffer::load(&mut document, &container.file, bin, &mut files, None, &[])?;
+        packed = pack_document(document, buffers, rounding)?;
     }
-    let mut files = BufferFiles::new(&[]);
-    let buffers =
-        buffer::load(&mut document, &container.file, container.bin.as_ref(), &mut files, None, &[])?;
+    drop(container);
+    // A small file may need more bytes for the views than it had.
+    match packed.filter(|packed| packed.file_bytes() < glb.len()) {
+        Some(packed) => packed.write(),
+        None => Ok(Arc::unwrap_or_clone(glb)),
+    }
+}
+
+/// Packs a file that is not yet written, unless that would make it larger.
+pub(super) fn pack_content(content: GlbContent, rounding: Rounding) -> Result<GlbContent, Error> {
+    let packed = pack_document(content.document.clone(), content.buffers(), rounding)?;
+    Ok(packed.filter(|packed| packed.file_bytes() < content.file_bytes()).unwrap_or(content))
+}
+
+/// Packs a document; `None` where it must stay as it is.
+fn pack_document(
+    document: Document,
+    buffers: Vec<SharedBytes>,
+    rounding: Rounding,
+) -> Result<Option<GlbContent>, Error> {
+    if ExtensionNumbers::of(&document.root).names_bytes {
+        return Ok(None);
+    }
     check_views(&AccessorResolver { root: &document.root, buffers: &buffers })?;
     let fixed = Fixed::of(&document.root)?;
     let mut scene = Packing { document, buffers, fixed };
     animation::reduce(&mut scene, rounding)?;
     types::narrow(&mut scene, rounding)?;
     tidy::tidy(&mut scene, rounding)?;
-    let packed = layout::write(scene)?;
-    drop(container);
-    // A small file may need more bytes for the views than it had.
-    Ok(packed.filter(|packed| packed.len() < glb.len()).unwrap_or_else(|| Arc::unwrap_or_clone(glb)))
+    layout::lay_out(scene)
 }

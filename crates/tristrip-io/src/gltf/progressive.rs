@@ -1,7 +1,8 @@
 //! Progressive GLB: base meshes that every viewer draws, and a stream of chunks behind them that refines them (FORMAT.md, "Progressive GLB").
 //!
 //! # Algorithm
-//! Writing ([`with_stream`]): the chunks follow all other bytes, and the extensions are added. Nothing else changes.
+//! Writing ([`write_progressive`]): the scene gets its drawings and is packed in memory. The chunks follow all other bytes, the
+//! extensions are added, and the file is written once.
 //!
 //! Reading: the reader of documents refines them to the full meshes (`refine.rs`). [`ProgressiveGlb`] gives the chunks as they are, also of a file that is cut off, and the scene of
 //! any level that is decoded from them.
@@ -15,51 +16,88 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::json;
+use tristrip::Layout;
 use tristrip::stream::StreamLimits;
 
-use super::container::{self, CHUNK_HEADER_BYTES, GlbContainer};
+use super::container::{self, CHUNK_HEADER_BYTES, GlbContainer, GlbContent};
 use super::document::{Document, Located, entries_mut, list_mut};
 use super::json::{Members, Value};
 use super::keep::compact::set_buffer;
-use super::read::{read, read_refined};
+use super::keep::draw;
+use super::pack::{Rounding, pack_content};
+use super::read::read_refined;
 use super::refine::{
     EXTENSION, StreamInDocument, StreamMeshes, StreamedPart, VERSION, change_primitive, limits,
 };
+use super::scene::PrimitiveRef;
 use crate::error::Error;
-use crate::model::Model;
+use crate::model::{Drawing, Model};
 
-/// Adds a stream to a GLB: `parts` says for each primitive of triangles, in the order in which [`read`](super::read()) returns parts, how it is refined, if it is.
+/// A GLB in memory, and where its stream starts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct WrittenGlb {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// The offset of the first chunk in the file; its length if it has no stream.
+    pub chunk_start: usize,
+}
+
+/// Writes a progressive GLB in few bytes, as [`pack`](super::pack()) does: a model with a scene, one drawing per part, and the stream that refines them. `parts` has the
+/// source of each part that is refined. Without chunks the result is a plain GLB.
 ///
 /// # Errors
-/// The bytes are not a GLB with its data in one buffer, there is not one entry for each part, or the result exceeds 4 GiB.
+/// The model has no scene, there is not one drawing and one source per part, a strip names a vertex that does not exist, or the result exceeds 4 GiB.
 ///
 /// ```
 /// use tristrip::stream::{StreamOptions, encode};
-/// use tristrip_io::gltf::{ProgressiveGlb, StreamedPart, with_stream};
-/// use tristrip_io::{Drawing, Format, read, write};
+/// use tristrip_io::gltf::{ProgressiveGlb, StreamedPart, with_scene, write_progressive};
+/// use tristrip_io::{Drawing, Format, read};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let model = with_scene(&model)?;
 /// let mesh = &model.parts[0].mesh;
 /// let options = tristrip::simplify::SimplifyOptions::default();
 /// let tree = tristrip::simplify::refinement_batches(mesh, mesh.faces().corners().to_vec(), &options)?;
 /// let stream = encode(mesh, &tree.sequence, &tree.level_ends, 0, &StreamOptions::default())?;
-/// let base = tristrip_io::with_triangles(&model, vec![stream.base.clone()], Format::Glb)?;
-/// let base = write(&base.model, &[Drawing::Faces], Format::Glb, tristrip::Layout::List)?;
-/// let glb = with_stream(base, &[Some(StreamedPart { stream: 0, part: None })], &stream.bytes())?;
-/// assert_eq!(read(&glb, Format::Glb)?.parts[0].mesh.faces().triangle_count(), 4);
-/// assert!(ProgressiveGlb::open(glb)?.is_some_and(|glb| glb.is_complete()));
+/// let base = tristrip_io::with_triangles(&model, vec![stream.base.clone()], Format::Glb)?.model;
+/// let parts = [Some(StreamedPart { stream: 0, part: None })];
+/// let glb = write_progressive(&base, &[Drawing::Faces], &parts, &stream.bytes())?;
+/// assert_eq!(read(&glb.bytes, Format::Glb)?.parts[0].mesh.faces().triangle_count(), 4);
+/// let opened = ProgressiveGlb::open(glb.bytes)?;
+/// assert!(opened.is_some_and(|opened| opened.is_complete() && opened.chunk_start() == glb.chunk_start));
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
-pub fn with_stream(glb: Vec<u8>, parts: &[Option<StreamedPart>], chunks: &[u8]) -> Result<Vec<u8>, Error> {
-    let scene = read(glb, None)?.scene.unwrap_or_default();
-    scene.check_part_count(parts.len())?;
-    let [bytes] = &scene.buffers[..] else {
-        let found = format!("{} buffers", scene.buffers.len());
-        return Err(Error::format("buffers", found, "the data of a GLB in one buffer"));
+pub fn write_progressive(
+    model: &Model,
+    drawings: &[Drawing<'_>],
+    parts: &[Option<StreamedPart>],
+    chunks: &[u8],
+) -> Result<WrittenGlb, Error> {
+    model.check_drawings(drawings)?;
+    let Some(scene) = &model.scene else {
+        return Err(Error::Unsupported("a progressive GLB of a model without a scene".into()));
     };
-    let mut document = scene.document;
-    let root = &mut document.root;
-    let view = json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": chunks.len() });
+    scene.check_part_count(parts.len())?;
+    let content = pack_content(draw(scene, model, drawings, Layout::Degenerate)?.joined(), Rounding::None)?;
+    if chunks.is_empty() {
+        let bytes = content.write()?;
+        return Ok(WrittenGlb { chunk_start: bytes.len(), bytes });
+    }
+    let GlbContent { mut document, buffer } = content;
+    add_stream(&mut document.root, (&scene.primitives, parts), buffer.len()..buffer.len() + chunks.len())?;
+    let json = document.to_bytes();
+    let bytes = container::write(&json, &[buffer.as_slice(), chunks])?;
+    Ok(WrittenGlb { bytes, chunk_start: container::bin_start(json.len()) + buffer.len() })
+}
+
+/// Adds a stream, which ends the only buffer of a document, and how it refines parts.
+fn add_stream(
+    root: &mut Members,
+    (primitives, parts): (&[PrimitiveRef], &[Option<StreamedPart>]),
+    chunks: Range<usize>,
+) -> Result<(), Error> {
+    let view = json!({ "buffer": 0, "byteOffset": chunks.start, "byteLength": chunks.len() });
     let views = list_mut(root, "bufferViews")?;
     views.push(view.into());
     let view = views.len() - 1;
@@ -68,7 +106,7 @@ pub fn with_stream(glb: Vec<u8>, parts: &[Option<StreamedPart>], chunks: &[u8]) 
         names.push(EXTENSION.into());
     }
     add_extension(root, json!({ "version": VERSION, "bufferView": view }).into())?;
-    for (source, part) in scene.primitives.iter().zip(parts) {
+    for (source, part) in primitives.iter().zip(parts) {
         let Some(StreamedPart { stream, part }) = *part else { continue };
         let value = match part {
             Some(part) => json!({ "stream": stream, "part": part }),
@@ -82,8 +120,23 @@ pub fn with_stream(glb: Vec<u8>, parts: &[Option<StreamedPart>], chunks: &[u8]) 
         })?;
         result?;
     }
-    set_buffer(root, bytes.len() + chunks.len())?;
-    container::write(&document.to_bytes(), &[bytes.as_slice(), chunks])
+    set_buffer(root, chunks.end)
+}
+
+/// Reads the base meshes of a progressive GLB, as a viewer without the extension draws them; a GLB without a stream as [`read`](super::read()) does. The model shares the bytes.
+///
+/// # Errors
+/// The document is not valid.
+///
+/// ```
+/// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
+/// let layout = tristrip::Layout::List;
+/// let glb = tristrip_io::write(&model, &[tristrip_io::Drawing::Faces], tristrip_io::Format::Glb, layout)?;
+/// assert_eq!(tristrip_io::gltf::read_base(&std::sync::Arc::new(glb))?.parts[0].mesh, model.parts[0].mesh);
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn read_base(bytes: &Arc<Vec<u8>>) -> Result<Model, Error> {
+    read_refined(Arc::clone(bytes), &[], &StreamMeshes::new())
 }
 
 fn add_extension(members: &mut Members, value: Value) -> Result<(), Error> {
@@ -240,7 +293,7 @@ impl ProgressiveGlb {
 
     /// Returns the bytes of the chunks, as far as they are there.
     ///
-    /// As all functions of the type, see [`with_stream`] for an example.
+    /// As all functions of the type, see [`write_progressive`] for an example.
     pub fn chunks(&self) -> &[u8] {
         &self.glb[self.chunks.clone()]
     }

@@ -1,27 +1,30 @@
 //! Reading: each primitive of triangles, strips or fans becomes a part.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::json::{Members, Value};
-use tristrip::{Attribute, Faces, Mesh};
+use tristrip::{Attribute, Faces, Layout, Mesh};
 
 use super::BufferFiles;
 use super::accessor::{AccessorResolver, check_views};
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
+use super::build::build;
 use super::document::{Document, Located, array, uses};
 use super::refine::{StreamMeshes, refine};
 use super::scene::{PrimitiveRef, Scene};
 use super::separate::SeparateFiles;
+use super::shared_bytes::SharedBytes;
 use super::spec::{
     COMPRESSIONS, ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
 };
 use super::triangles::{TriangleCounts, TriangleReader};
 use super::{buffer, compressed_views, container, container::GlbContainer, draco};
 use crate::error::Error;
-use crate::model::{Model, Part, StoredStrips};
+use crate::model::{Drawing, Model, Part, StoredStrips};
 
 /// Decoded bytes allowed per byte of the buffers: strips of byte indices need twelve.
 const GEOMETRY_FACTOR: u64 = 16;
@@ -68,6 +71,27 @@ pub fn read_separate(files: &SeparateFiles) -> Result<Model, Error> {
     read_container(Arc::new(files.json.clone()), &mut BufferFiles::new(&[]), Some(files), None)
 }
 
+/// Returns a model with a scene: the model itself if it has one, and otherwise the model that a GLB of it holds, whose faces are triangles.
+///
+/// # Errors
+/// The model has more values than the reader decodes.
+///
+/// ```
+/// use tristrip_io::{Format, gltf, read};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", Format::Obj)?;
+/// let model = gltf::with_scene(&model)?;
+/// assert_eq!((model.scene.is_some(), model.parts[0].mesh.faces().face_count()), (true, 2));
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn with_scene(model: &Model) -> Result<Cow<'_, Model>, Error> {
+    if model.scene.is_some() {
+        return Ok(Cow::Borrowed(model));
+    }
+    let content = build(model, &vec![Drawing::Faces; model.parts.len()], Layout::List);
+    let buffers = content.buffers();
+    read_parts(content.document, buffers, Vec::new(), Vec::new()).map(Cow::Owned)
+}
+
 fn read_container(
     bytes: Arc<Vec<u8>>,
     files: &mut BufferFiles<'_>,
@@ -101,6 +125,16 @@ fn read_document(
     let buffers = compressed_views::decompress(&mut document, buffers, &is_fallback, &mut notes)?;
     let buffers = draco::decompress(&mut document, buffers, &mut notes)?;
     let buffers = refine(&mut document, buffers, meshes, &mut notes)?;
+    read_parts(document, buffers, files.later_folders(), notes)
+}
+
+/// Reads the parts of a document whose buffers are loaded and not compressed.
+fn read_parts(
+    document: Document,
+    buffers: Vec<SharedBytes>,
+    folders: Vec<PathBuf>,
+    mut notes: Vec<String>,
+) -> Result<Model, Error> {
     let root = &document.root;
     let resolver = AccessorResolver { root, buffers: &buffers };
     check_views(&resolver)?;
@@ -119,7 +153,6 @@ fn read_document(
     let PrimitiveReader { counts, triangles, primitives, .. } = reader;
     counts.add_notes(triangles.counts, root, &mut notes);
     note_document(root, &mut notes)?;
-    let folders = files.later_folders();
     Ok(Model { parts, notes, scene: Some(Scene { document, buffers, primitives, folders }), materials: None })
 }
 

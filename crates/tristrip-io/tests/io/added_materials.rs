@@ -4,6 +4,7 @@ use std::fs;
 use std::sync::Arc;
 
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh};
+use tristrip_io::gltf::with_scene;
 use tristrip_io::{
     Drawing, Format, Materials, Model, Part, PlainMaterial, load_materials, material_losses, plain_materials,
     read, read_file, write,
@@ -107,4 +108,31 @@ fn materials_of_one_name_are_one() {
     assert!(known.add_plain("a", &textured()) && known.add_plain("a", &textured()));
     assert!(!known.add_plain("a", &PlainMaterial::default()));
     assert_eq!((known.plain("a"), known.plain("b"), known.files.len()), (Some(textured()), None, 1));
+}
+
+/// A scene that is built in memory is the one that is read from the file: materials, flipped coordinates, polygons, vertices that parts
+/// share, and parts without vertices or faces.
+#[test]
+fn a_scene_in_memory_is_that_of_the_file() {
+    let all = [("a", textured()), ("b", PlainMaterial::default()), ("a", textured())];
+    let coordinates = [AttributeData::F32(UV.to_vec()), AttributeData::U16(vec![0, 1, 7, 65535, 3, 4])];
+    let mut models: Vec<Model> = coordinates
+        .into_iter()
+        .flat_map(|data| [false, true].map(|down| model(&all, data.clone(), down)))
+        .collect();
+    let obj =
+        b"o one\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 2\nf 1//1 2//1 3//1 4//1\nusemtl m\nf 1 2 3\n";
+    models.push(read(obj, Format::Obj).unwrap());
+    models.push(Model { parts: vec![Part::default()], ..Model::default() });
+    models[4].parts.push(Part::default());
+    for model in models {
+        let (built, read) = (with_scene(&model).unwrap(), glb(&model));
+        assert_eq!(built.parts.len(), read.parts.len());
+        for (built, read) in built.parts.iter().zip(&read.parts) {
+            assert_eq!((&built.name, &built.material, &built.mesh), (&read.name, &read.material, &read.mesh));
+        }
+        let faces = vec![Drawing::Faces; read.parts.len()];
+        let again = |model: &Model| write(model, &faces, Format::Glb, Layout::List).unwrap();
+        assert_eq!(again(&built), again(&read));
+    }
 }

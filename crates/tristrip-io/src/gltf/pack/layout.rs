@@ -23,13 +23,13 @@ use self::bytes::Layout;
 use self::uses::{Uses, renumber};
 use super::packing::{OWN_MEMBERS, Packing};
 use crate::error::Error;
-use crate::gltf::container;
+use crate::gltf::container::GlbContent;
 use crate::gltf::document::{Document, array};
 use crate::gltf::json::{Content, Members, Value};
 use crate::gltf::keep::compact::set_buffer;
 
-/// Writes the scene; `None` if a reference of the document leads nowhere.
-pub(super) fn write(scene: Packing) -> Result<Option<Vec<u8>>, Error> {
+/// Lays the scene out; `None` if a reference of the document leads nowhere.
+pub(super) fn lay_out(scene: Packing) -> Result<Option<GlbContent>, Error> {
     let Some(uses) = Uses::of(&scene)? else { return Ok(None) };
     let Some(views) = ViewArrays::of(&scene, &uses)? else { return Ok(None) };
     let layout = Layout::of(&scene, &views)?;
@@ -49,7 +49,7 @@ pub(super) fn write(scene: Packing) -> Result<Option<Vec<u8>>, Error> {
     // 2. The references to them.
     renumber(root, &numbers, &layout.view_numbers)?;
     set_buffer(root, layout.bytes.len())?;
-    container::write(&document.to_bytes(), &[&layout.bytes]).map(Some)
+    Ok(Some(GlbContent { document, buffer: layout.bytes.into() }))
 }
 
 /// Returns the accessors that stay, and the new number of each old one.
