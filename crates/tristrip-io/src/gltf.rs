@@ -42,75 +42,39 @@
 //! triangle, and the other attributes in their own width. [`DECOMPRESSED_LIMIT`], [`GEOMETRY_LIMIT`], [`ATTRIBUTE_LIMIT`] and [`TRIANGLE_LIMIT`] bound what is decoded beyond
 //! what the bytes pay for. Primitives with the same indices are decoded once.
 
-mod accessor;
-pub(crate) mod appearance;
-mod arriving;
-mod bounds;
-mod budget;
-mod buffer;
-#[cfg(feature = "fs")]
-pub(crate) mod buffer_files;
-mod build;
-mod component;
-mod compressed_views;
-mod container;
-mod document;
-mod draco;
-pub(crate) mod equal_vertices;
-pub(crate) mod extend;
-#[cfg(feature = "fs")]
-pub(crate) mod images;
-mod index;
-mod json;
-mod keep;
-mod level_nodes;
-pub(crate) mod levels;
-mod material_builder;
+pub(crate) mod document;
+pub(crate) mod edit;
 mod pack;
-mod permute;
-mod placements;
-mod pose;
-mod prefixes;
-mod progressive;
-mod read;
-mod references;
-mod refine;
-mod removed_bytes;
-pub(crate) mod renumber;
-pub(crate) mod scene;
-mod separate;
-mod shared_bytes;
-mod shrink;
-mod spec;
-mod transform;
-mod triangles;
+pub(crate) mod read;
+mod stream;
+mod write;
 
-use self::json::{Members, Value};
+use self::document::json::{Members, Value};
 use tristrip::Layout;
 
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
-pub use appearance::{Appearance, Image, Instance, Material, Texture, Wrap};
-pub use arriving::{ArrivalLimits, ArrivingGlb};
-pub use budget::{
+pub use document::JSON_VALUE_LIMIT;
+pub use document::budget::{
     ATTRIBUTE_LIMIT, DECOMPRESSED_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE,
 };
 #[cfg(not(feature = "fs"))]
-pub(crate) use buffer::BufferFiles;
+pub(crate) use document::buffer::BufferFiles;
 #[cfg(feature = "fs")]
-pub(crate) use buffer_files::BufferFiles;
-pub use build::losses;
-pub use document::JSON_VALUE_LIMIT;
+pub(crate) use document::buffer_files::BufferFiles;
+pub use document::scene::Scene;
 pub use pack::{Rounding, pack};
-pub use placements::Placement;
-pub use pose::{MorphReader, Skin};
-pub use progressive::{ChunkRange, ProgressiveGlb, WrittenGlb, read_base, write_progressive};
+pub use read::appearance::{Appearance, Image, Instance, Material, Texture, Wrap};
+pub use read::placements::Placement;
+pub use read::pose::{MorphReader, Skin};
 pub(crate) use read::read_with_files;
 pub use read::{read, read_separate, with_scene};
-pub use refine::{StreamMeshes, StreamedPart};
-pub use scene::Scene;
-pub use separate::{SeparateFiles, separate};
+pub use stream::arriving::{ArrivalLimits, ArrivingGlb};
+pub use stream::progressive::{ChunkRange, ProgressiveGlb, WrittenGlb, read_base, write_progressive};
+pub use stream::refine::{StreamMeshes, StreamedPart};
+pub use write::build::losses;
+pub use write::separate::{SeparateFiles, separate};
 
 /// Checks whether a model's document has vertex data that the meshes of its parts do not hold: morph targets, and
 /// attributes that were not decoded. Vertices that are equal in the meshes may differ there.
@@ -135,7 +99,7 @@ pub fn has_unread_vertex_values(model: &Model) -> bool {
 pub fn unread_vertex_values(model: &Model) -> Vec<bool> {
     let Some(scene) = &model.scene else { return vec![false; model.parts.len()] };
     let meshes = document::array(&scene.document.root, "meshes").unwrap_or_default();
-    let is_unread = |(source, part): (&scene::PrimitiveRef, &crate::model::Part)| {
+    let is_unread = |(source, part): (&document::scene::PrimitiveRef, &crate::model::Part)| {
         let Some(mesh) = meshes.get(source.mesh) else { return false };
         document::items(mesh, "primitives").get(source.primitive).is_some_and(|primitive| {
             let attributes = primitive.get("attributes").and_then(Value::as_object).map_or(0, Members::len);
@@ -175,7 +139,7 @@ pub fn unread_vertex_values(model: &Model) -> Vec<bool> {
 pub fn write_glb(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
     model.check_drawings(drawings)?;
     match &model.scene {
-        Some(scene) => keep::draw(scene, model, drawings, layout)?.write(),
-        None => build::build(model, drawings, layout).write(),
+        Some(scene) => write::keep::draw(scene, model, drawings, layout)?.write(),
+        None => write::build::build(model, drawings, layout).write(),
     }
 }

@@ -7,7 +7,7 @@ use tristrip::MAX_COUNT;
 use tristrip::{Attribute, Mesh};
 
 use crate::error::Error;
-use crate::gltf::scene::Scene;
+use crate::gltf::document::scene::Scene;
 use crate::model::{Drawing, Model, Part};
 
 /// The vertices of all parts, one block after the other.

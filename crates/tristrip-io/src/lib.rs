@@ -27,44 +27,38 @@
 #![forbid(unsafe_code)]
 
 mod any_format;
+mod edit;
 mod error;
 mod format;
 pub mod gltf;
 mod join;
 mod le_bytes;
-mod levels;
 mod materials;
 mod model;
-mod new_values;
-mod new_vertices;
 mod obj;
 mod off;
 #[cfg(feature = "fs")]
 mod path;
 mod ply;
 mod polygons;
-mod redraw;
-mod reorder;
-mod shared_vertices;
 mod stl;
 mod text;
 pub mod tlod;
-mod vertex_group;
 
 pub use any_format::{losses, material_losses, plain_materials, read, read_shared, write};
+pub use edit::levels::{LeveledModel, PartLevel, SceneLevels, in_level_order};
+pub use edit::new_values::{NewValues, NewVertices};
+pub use edit::new_vertices::{Extended, fixed_vertices, with_new_vertices};
+pub use edit::redraw::{KeptVertices, Redrawn, merge_equal_vertices, with_triangles};
+pub use edit::reorder::{Reordered, reorder};
+pub use edit::vertex_group::VertexGroup;
 pub use error::{Error, system_message};
 pub use format::Format;
 #[cfg(feature = "fs")]
-pub use gltf::images::EmbeddedImages;
-pub use levels::{LeveledModel, PartLevel, SceneLevels, in_level_order};
+pub use gltf::edit::images::EmbeddedImages;
 pub use materials::{Materials, PlainMaterial, SideFile};
 pub use model::{Drawing, Model, Part, StoredStrips};
-pub use new_values::{NewValues, NewVertices};
-pub use new_vertices::{Extended, fixed_vertices, with_new_vertices};
 #[cfg(feature = "fs")]
 pub use path::{
     ReadFile, embed_images, load_materials, read_beside, read_file, read_path, replace_file, write_path,
 };
-pub use redraw::{KeptVertices, Redrawn, merge_equal_vertices, with_triangles};
-pub use reorder::{Reordered, reorder};
-pub use vertex_group::VertexGroup;

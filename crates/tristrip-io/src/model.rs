@@ -3,7 +3,7 @@
 use tristrip::{Error as MeshError, Mesh, MeshProblem, Strips};
 
 use crate::error::Error;
-use crate::gltf::scene::Scene;
+use crate::gltf::document::scene::Scene;
 use crate::materials::Materials;
 
 /// A file's geometry, in the order of the file. Clones share positions, attributes, buffers and images.

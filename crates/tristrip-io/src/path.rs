@@ -13,7 +13,7 @@ use crate::any_format::{read_with_files, write};
 use crate::error::Error;
 use crate::format::Format;
 use crate::gltf::BufferFiles;
-use crate::gltf::images::{EmbeddedImages, embed};
+use crate::gltf::edit::images::{EmbeddedImages, embed};
 use crate::materials::SideFile;
 use crate::model::{Drawing, Model};
 use crate::obj::scene_library::{library_of, library_of_added};

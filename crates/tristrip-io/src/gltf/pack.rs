@@ -29,14 +29,14 @@ mod types;
 use std::sync::Arc;
 
 use self::packing::{Fixed, Packing};
-use super::BufferFiles;
-use super::accessor::{AccessorResolver, check_views};
-use super::buffer;
-use super::container::{self, GlbContent};
-use super::document::{Document, array};
-use super::references::ExtensionNumbers;
-use super::shared_bytes::SharedBytes;
 use crate::error::Error;
+use crate::gltf::BufferFiles;
+use crate::gltf::document::accessor::{AccessorResolver, check_views};
+use crate::gltf::document::buffer;
+use crate::gltf::document::container::{self, GlbContent};
+use crate::gltf::document::references::ExtensionNumbers;
+use crate::gltf::document::shared_bytes::SharedBytes;
+use crate::gltf::document::{Document, array};
 
 pub use packing::Rounding;
 
@@ -75,7 +75,7 @@ pub fn pack(glb: Vec<u8>, rounding: Rounding) -> Result<Vec<u8>, Error> {
 }
 
 /// Packs a file that is not yet written, unless that would make it larger.
-pub(super) fn pack_content(content: GlbContent, rounding: Rounding) -> Result<GlbContent, Error> {
+pub(in crate::gltf) fn pack_content(content: GlbContent, rounding: Rounding) -> Result<GlbContent, Error> {
     let packed = pack_document(content.document.clone(), content.buffers(), rounding)?;
     Ok(packed.filter(|packed| packed.file_bytes() < content.file_bytes()).unwrap_or(content))
 }

@@ -1,29 +1,38 @@
 //! Reading: each primitive of triangles, strips or fans becomes a part.
 
+pub(crate) mod appearance;
+pub(in crate::gltf) mod compressed_views;
+mod draco;
+pub(in crate::gltf) mod placements;
+pub(in crate::gltf) mod pose;
+mod transform;
+mod triangles;
+
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::json::{Members, Value};
+use crate::gltf::document::json::{Members, Value};
 use tristrip::{Attribute, Faces, Layout, Mesh};
 
-use super::BufferFiles;
-use super::accessor::{AccessorResolver, check_views};
-use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
-use super::build::build;
-use super::document::{Document, Located, array, uses};
-use super::refine::{StreamMeshes, refine};
-use super::scene::{PrimitiveRef, Scene};
-use super::separate::SeparateFiles;
-use super::shared_bytes::SharedBytes;
-use super::spec::{
+use crate::error::Error;
+use crate::gltf::BufferFiles;
+use crate::gltf::document::accessor::{AccessorResolver, check_views};
+use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
+use crate::gltf::document::buffer;
+use crate::gltf::document::container::{self, GlbContainer};
+use crate::gltf::document::scene::{PrimitiveRef, Scene};
+use crate::gltf::document::shared_bytes::SharedBytes;
+use crate::gltf::document::spec::{
     COMPRESSIONS, ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
 };
-use super::triangles::{TriangleCounts, TriangleReader};
-use super::{buffer, compressed_views, container, container::GlbContainer, draco};
-use crate::error::Error;
+use crate::gltf::document::{Document, Located, array, uses};
+use crate::gltf::read::triangles::{TriangleCounts, TriangleReader};
+use crate::gltf::stream::refine::{StreamMeshes, refine};
+use crate::gltf::write::build::build;
+use crate::gltf::write::separate::SeparateFiles;
 use crate::model::{Drawing, Model, Part, StoredStrips};
 
 /// Decoded bytes allowed per byte of the buffers: strips of byte indices need twelve.
@@ -55,7 +64,7 @@ pub(crate) fn read_with_files(bytes: Arc<Vec<u8>>, files: &mut BufferFiles<'_>) 
 }
 
 /// Reads a progressive document whose primitives draw the given meshes of its stream.
-pub(super) fn read_refined(
+pub(in crate::gltf) fn read_refined(
     bytes: Arc<Vec<u8>>,
     folders: &[&Path],
     meshes: &StreamMeshes,

@@ -4,8 +4,8 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use crate::gltf::appearance::Appearance;
-use crate::gltf::scene::Scene;
+use crate::gltf::document::scene::Scene;
+use crate::gltf::read::appearance::Appearance;
 use crate::join::{clean, material_name};
 use crate::materials::{Materials, ObjMaterial, SideFile, image_extension};
 use crate::model::Part;

@@ -27,12 +27,12 @@ use serde_json::json;
 use self::track::Track;
 use super::packing::{NewAccessors, Packing, Rounding, entry_mut};
 use crate::error::Error;
-use crate::gltf::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
-use crate::gltf::component::ComponentType;
+use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
+use crate::gltf::document::component::ComponentType;
+use crate::gltf::document::json::{Members, Value};
+use crate::gltf::document::references::has_number;
 use crate::gltf::document::{Located, array, index, items, uses};
-use crate::gltf::json::{Members, Value};
-use crate::gltf::permute::VERTEX_FACTOR;
-use crate::gltf::references::has_number;
+use crate::gltf::edit::permute::VERTEX_FACTOR;
 
 /// The bytes of the JSON of an accessor, about: what keyframes of its own cost a track.
 const ACCESSOR_BYTES: usize = 120;

@@ -23,10 +23,10 @@ use self::bytes::Layout;
 use self::uses::{Uses, renumber};
 use super::packing::{OWN_MEMBERS, Packing};
 use crate::error::Error;
-use crate::gltf::container::GlbContent;
+use crate::gltf::document::container::GlbContent;
+use crate::gltf::document::json::{Content, Members, Value};
 use crate::gltf::document::{Document, array};
-use crate::gltf::json::{Content, Members, Value};
-use crate::gltf::keep::compact::set_buffer;
+use crate::gltf::write::keep::compact::set_buffer;
 
 /// Lays the scene out; `None` if a reference of the document leads nowhere.
 pub(super) fn lay_out(scene: Packing) -> Result<Option<GlbContent>, Error> {

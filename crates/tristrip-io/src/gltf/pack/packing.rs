@@ -3,11 +3,11 @@
 use serde_json::json;
 
 use crate::error::Error;
-use crate::gltf::accessor::AccessorResolver;
+use crate::gltf::document::accessor::AccessorResolver;
+use crate::gltf::document::json::{Members, Value};
+use crate::gltf::document::references::ExtensionNumbers;
+use crate::gltf::document::shared_bytes::SharedBytes;
 use crate::gltf::document::{Document, array, entries_mut, list_mut};
-use crate::gltf::json::{Members, Value};
-use crate::gltf::references::ExtensionNumbers;
-use crate::gltf::shared_bytes::SharedBytes;
 
 /// Members of an accessor, or of a view, that must not be lost.
 pub(super) const OWN_MEMBERS: [&str; 3] = ["name", "extensions", "extras"];

@@ -8,9 +8,9 @@ use std::collections::HashSet;
 
 use super::packing::{Packing, Rounding};
 use crate::error::Error;
+use crate::gltf::document::json::{Content, Members, Value};
+use crate::gltf::document::references::position_accessors;
 use crate::gltf::document::{array, entries_mut, index, items};
-use crate::gltf::json::{Content, Members, Value};
-use crate::gltf::references::position_accessors;
 
 /// Removes what need not be said.
 pub(super) fn tidy(scene: &mut Packing, rounding: Rounding) -> Result<(), Error> {

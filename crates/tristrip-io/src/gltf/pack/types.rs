@@ -16,15 +16,15 @@ use serde_json::json;
 
 use super::packing::{NewAccessors, Packing, Rounding, entry_mut};
 use crate::error::Error;
-use crate::gltf::accessor::AccessorValues;
-use crate::gltf::bounds::number;
-use crate::gltf::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
-use crate::gltf::component::ComponentType;
+use crate::gltf::document::accessor::AccessorValues;
+use crate::gltf::document::bounds::number;
+use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
+use crate::gltf::document::component::ComponentType;
+use crate::gltf::document::json::{Content, Members, Value};
+use crate::gltf::document::references::skin_and_animation_accessors;
+use crate::gltf::document::spec::TRIANGLES;
 use crate::gltf::document::{Located, array, index, items, values, whole};
-use crate::gltf::json::{Content, Members, Value};
-use crate::gltf::permute::VERTEX_FACTOR;
-use crate::gltf::references::skin_and_animation_accessors;
-use crate::gltf::spec::TRIANGLES;
+use crate::gltf::edit::permute::VERTEX_FACTOR;
 
 /// The greatest difference between 1 and the sum of a vertex's weights, above which the sum is not meant to be 1.
 const SUM_TOLERANCE: f64 = 1e-3;

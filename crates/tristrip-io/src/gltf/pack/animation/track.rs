@@ -1,11 +1,11 @@
 //! A track of an animation: which of its keyframes the interpolation of the others gives back.
 
-use crate::gltf::accessor::{AccessorResolver, AccessorValues};
-use crate::gltf::bounds::number;
-use crate::gltf::budget::DecodeBudget;
-use crate::gltf::component::ComponentType;
 use crate::gltf::document::Located;
-use crate::gltf::json::Value;
+use crate::gltf::document::accessor::{AccessorResolver, AccessorValues};
+use crate::gltf::document::bounds::number;
+use crate::gltf::document::budget::DecodeBudget;
+use crate::gltf::document::component::ComponentType;
+use crate::gltf::document::json::Value;
 
 /// How far a track may be from what it was, as a share of its greatest value: a few times what rounding to 32-bit
 /// floats changes when an exporter computes it from a matrix.

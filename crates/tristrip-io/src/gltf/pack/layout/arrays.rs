@@ -6,11 +6,11 @@ use std::ops::Range;
 use super::super::packing::{OWN_MEMBERS, Packing};
 use super::uses::{Kind, Uses};
 use crate::error::Error;
-use crate::gltf::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
-use crate::gltf::buffer::view_range;
+use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
+use crate::gltf::document::buffer::view_range;
+use crate::gltf::document::json::Value;
 use crate::gltf::document::{Located, array, index};
-use crate::gltf::json::Value;
-use crate::gltf::permute::{AccessorLayout, StridedRange, VERTEX_FACTOR};
+use crate::gltf::edit::permute::{AccessorLayout, StridedRange, VERTEX_FACTOR};
 
 /// The members of an accessor that refer to views.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -10,11 +10,11 @@ use super::super::packing::Packing;
 use super::arrays::{Array, Holder, ViewArrays};
 use super::uses::Kind;
 use crate::error::Error;
-use crate::gltf::buffer::view_range;
+use crate::gltf::document::buffer::view_range;
+use crate::gltf::document::json::{Members, Value};
+use crate::gltf::document::removed_bytes;
+use crate::gltf::document::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER};
 use crate::gltf::document::{array, index};
-use crate::gltf::json::{Members, Value};
-use crate::gltf::removed_bytes;
-use crate::gltf::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER};
 
 /// The alignment of arrays.
 const ALIGNMENT: usize = 4;

@@ -4,8 +4,8 @@ use std::collections::HashSet;
 
 use super::super::packing::Packing;
 use crate::error::Error;
+use crate::gltf::document::json::{Members, Value};
 use crate::gltf::document::{array, entries_mut, index, items};
-use crate::gltf::json::{Members, Value};
 
 /// The kind of an array: what a buffer view says about the values in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

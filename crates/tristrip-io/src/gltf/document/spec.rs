@@ -1,0 +1,30 @@
+//! Numbers and names of the glTF specification and of its extensions that several modules use.
+
+/// The primitive mode of a triangle list.
+pub(in crate::gltf) const TRIANGLES: u64 = 4;
+pub(in crate::gltf) const TRIANGLE_STRIP: u64 = 5;
+pub(in crate::gltf) const TRIANGLE_FAN: u64 = 6;
+
+/// The `target` of a buffer view with vertex attributes.
+pub(in crate::gltf) const ARRAY_BUFFER: u32 = 34962;
+/// The `target` of a buffer view with indices.
+pub(in crate::gltf) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// The extension that allows integer positions.
+pub(in crate::gltf) const QUANTIZATION: &str = "KHR_mesh_quantization";
+
+/// The extensions that compress the bytes of a buffer view; the second is the successor of the first, of the same shape.
+pub(in crate::gltf) const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// The extension that allows the restart index.
+pub(in crate::gltf) const RESTART_EXTENSION: &str = "KHR_mesh_primitive_restart";
+
+/// The extension that names the nodes, or materials, of lower levels of detail, and nothing else.
+pub(in crate::gltf) const LEVELS_OF_DETAIL: &str = "MSFT_lod";
+
+/// The extras of a node with levels of detail: the screen coverages down to which its levels are drawn.
+pub(in crate::gltf) const SCREEN_COVERAGE: &str = "MSFT_screencoverage";
+
+/// Extensions that describe the order of indices, and become invalid when the indices change.
+pub(in crate::gltf) const ORDER_EXTENSIONS: [&str; 3] =
+    ["EXT_mesh_manifold", "EXT_mesh_primitive_edge_visibility", "EXT_mesh_primitive_restart"];

@@ -1,0 +1,267 @@
+//! The JSON of a document: parsed under a limit, read with errors that name the JSON path, and written with the text of
+//! everything that was not changed.
+
+use crate::gltf::document::json::{self, Content, Members, Value};
+use crate::gltf::document::shared_bytes::SharedBytes;
+
+use crate::error::Error;
+
+/// The largest number of values that the JSON of a document may have.
+pub const JSON_VALUE_LIMIT: u64 = 4 << 20;
+
+/// The JSON of a document and the text that it was parsed from.
+#[derive(Debug, Clone, Default)]
+pub(in crate::gltf) struct Document {
+    pub(in crate::gltf) root: Members,
+    text: SharedBytes,
+}
+
+impl Document {
+    /// Parses a document and checks that it is glTF 2.
+    pub(in crate::gltf) fn parse(text: SharedBytes) -> Result<Self, Error> {
+        let root = root_of(text.as_slice())?;
+        let version = Located::root(&root, "asset")?.need("version")?;
+        if !version.text()?.starts_with("2.") {
+            return Err(version.wrong("\"2.0\""));
+        }
+        Ok(Self { root, text })
+    }
+
+    /// Makes a document of JSON that was built.
+    pub(in crate::gltf) fn of_members(root: Members) -> Self {
+        Self { root, text: SharedBytes::default() }
+    }
+
+    /// Returns the JSON, with the text that was read for every value that has not been changed.
+    pub(in crate::gltf) fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Vec::with_capacity(self.text.len());
+        self.root.write(self.text.as_slice(), &mut out);
+        out
+    }
+
+    /// Returns the JSON of a value of the document, or of one that was built.
+    pub(in crate::gltf) fn text_of(&self, value: &Value) -> Vec<u8> {
+        let mut out = Vec::new();
+        value.write(self.text.as_slice(), &mut out);
+        out
+    }
+
+    /// Returns the document with its JSON as it is now, without the spaces between values.
+    pub(in crate::gltf) fn without_spaces(self) -> Result<Self, Error> {
+        let text = SharedBytes::from(json::without_spaces(&self.to_bytes()));
+        Ok(Self { root: root_of(text.as_slice())?, text })
+    }
+
+    /// Parses the JSON as it is now, so that the text of removed values is dropped.
+    pub(in crate::gltf) fn compacted(self) -> Result<Self, Error> {
+        let text = SharedBytes::from(self.to_bytes());
+        Ok(Self { root: root_of(text.as_slice())?, text })
+    }
+}
+
+fn root_of(json: &[u8]) -> Result<Members, Error> {
+    // Each value but the first follows one of these; inside strings they only make the count too high.
+    let values = json.iter().filter(|b| matches!(b, b',' | b'[' | b'{')).count() as u64;
+    if values > JSON_VALUE_LIMIT {
+        return Err(Error::LimitExceeded {
+            at: "values of the JSON".into(),
+            found: values,
+            limit: JSON_VALUE_LIMIT,
+        });
+    }
+    let root = json::parse(json)?;
+    match root.content {
+        Content::Object(members) => Ok(members),
+        _ => Err(Error::format("JSON", describe(&root), "an object")),
+    }
+}
+
+/// A JSON value and its path in the document.
+#[derive(Clone)]
+pub(in crate::gltf) struct Located<'a> {
+    pub(in crate::gltf) value: &'a Value,
+    pub(in crate::gltf) at: String,
+}
+
+impl<'a> Located<'a> {
+    /// Returns a member of the document.
+    pub(in crate::gltf) fn root(root: &'a Members, name: &str) -> Result<Self, Error> {
+        match root.get(name) {
+            Some(value) => Ok(Self { value, at: name.to_owned() }),
+            None => Err(Error::format(name, "nothing", "an object")),
+        }
+    }
+
+    /// Iterates over the entries of one of the document's arrays.
+    pub(in crate::gltf) fn entries(
+        root: &'a Members,
+        list: &'static str,
+    ) -> Result<impl Iterator<Item = Self>, Error> {
+        let entries = array(root, list)?.iter().enumerate();
+        Ok(entries.map(move |(i, value)| Self { value, at: format!("{list}[{i}]") }))
+    }
+
+    /// Returns an entry of one of the document's arrays by its number.
+    pub(in crate::gltf) fn entry(root: &'a Members, list: &str, number: usize) -> Result<Self, Error> {
+        let entries = array(root, list)?;
+        let missing = || {
+            let expected = format!("less than {}, the number of {list}", entries.len());
+            Error::format(list, number.to_string(), expected)
+        };
+        let value = entries.get(number).ok_or_else(missing)?;
+        Ok(Self { value, at: format!("{list}[{number}]") })
+    }
+
+    /// Returns the entry of one of the document's arrays that the value is an index of.
+    pub(in crate::gltf) fn target(&self, root: &'a Members, list: &str) -> Result<Self, Error> {
+        let (index, entries) = (self.size()?, array(root, list)?);
+        match entries.get(index) {
+            Some(value) => Ok(Self { value, at: format!("{list}[{index}]") }),
+            None => Err(self.wrong(format!("less than {}, the number of {list}", entries.len()))),
+        }
+    }
+
+    /// Returns a member, if it exists.
+    pub(in crate::gltf) fn field(&self, name: &str) -> Option<Located<'a>> {
+        let value = self.value.get(name)?;
+        Some(Self { value, at: format!("{}.{name}", self.at) })
+    }
+
+    /// Returns a member that must exist.
+    pub(in crate::gltf) fn need(&self, name: &str) -> Result<Located<'a>, Error> {
+        self.field(name).ok_or_else(|| Error::format(format!("{}.{name}", self.at), "nothing", "a value"))
+    }
+
+    /// Returns the entries of an array.
+    pub(in crate::gltf) fn items(&self) -> Result<impl Iterator<Item = Located<'a>> + use<'a>, Error> {
+        let Some(items) = self.value.as_array() else { return Err(self.wrong("an array")) };
+        let at = self.at.clone();
+        Ok(items.iter().enumerate().map(move |(i, value)| Located { value, at: format!("{at}[{i}]") }))
+    }
+
+    /// Returns the members of an object.
+    pub(in crate::gltf) fn members(
+        &self,
+    ) -> Result<impl Iterator<Item = (&'a str, Located<'a>)> + use<'a>, Error> {
+        let Some(members) = self.value.as_object() else { return Err(self.wrong("an object")) };
+        let at = self.at.clone();
+        Ok(members.iter().map(move |(name, value)| (name, Located { value, at: format!("{at}.{name}") })))
+    }
+
+    /// Returns the value as a whole number.
+    pub(in crate::gltf) fn whole(&self) -> Result<u64, Error> {
+        whole(self.value).ok_or_else(|| self.wrong("a whole number"))
+    }
+
+    /// Returns the value as a size or an index.
+    pub(in crate::gltf) fn size(&self) -> Result<usize, Error> {
+        usize::try_from(self.whole()?).map_err(|_| self.wrong("a smaller number"))
+    }
+
+    /// Returns the value as a finite number.
+    pub(in crate::gltf) fn number(&self) -> Result<f64, Error> {
+        let found = match &self.value.content {
+            Content::Whole(number) => Some(*number as f64),
+            Content::Number(text) => text.parse().ok(),
+            _ => None,
+        };
+        found.filter(|x| x.is_finite()).ok_or_else(|| self.wrong("a finite number"))
+    }
+
+    /// Returns the entries of an array of `N` finite numbers.
+    pub(in crate::gltf) fn numbers<const N: usize>(&self) -> Result<[f64; N], Error> {
+        let items = self.items()?.map(|item| item.number()).collect::<Result<Vec<_>, _>>()?;
+        let found = items.len();
+        let wrong = |_| Error::format(self.at.clone(), format!("{found} numbers"), format!("{N}"));
+        items.try_into().map_err(wrong)
+    }
+
+    /// Returns the value as text.
+    pub(in crate::gltf) fn text(&self) -> Result<&'a str, Error> {
+        self.value.as_str().ok_or_else(|| self.wrong("a string"))
+    }
+
+    /// Returns the error for a value that is not what was expected.
+    pub(in crate::gltf) fn wrong(&self, expected: impl Into<String>) -> Error {
+        Error::format(self.at.clone(), describe(self.value), expected)
+    }
+
+    /// Returns a member that is a size, or a default where it is missing.
+    pub(in crate::gltf) fn size_or(&self, name: &str, default: usize) -> Result<usize, Error> {
+        self.field(name).map_or(Ok(default), |value| value.size())
+    }
+}
+
+/// Returns the entries of one of the document's arrays; none where it is missing.
+pub(in crate::gltf) fn array<'a>(root: &'a Members, list: &str) -> Result<&'a [Value], Error> {
+    let Some(value) = root.get(list) else { return Ok(&[]) };
+    value.as_array().ok_or_else(|| Error::format(list, describe(value), "an array"))
+}
+
+/// Returns a value as a whole number; some writers put `3.0` for `3`.
+pub(in crate::gltf) fn whole(value: &Value) -> Option<u64> {
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    match &value.content {
+        Content::Whole(number) => Some(*number),
+        Content::Number(text) => {
+            let x: f64 = text.parse().ok()?;
+            #[allow(clippy::cast_sign_loss, reason = "the range is checked")]
+            (x.fract() == 0.0 && (0.0..EXACT).contains(&x)).then_some(x as u64)
+        }
+        _ => None,
+    }
+}
+
+/// Returns the entries of one of the document's arrays, which is created if it is missing.
+pub(in crate::gltf) fn list_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut Vec<Value>, Error> {
+    if !root.contains_key(list) {
+        root.insert(list, Value::from(Content::Array(Vec::new())));
+    }
+    array(root, list)?;
+    let entries = root.get_mut(list).and_then(Value::as_array_mut);
+    entries.ok_or_else(|| Error::format(list, "nothing", "an array"))
+}
+
+/// Returns the entries of one of the document's arrays; none where it is missing.
+pub(in crate::gltf) fn entries_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut [Value], Error> {
+    array(root, list)?;
+    let entries = root.get_mut(list).and_then(Value::as_array_mut);
+    Ok(entries.map(Vec::as_mut_slice).unwrap_or_default())
+}
+
+/// Returns the entries of an array that is a member of a value; none where it is missing.
+pub(in crate::gltf) fn items<'a>(value: &'a Value, name: &str) -> &'a [Value] {
+    value.get(name).and_then(Value::as_array).unwrap_or_default()
+}
+
+/// Iterates over the member values of an object.
+pub(in crate::gltf) fn values(object: &Value) -> impl Iterator<Item = &Value> {
+    object.as_object().into_iter().flat_map(Members::values)
+}
+
+/// Returns a value as an index.
+pub(in crate::gltf) fn index(value: &Value) -> Option<usize> {
+    usize::try_from(whole(value)?).ok()
+}
+
+/// Checks whether a document declares that it uses an extension.
+pub(in crate::gltf) fn uses(root: &Members, extension: &str) -> bool {
+    ["extensionsUsed", "extensionsRequired"].into_iter().any(|list| {
+        let names = root.get(list).and_then(Value::as_array).unwrap_or_default();
+        names.iter().any(|name| name.as_str() == Some(extension))
+    })
+}
+
+/// Describes a value in a few words.
+fn describe(value: &Value) -> String {
+    match &value.content {
+        Content::Null => "null".into(),
+        Content::Bool(b) => b.to_string(),
+        Content::Whole(n) => n.to_string(),
+        Content::Number(n) => n.chars().take(40).collect(),
+        Content::String(s) if s.chars().count() <= 40 => format!("{s:?}"),
+        Content::String(s) => format!("{:?}...", s.chars().take(40).collect::<String>()),
+        Content::Array(_) => "an array".into(),
+        Content::Object(_) => "an object".into(),
+    }
+}

@@ -1,0 +1,439 @@
+//! What a scene shows: where its nodes put each part, and the base colours of its materials, for pictures.
+//!
+//! ```text
+//! scene ─▶ nodes ─▶ mesh ─▶ primitives that became parts: one instance each, with the product of the nodes' transforms
+//!                └▶ skin ─▶ the matrices of its joints
+//! part ─▶ material ─▶ base colour factor, texture ─▶ sampler: wrapping
+//!                                                 └▶ image ─▶ buffer view, data URI or file
+//! ```
+//! The pose is the rest pose of the file ([`Skin`], [`Scene::morph_reader`]): animations are not applied. As the specification requires,
+//! the transform of a node with a skin is ignored. Images are found, not decoded.
+//!
+//! # Complexity
+//! Linear in nodes, instances and materials; an image in a buffer is shared, not copied. Many nodes that place a mesh with many primitives
+//! would have more instances than the file has bytes: their number is limited.
+
+use std::path::Path;
+
+use crate::error::Error;
+use crate::gltf::BufferFiles;
+use crate::gltf::document::accessor::AccessorResolver;
+use crate::gltf::document::buffer::decode_data_uri;
+use crate::gltf::document::scene::Scene;
+use crate::gltf::document::shared_bytes::{SharedBytes, whole_of};
+use crate::gltf::document::{Located, array};
+use crate::gltf::read::placements::Placement;
+use crate::gltf::read::pose::{Skin, SkinReader};
+use crate::materials::image_size;
+
+/// The extension that moves texture coordinates.
+const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
+
+/// The number of instances that any scene may have.
+const FREE_INSTANCES: usize = 1 << 20;
+
+/// The further instances per node that places a mesh.
+const INSTANCES_PER_NODE: usize = 4;
+
+/// What a scene shows.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct Appearance {
+    /// The parts in the places where the scene shows them, in the order of its nodes. A scene without meshes shows each part once.
+    pub instances: Vec<Instance>,
+    /// The skins that instances have, each once.
+    pub skins: Vec<Skin>,
+    /// The material of each part, in the order of the parts.
+    pub materials: Vec<Material>,
+    /// The images that the materials use, each once.
+    pub images: Vec<Image>,
+    /// What is not shown as the file has it, in words.
+    pub notes: Vec<String>,
+}
+
+/// A part in a place of the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// The number of the part.
+    pub part: usize,
+    /// The rows of the affine transform from the part to the scene: three columns of the linear map, then the translation.
+    pub transform: [[f64; 4]; 3],
+    /// The number of the node that places it; `None` in a library of meshes.
+    pub node: Option<usize>,
+    /// The index in [`Appearance::skins`] of the joints that place its vertices.
+    pub skin: Option<usize>,
+}
+
+/// The surface of a material, without maps other than that of the base colour. The default is that of glTF: white metal without a texture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Red, green and blue in linear light, and alpha.
+    pub base_colour: [f32; 4],
+    /// The texture that the base colour is multiplied by.
+    pub texture: Option<Texture>,
+    /// The factor of the metalness, from 0 to 1.
+    pub metalness: f32,
+    /// The factor of the roughness, from 0 to 1.
+    pub roughness: f32,
+    /// Whether the alpha of the base colour mixes it with what is behind.
+    pub is_blended: bool,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self { base_colour: [1.0; 4], texture: None, metalness: 1.0, roughness: 1.0, is_blended: false }
+    }
+}
+
+/// A texture of a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Texture {
+    /// The index in [`Appearance::images`].
+    pub image: usize,
+    /// The number of the texture coordinates: 0 for `TEXCOORD_0`.
+    pub coordinates: u32,
+    /// What happens outside 0 to 1, in u and v.
+    pub wrap: [Wrap; 2],
+}
+
+/// What a texture shows outside the coordinates 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image again, every other time mirrored.
+    Mirror,
+    /// The pixels of its border.
+    Clamp,
+}
+
+/// An image as the file has it: PNG or JPEG.
+#[derive(Debug, Clone)]
+pub struct Image {
+    /// Where the document has it, for messages: `images[3]`.
+    pub at: String,
+    bytes: SharedBytes,
+}
+
+impl Image {
+    /// Returns the encoded bytes.
+    pub fn bytes(&self) -> &[u8] {
+        self.bytes.as_slice()
+    }
+
+    /// Returns the width and height in pixels; `None` if the bytes are no PNG or JPEG, or have none.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        image_size(self.bytes())
+    }
+}
+
+impl Scene {
+    /// Counts the materials that have more than a base colour.
+    #[cfg(feature = "fs")]
+    pub(crate) fn shaded_material_count(&self) -> usize {
+        const MORE: [&str; 4] = ["normalTexture", "occlusionTexture", "emissiveTexture", "emissiveFactor"];
+        let is_shaded = |material: &&crate::gltf::document::json::Value| {
+            let surface = material.get("pbrMetallicRoughness");
+            MORE.iter().any(|key| material.get(key).is_some())
+                || surface.is_some_and(|surface| surface.get("metallicRoughnessTexture").is_some())
+        };
+        array(&self.document.root, "materials").unwrap_or_default().iter().filter(is_shaded).count()
+    }
+
+    /// Returns whether the document has materials.
+    pub(crate) fn has_materials(&self) -> bool {
+        array(&self.document.root, "materials").is_ok_and(|materials| !materials.is_empty())
+    }
+
+    /// Returns the parts in their places, with their materials and images.
+    ///
+    /// An image file that cannot be read is noted, and its materials have no texture.
+    ///
+    /// # Errors
+    /// The nodes, materials, textures or images that the scene uses are not valid glTF 2.0, or nodes place too many parts.
+    ///
+    /// ```
+    /// let json = br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"translation":[1,2,3]}]}"#;
+    /// let model = tristrip_io::gltf::read(json.to_vec(), None)?;
+    /// let appearance = model.scene.unwrap_or_default().appearance()?;
+    /// assert!(appearance.instances.is_empty() && appearance.images.is_empty());
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    pub fn appearance(&self) -> Result<Appearance, Error> {
+        let mut appearance = self.surfaces()?;
+        let mut skins = SkinReader::new(self);
+        appearance.instances = self.instances(&mut skins)?;
+        let SkinReader { skins, notes, .. } = skins;
+        appearance.notes.extend(notes);
+        Ok(Appearance { skins, ..appearance })
+    }
+
+    /// Returns the parts in their places.
+    fn instances(&self, skins: &mut SkinReader<'_>) -> Result<Vec<Instance>, Error> {
+        let placements = self.placements()?;
+        let found = placements.iter().map(|place| place.parts.len()).fold(0, usize::saturating_add);
+        let limit = FREE_INSTANCES + INSTANCES_PER_NODE * placements.len();
+        if found > limit {
+            let at = "nodes, parts in their places".into();
+            return Err(Error::LimitExceeded { at, found: found as u64, limit: limit as u64 });
+        }
+        let of_place = |Placement { parts, transform, node }| {
+            let skin = node.and_then(|node| skins.of_node(node));
+            parts.map(move |part| Instance { part, transform, node, skin })
+        };
+        Ok(placements.into_iter().flat_map(of_place).collect())
+    }
+
+    /// Returns the appearance without instances.
+    pub(crate) fn surfaces(&self) -> Result<Appearance, Error> {
+        let folders: Vec<&Path> = self.folders.iter().map(std::path::PathBuf::as_path).collect();
+        let root = &self.document.root;
+        let mut reader = MaterialReader {
+            resolver: AccessorResolver { root, buffers: &self.buffers },
+            files: BufferFiles::new(&folders),
+            images: Vec::new(),
+            known_images: vec![KnownImage::NotLookedFor; array(root, "images")?.len()],
+            moved: 0,
+            notes: Vec::new(),
+        };
+        let known = Located::entries(root, "materials")?.map(|material| reader.material(&material));
+        let known = known.collect::<Result<Vec<Material>, Error>>()?;
+        let materials = self.materials(&known)?;
+        let MaterialReader { images, moved, mut notes, .. } = reader;
+        if moved > 0 {
+            notes.push(format!("textures whose {TEXTURE_TRANSFORM} is not applied: {moved}"));
+        }
+        Ok(Appearance { materials, images, notes, ..Appearance::default() })
+    }
+
+    /// Returns the material of each part.
+    fn materials(&self, known: &[Material]) -> Result<Vec<Material>, Error> {
+        let root = &self.document.root;
+        let mut materials = Vec::with_capacity(self.primitives.len());
+        let meshes: Vec<Located<'_>> = Located::entries(root, "meshes")?.collect();
+        for source in &self.primitives {
+            let primitive = meshes.get(source.mesh).and_then(|mesh| {
+                let value = mesh.value.get("primitives")?.as_array()?.get(source.primitive)?;
+                Some(Located { value, at: format!("{}.primitives[{}]", mesh.at, source.primitive) })
+            });
+            let material = match primitive.and_then(|primitive| primitive.field("material")) {
+                None => Material::default(),
+                Some(material) => known.get(material.size()?).copied().ok_or_else(|| {
+                    material.wrong(format!("less than {}, the number of materials", known.len()))
+                })?,
+            };
+            materials.push(material);
+        }
+        Ok(materials)
+    }
+}
+
+/// What is known of an image of the document.
+#[derive(Debug, Clone, Copy)]
+enum KnownImage {
+    NotLookedFor,
+    Unreadable,
+    /// The index in the images that were found.
+    Found(usize),
+}
+
+/// Reads materials, and finds their images.
+struct MaterialReader<'a> {
+    resolver: AccessorResolver<'a>,
+    files: BufferFiles<'a>,
+    images: Vec<Image>,
+    /// What is known of each image of the document.
+    known_images: Vec<KnownImage>,
+    /// Textures with a transform.
+    moved: usize,
+    notes: Vec<String>,
+}
+
+impl<'a> MaterialReader<'a> {
+    fn material(&mut self, material: &Located<'a>) -> Result<Material, Error> {
+        let is_blended = material.field("alphaMode").is_some_and(|mode| mode.value.as_str() == Some("BLEND"));
+        let mut read = Material { is_blended, ..Material::default() };
+        let Some(base) = material.field("pbrMetallicRoughness") else { return Ok(read) };
+        if let Some(factor) = base.field("baseColorFactor") {
+            read.base_colour = factor.numbers()?.map(|x| x.clamp(0.0, 1.0) as f32);
+        }
+        for (name, value) in
+            [("metallicFactor", &mut read.metalness), ("roughnessFactor", &mut read.roughness)]
+        {
+            if let Some(factor) = base.field(name) {
+                *value = factor.number()?.clamp(0.0, 1.0) as f32;
+            }
+        }
+        if let Some(texture) = base.field("baseColorTexture") {
+            read.texture = self.texture(&texture)?;
+        }
+        Ok(read)
+    }
+
+    fn texture(&mut self, info: &Located<'a>) -> Result<Option<Texture>, Error> {
+        let root = self.resolver.root;
+        if info.field("extensions").is_some_and(|all| all.field(TEXTURE_TRANSFORM).is_some()) {
+            self.moved += 1;
+        }
+        let at = info.field("texCoord");
+        let coordinates = at.map_or(Ok(0), |at| {
+            u32::try_from(at.whole()?).map_err(|_| at.wrong("the number of texture coordinates"))
+        })?;
+        let texture = info.need("index")?.target(root, "textures")?;
+        let mut wrap = [Wrap::Repeat; 2];
+        if let Some(sampler) = texture.field("sampler") {
+            let sampler = sampler.target(root, "samplers")?;
+            for (name, wrap) in ["wrapS", "wrapT"].into_iter().zip(&mut wrap) {
+                let Some(code) = sampler.field(name) else { continue };
+                *wrap = match code.whole()? {
+                    10497 => Wrap::Repeat,
+                    33648 => Wrap::Mirror,
+                    33071 => Wrap::Clamp,
+                    _ => return Err(code.wrong("10497, 33648 or 33071")),
+                };
+            }
+        }
+        // An extension may name an image in another format instead.
+        let Some(source) = texture.field("source") else {
+            self.notes.push(format!("{}: no PNG or JPEG image; drawn without it", texture.at));
+            return Ok(None);
+        };
+        let image = self.image(&source)?;
+        Ok(image.map(|image| Texture { image, coordinates, wrap }))
+    }
+
+    /// Finds an image, once for all textures that use it.
+    fn image(&mut self, source: &Located<'a>) -> Result<Option<usize>, Error> {
+        let image = source.target(self.resolver.root, "images")?;
+        let number = source.size()?;
+        match self.known_images[number] {
+            KnownImage::NotLookedFor => {}
+            KnownImage::Unreadable => return Ok(None),
+            KnownImage::Found(known) => return Ok(Some(known)),
+        }
+        let found = match (image.field("bufferView"), image.field("uri")) {
+            (Some(view), _) => Some(self.resolver.shared_view(&view)?),
+            (None, Some(uri)) => self.at_uri(&uri)?,
+            (None, None) => return Err(Error::format(image.at, "nothing", "a `bufferView` or `uri`")),
+        };
+        let found = found.map(|bytes| {
+            self.images.push(Image { at: image.at, bytes });
+            self.images.len() - 1
+        });
+        self.known_images[number] = found.map_or(KnownImage::Unreadable, KnownImage::Found);
+        Ok(found)
+    }
+
+    /// Returns the bytes at a URI; a file that cannot be read is noted.
+    fn at_uri(&mut self, uri: &Located<'a>) -> Result<Option<SharedBytes>, Error> {
+        let owner = match uri.text()?.strip_prefix("data:") {
+            Some(data) => std::sync::Arc::new(decode_data_uri(uri, data)?),
+            None => match self.files.load(uri) {
+                Ok(bytes) => bytes,
+                Err(error) => {
+                    self.notes.push(format!("drawn without an image: {error}"));
+                    return Ok(None);
+                }
+            },
+        };
+        let (owner, range) = whole_of(owner);
+        Ok(Some(SharedBytes { owner, range }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gltf::read::transform::Transform;
+
+    /// Returns the appearance of a document with a triangle in mesh 0 and these further members.
+    fn appearance(members: &str) -> Result<Appearance, Error> {
+        let json = format!(
+            r#"{{"asset":{{"version":"2.0"}},
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}},{{"attributes":{{"POSITION":0}}}}]}}],
+            "accessors":[{{"componentType":5126,"count":3,"type":"VEC3"}}],{members}}}"#
+        );
+        crate::gltf::read(json.into_bytes(), None)?.scene.unwrap_or_default().appearance()
+    }
+
+    const MATERIAL: &str = r#""materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.5,1,0,1],
+        "baseColorTexture":{"index":0,"texCoord":1}}}]"#;
+
+    #[test]
+    fn transforms_of_nodes_are_multiplied_from_the_root_down() {
+        let nodes = r#""nodes":[{"children":[1],"translation":[10,20,30]},
+            {"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,3,4]},
+            {"mesh":0,"skin":0,"scale":[9,9,9]},{"mesh":0,"matrix":[1,2,3,0,4,5,6,0,7,8,9,0,10,11,12,1]},{"mesh":0}]"#;
+        let found =
+            |scene: &str| appearance(&format!(r#"{scene}{nodes},"materials":[{{}}]"#)).unwrap().instances;
+        let all = found("");
+        assert_eq!(all.iter().map(|instance| instance.part).collect::<Vec<_>>(), [0, 1, 0, 1, 0, 1, 0, 1]);
+        // A quarter turn around z takes x, doubled, to y.
+        let expected = [[0.0, -3.0, 0.0, 10.0], [2.0, 0.0, 0.0, 20.0], [0.0, 0.0, 4.0, 30.0]];
+        for (found, expected) in all[0].transform.iter().flatten().zip(expected.iter().flatten()) {
+            assert!((found - expected).abs() < 1e-12, "{all:?}");
+        }
+        assert_eq!(all[2].transform, Transform::IDENTITY.rows());
+        let matrix = [[1.0, 4.0, 7.0, 10.0], [2.0, 5.0, 8.0, 11.0], [3.0, 6.0, 9.0, 12.0]];
+        assert_eq!(all[4].transform, matrix);
+        let listed = found(r#""scene":1,"scenes":[{"nodes":[0]},{"nodes":[4]}],"#);
+        assert_eq!(listed.len(), 2);
+        // Nodes without meshes: the document is a library.
+        assert_eq!(found(r#""scenes":[{}],"#).len(), 2);
+    }
+
+    #[test]
+    fn materials_have_factors_textures_and_images() {
+        let textures = r#""textures":[{"source":1,"sampler":0}],"samplers":[{"wrapS":33071,"wrapT":33648}],
+            "images":[{"uri":"data:image/png;base64,AA=="},{"uri":"data:image/png;base64,AQID"}]"#;
+        let found = appearance(&format!("{MATERIAL},{textures}")).unwrap();
+        let texture = Texture { image: 0, coordinates: 1, wrap: [Wrap::Clamp, Wrap::Mirror] };
+        assert_eq!(
+            found.materials[0],
+            Material { base_colour: [0.5, 1.0, 0.0, 1.0], texture: Some(texture), ..Material::default() }
+        );
+        assert_eq!(found.materials[1], Material::default());
+        assert_eq!(
+            (found.images.len(), found.images[0].bytes(), &*found.images[0].at),
+            (1, &[1, 2, 3][..], "images[1]")
+        );
+        assert_eq!(found.images[0].size(), None);
+        let header = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x02\0\0\0\0\x40\x08\x02\0\0\0".to_vec();
+        let (owner, range) = whole_of(std::sync::Arc::new(header));
+        let image = Image { at: String::new(), bytes: SharedBytes { owner, range } };
+        assert_eq!(image.size(), Some([512, 64]));
+    }
+
+    #[test]
+    fn an_image_file_that_is_not_there_is_noted_and_wrong_documents_are_refused() {
+        let with = |members: &str| appearance(&format!("{MATERIAL},{members}"));
+        let found = with(r#""textures":[{"source":0}],"images":[{"uri":"none.png"}]"#).unwrap();
+        assert_eq!((found.materials[0].texture, found.images.len(), found.notes.len()), (None, 0, 1));
+        assert!(found.notes[0].starts_with("drawn without an image: images[0].uri: "), "{:?}", found.notes);
+        for (members, message) in [
+            (
+                r#""textures":[{"source":0}],"images":[{}]"#,
+                "images[0]: found nothing, expected a `bufferView` or `uri`",
+            ),
+            (r#""textures":[{"source":1}],"images":[{}]"#, "less than 1, the number of images"),
+            (
+                r#""textures":[{"source":0}],"images":[{"bufferView":0}]"#,
+                "less than 0, the number of bufferViews",
+            ),
+            (
+                r#""textures":[{"sampler":0}],"samplers":[{"wrapS":1}]"#,
+                "samplers[0].wrapS: found 1, expected 10497",
+            ),
+            (r#""nodes":[{"mesh":2}],"textures":[{}]"#, "nodes[0].mesh: found 2, expected less than 1"),
+            (r#""nodes":[{"matrix":[1]}],"textures":[{}]"#, "nodes[0].matrix: found 1 numbers, expected 16"),
+            (
+                r#""scenes":[{"nodes":[0,1]}],"nodes":[{"children":[1]},{}],"textures":[{}]"#,
+                "nodes[1]: found a node with two parents, expected a tree",
+            ),
+        ] {
+            let error = with(members).unwrap_err().to_string();
+            assert!(error.contains(message), "{error}");
+        }
+    }
+}

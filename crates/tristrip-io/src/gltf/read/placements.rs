@@ -1,0 +1,130 @@
+//! Where the nodes of a scene place the meshes of a document.
+//!
+//! Animations are not applied. As the specification requires, the transform of a node with a skin is ignored; its joints, which `pose.rs`
+//! finds, place the vertices instead.
+//!
+//! # Complexity
+//! Linear in nodes and parts, however many primitives a mesh has that many nodes place.
+
+use std::ops::Range;
+
+use crate::error::Error;
+use crate::gltf::document::json::Members;
+use crate::gltf::document::scene::Scene;
+use crate::gltf::document::{Located, array};
+use crate::gltf::read::transform::{Transform, of_node};
+
+/// The parts of a mesh in a place of the scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placement {
+    /// The numbers of the parts, at least one.
+    pub parts: Range<usize>,
+    /// The rows of the affine transform from the parts to the scene: three columns of the linear map, then the translation.
+    pub transform: [[f64; 4]; 3],
+    /// The number of the node; `None` for all parts of a library of meshes.
+    pub node: Option<usize>,
+}
+
+impl Scene {
+    /// Returns the places where the scene that the document shows first has its meshes, in the order of its nodes. A scene without
+    /// meshes, which is a library of them, has all parts in one place.
+    ///
+    /// # Errors
+    /// The nodes that the scene uses are not valid glTF 2.0.
+    ///
+    /// ```
+    /// let json = br#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0,"translation":[1,2,3]},{"mesh":0}],
+    ///     "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    ///     "accessors":[{"componentType":5126,"count":3,"type":"VEC3"}]}"#;
+    /// let scene = tristrip_io::gltf::read(json.to_vec(), None)?.scene.unwrap_or_default();
+    /// let places = scene.placements()?;
+    /// assert_eq!((places.len(), &places[0].parts, places[0].transform[2]), (2, &(0..1), [0.0, 0.0, 1.0, 3.0]));
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    pub fn placements(&self) -> Result<Vec<Placement>, Error> {
+        let root = &self.document.root;
+        let nodes: Vec<Located<'_>> = Located::entries(root, "nodes")?.collect();
+        let parts_of = self.parts_of_meshes()?;
+        // The nodes from the roots of the scene down.
+        let mut open: Vec<(usize, Transform)> = roots(root, nodes.len())?;
+        open.reverse();
+        let mut seen = vec![false; nodes.len()];
+        let mut placements = Vec::new();
+        while let Some((number, above)) = open.pop() {
+            let node = &nodes[number];
+            if std::mem::replace(&mut seen[number], true) {
+                return Err(Error::format(node.at.clone(), "a node with two parents", "a tree"));
+            }
+            let transform = above.of(&of_node(node)?);
+            if let Some(mesh) = node.field("mesh") {
+                let count = parts_of.len();
+                let parts = parts_of.get(mesh.size()?);
+                let parts =
+                    parts.ok_or_else(|| mesh.wrong(format!("less than {count}, the number of meshes")))?;
+                let skinned = node.field("skin").is_some();
+                let shown = if skinned { Transform::IDENTITY } else { transform };
+                if !shown.is_finite() {
+                    let found = "a transform beyond the largest number";
+                    return Err(Error::format(node.at.clone(), found, "finite products of transforms"));
+                }
+                if !parts.is_empty() {
+                    let (parts, transform) = (parts.clone(), shown.rows());
+                    placements.push(Placement { parts, transform, node: Some(number) });
+                }
+            }
+            if let Some(children) = node.field("children") {
+                let children = children.items()?.map(|child| child.size()).collect::<Result<Vec<_>, _>>()?;
+                open.extend(children.into_iter().rev().map(|child| (child, transform)));
+            }
+        }
+        // A document without such nodes is a library of meshes.
+        if placements.is_empty() && !self.primitives.is_empty() {
+            let parts = 0..self.primitives.len();
+            placements.push(Placement { parts, transform: Transform::IDENTITY.rows(), node: None });
+        }
+        Ok(placements)
+    }
+
+    /// Returns the parts of each mesh; they are in the order of the meshes.
+    fn parts_of_meshes(&self) -> Result<Vec<Range<usize>>, Error> {
+        let mut parts_of = vec![0..0; array(&self.document.root, "meshes")?.len()];
+        for (part, source) in self.primitives.iter().enumerate() {
+            if let Some(parts) = parts_of.get_mut(source.mesh) {
+                let first = if parts.start == parts.end { part } else { parts.start };
+                *parts = first..part + 1;
+            }
+        }
+        Ok(parts_of)
+    }
+}
+
+/// Returns the roots of the scene that the document shows first; without scenes, the nodes that are no children.
+fn roots(root: &Members, node_count: usize) -> Result<Vec<(usize, Transform)>, Error> {
+    let scenes: Vec<Located<'_>> = Located::entries(root, "scenes")?.collect();
+    let shown = match Located::root(root, "scene") {
+        Ok(shown) => Some(shown.target(root, "scenes")?),
+        Err(_) => scenes.into_iter().next(),
+    };
+    let mut numbers = Vec::new();
+    if let Some(scene) = shown {
+        let listed = scene.field("nodes").map(|nodes| nodes.items()).transpose()?;
+        for node in listed.into_iter().flatten() {
+            match node.size()? {
+                number if number < node_count => numbers.push(number),
+                _ => return Err(node.wrong(format!("less than {node_count}, the number of nodes"))),
+            }
+        }
+    } else {
+        let mut is_child = vec![false; node_count];
+        for node in Located::entries(root, "nodes")? {
+            let children = node.field("children").map(|children| children.items()).transpose()?;
+            for child in children.into_iter().flatten() {
+                if let Some(is_child) = is_child.get_mut(child.size()?) {
+                    *is_child = true;
+                }
+            }
+        }
+        numbers.extend((0..node_count).filter(|&node| !is_child[node]));
+    }
+    Ok(numbers.into_iter().map(|node| (node, Transform::IDENTITY)).collect())
+}

@@ -1,0 +1,317 @@
+//! A progressive GLB while its bytes arrive, in pieces of any size.
+//!
+//! ```text
+//! header, JSON ─▶ where the chunks are │ base meshes, textures ─▶ kept │ chunks ─▶ decoder ─▶ meshes │ up to three zeros
+//! ```
+//! The bytes before the first chunk are kept: the scene of any moment is made of them and of what the decoder has built. A GLB without a stream is
+//! kept as a whole.
+//!
+//! # Complexity
+//! Linear in the bytes of the file. Memory is in proportion to the bytes that arrived, and to what they may be expected to build.
+
+use std::path::Path;
+
+use tristrip::stream::{Decoder, StreamLimits, StreamPart};
+
+use crate::error::Error;
+use crate::gltf::document::container::json_end;
+use crate::gltf::read::read;
+use crate::gltf::stream::progressive::{ChunkRange, ProgressiveGlb};
+use crate::gltf::stream::refine::{StreamMeshes, stream_error};
+use crate::model::Model;
+
+/// What a file that arrives may ask for at most.
+///
+/// ```
+/// use tristrip_io::gltf::ArrivalLimits;
+/// assert_eq!(ArrivalLimits::default().kept_bytes, 1 << 30);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ArrivalLimits {
+    /// The bytes that are kept: those before the first chunk, or the whole of a file without a stream.
+    pub kept_bytes: u64,
+    /// The limits of the decoder. Triangles are limited by the bytes that arrived, too.
+    pub stream: StreamLimits,
+}
+
+impl Default for ArrivalLimits {
+    /// A gigabyte, and those of any stream.
+    fn default() -> Self {
+        Self { kept_bytes: 1 << 30, stream: StreamLimits::default() }
+    }
+}
+
+/// Decodes a progressive GLB, or any GLB, as its bytes arrive.
+///
+/// ```
+/// use tristrip_io::gltf::{ArrivalLimits, ArrivingGlb};
+/// use tristrip_io::{Drawing, Format, read, write};
+/// // A GLB without a stream.
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// let glb = write(&model, &[Drawing::Faces], Format::Glb, tristrip::Layout::List)?;
+/// let mut arriving = ArrivingGlb::new(ArrivalLimits::default());
+/// for byte in &glb {
+///     assert!(!arriving.is_complete());
+///     arriving.update(std::slice::from_ref(byte))?;
+/// }
+/// assert!(arriving.finish().is_ok() && arriving.model(None)?.is_some_and(|model| model.parts.len() == 1));
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ArrivingGlb {
+    limits: ArrivalLimits,
+    keeps_strips: bool,
+    /// The bytes before the first chunk that have arrived.
+    start: Vec<u8>,
+    stage: Stage,
+    /// The bytes that have arrived.
+    offset: u64,
+    fault: Option<Fault>,
+}
+
+/// What is to come next.
+#[derive(Debug, Clone)]
+enum Stage {
+    /// The header, and the JSON up to a byte that is known from the 20th on.
+    Json {
+        end: Option<u64>,
+    },
+    /// The bytes before the chunks.
+    Base(ChunkRange),
+    Chunks {
+        range: ChunkRange,
+        decoder: Box<Decoder>,
+    },
+    /// All other bytes of a GLB without a stream, which ends at a byte.
+    Plain {
+        end: u64,
+    },
+}
+
+/// An error that is returned again.
+#[derive(Debug, Clone)]
+enum Fault {
+    Format { at: String, found: String, expected: String },
+    Limit { at: String, found: u64, limit: u64 },
+}
+
+impl Fault {
+    fn of(error: Error) -> Self {
+        match error {
+            Error::Format { at, found, expected } => Self::Format { at, found, expected },
+            Error::LimitExceeded { at, found, limit } => Self::Limit { at, found, limit },
+            other => Self::Format {
+                at: "the JSON of the GLB".into(),
+                found: other.to_string(),
+                expected: "a valid document".into(),
+            },
+        }
+    }
+
+    fn error(&self) -> Error {
+        match self.clone() {
+            Self::Format { at, found, expected } => Error::Format { at, found, expected },
+            Self::Limit { at, found, limit } => Error::LimitExceeded { at, found, limit },
+        }
+    }
+}
+
+impl ArrivingGlb {
+    /// Creates a decoder of a file of which nothing has arrived.
+    pub fn new(limits: ArrivalLimits) -> Self {
+        Self {
+            limits,
+            keeps_strips: false,
+            start: Vec::new(),
+            stage: Stage::Json { end: None },
+            offset: 0,
+            fault: None,
+        }
+    }
+
+    /// Keeps strips of the meshes up while they are refined; see [`StreamPart::strips`]. Decoding takes five times as long then.
+    #[must_use]
+    pub fn keeping_strips(mut self) -> Self {
+        self.keeps_strips = true;
+        self
+    }
+
+    /// Takes the next bytes of the file, and decodes the chunks that are complete. Returns how many that were. Bytes behind the chunks are ignored.
+    ///
+    /// # Errors
+    /// The bytes are not those of a GLB, its document or a chunk is not valid, or more is asked for than the limits allow. What chunks before the fault have
+    /// built stays. All further bytes are refused with the same error.
+    pub fn update(&mut self, bytes: &[u8]) -> Result<usize, Error> {
+        if let Some(fault) = &self.fault {
+            return Err(fault.error());
+        }
+        self.advance(bytes).map_err(|error| {
+            let fault = Fault::of(error);
+            let error = fault.error();
+            self.fault = Some(fault);
+            error
+        })
+    }
+
+    fn advance(&mut self, mut bytes: &[u8]) -> Result<usize, Error> {
+        let mut decoded = 0;
+        loop {
+            match &mut self.stage {
+                Stage::Json { end } => {
+                    // The length of the JSON is known from the header of its chunk on.
+                    let wanted = end.unwrap_or(20);
+                    let arrived = self.keep(wanted, &mut bytes)?;
+                    match json_end(&self.start)? {
+                        Some(known) if arrived && self.start.len() as u64 >= known => {
+                            self.stage = self.after_json()?;
+                        }
+                        Some(known) if arrived => self.stage = Stage::Json { end: Some(known) },
+                        _ => return Ok(decoded),
+                    }
+                }
+                Stage::Base(range) => {
+                    let wanted = range.bytes().start;
+                    if !self.keep(wanted, &mut bytes)? {
+                        return Ok(decoded);
+                    }
+                    let Stage::Base(range) = std::mem::replace(&mut self.stage, Stage::Json { end: None })
+                    else {
+                        return Ok(decoded);
+                    };
+                    let decoder = Decoder::new(self.limits.stream);
+                    let decoder = if self.keeps_strips { decoder.keeping_strips() } else { decoder };
+                    self.stage = Stage::Chunks { range, decoder: Box::new(decoder) };
+                }
+                Stage::Chunks { range, decoder } => {
+                    let left = range.bytes().end.saturating_sub(self.offset);
+                    let taken = usize::try_from(left).map_or(bytes.len(), |left| left.min(bytes.len()));
+                    let arrived = self.offset + taken as u64 - range.bytes().start.min(self.offset);
+                    let triangles = range.limits(arrived).triangles.min(self.limits.stream.triangles);
+                    decoder.set_limits(StreamLimits { triangles, ..self.limits.stream });
+                    if taken > 0 {
+                        decoded += decoder.update(&bytes[..taken]).map_err(|fault| stream_error(&fault))?;
+                    }
+                    self.offset += bytes.len() as u64;
+                    let length = range.bytes().end - range.bytes().start;
+                    if self.offset >= range.bytes().end && decoder.offset() < length {
+                        let at = format!("chunk {} of the stream", decoder.chunk_count());
+                        return Err(Error::format(at, "the end of the stream", "a whole chunk"));
+                    }
+                    return Ok(decoded);
+                }
+                Stage::Plain { end } => {
+                    let wanted = *end;
+                    self.keep(wanted, &mut bytes)?;
+                    self.offset += bytes.len() as u64;
+                    return Ok(decoded);
+                }
+            }
+        }
+    }
+
+    /// Keeps bytes up to an end in the file; returns whether it is reached.
+    fn keep(&mut self, end: u64, bytes: &mut &[u8]) -> Result<bool, Error> {
+        if end > self.limits.kept_bytes {
+            let at = "bytes before the first chunk".into();
+            return Err(Error::LimitExceeded { at, found: end, limit: self.limits.kept_bytes });
+        }
+        let missing = (end as usize).saturating_sub(self.start.len()).min(bytes.len());
+        let (kept, rest) = bytes.split_at(missing);
+        self.start.extend_from_slice(kept);
+        self.offset += missing as u64;
+        *bytes = rest;
+        Ok(self.start.len() as u64 >= end)
+    }
+
+    /// Returns what comes after the JSON, as it says.
+    fn after_json(&self) -> Result<Stage, Error> {
+        if let Some(range) = ChunkRange::find(&self.start[..])? {
+            return Ok(Stage::Base(range));
+        }
+        let length = self.start.get(8..12).and_then(|bytes| bytes.try_into().ok());
+        Ok(Stage::Plain { end: length.map_or(0, u32::from_le_bytes).into() })
+    }
+
+    /// Checks that the file is complete: to be called when no more bytes come.
+    ///
+    /// # Errors
+    /// It is not, or the last update failed.
+    pub fn finish(&self) -> Result<(), Error> {
+        if let Some(fault) = &self.fault {
+            return Err(fault.error());
+        }
+        if self.is_complete() {
+            return Ok(());
+        }
+        let expected = match &self.stage {
+            Stage::Json { .. } => "the header and the JSON of a GLB".into(),
+            Stage::Base(range) => format!("{} bytes before the stream", range.bytes().start),
+            Stage::Chunks { range, decoder } => {
+                let length = range.bytes().end - range.bytes().start;
+                format!("{length} bytes of chunks, of which {} are complete", decoder.offset())
+            }
+            Stage::Plain { end } => format!("{end} bytes"),
+        };
+        Err(Error::format("file", format!("the end of the file after {} bytes", self.offset), expected))
+    }
+
+    /// Returns whether all that is drawn has arrived: all chunks, or all bytes of a file without a stream.
+    pub fn is_complete(&self) -> bool {
+        match &self.stage {
+            Stage::Json { .. } | Stage::Base(_) => false,
+            Stage::Chunks { range, decoder } => decoder.offset() == range.bytes().end - range.bytes().start,
+            Stage::Plain { end } => self.start.len() as u64 >= *end,
+        }
+    }
+
+    /// Counts the bytes that have arrived: the byte of the file that is expected next.
+    pub fn offset(&self) -> u64 {
+        self.offset
+    }
+
+    /// Returns where the chunks are in the file, once the JSON has arrived; `None` also for a file without a stream.
+    pub fn chunk_range(&self) -> Option<&ChunkRange> {
+        match &self.stage {
+            Stage::Base(range) | Stage::Chunks { range, .. } => Some(range),
+            Stage::Json { .. } | Stage::Plain { .. } => None,
+        }
+    }
+
+    /// Returns whether the base meshes have arrived, so that there is something to draw.
+    pub fn has_base(&self) -> bool {
+        matches!(self.stage, Stage::Chunks { .. }) || self.is_complete()
+    }
+
+    /// Returns the decoder of the chunks, once all bytes before them have arrived.
+    pub fn decoder(&self) -> Option<&Decoder> {
+        match &self.stage {
+            Stage::Chunks { decoder, .. } => Some(decoder),
+            Stage::Json { .. } | Stage::Base(_) | Stage::Plain { .. } => None,
+        }
+    }
+
+    /// Returns the meshes whose first chunk has arrived, with their numbers.
+    pub fn parts(&self) -> impl Iterator<Item = (u32, &StreamPart)> {
+        let numbers = 0..self.limits.stream.meshes;
+        let decoder = self.decoder();
+        numbers.filter_map(move |number| Some((number as u32, decoder?.part(number)?)))
+    }
+
+    /// Returns the scene as far as it has arrived: base meshes where no chunk has refined them. `None` before the base meshes have arrived. Images of the document are
+    /// looked for in `base_dir`.
+    ///
+    /// # Errors
+    /// The document is not valid, or a mesh does not have the attributes of a primitive that draws it.
+    pub fn model(&self, base_dir: Option<&Path>) -> Result<Option<Model>, Error> {
+        if !self.has_base() {
+            return Ok(None);
+        }
+        if self.decoder().is_none() {
+            return read(self.start.clone(), base_dir).map(Some);
+        }
+        let Some(glb) = ProgressiveGlb::open(&self.start[..])? else { return Ok(None) };
+        let meshes = self.parts().map(|(number, part)| Ok((number, part.mesh()?)));
+        let meshes: StreamMeshes = meshes.collect::<Result<_, Error>>()?;
+        glb.model(&meshes, base_dir).map(Some)
+    }
+}
