@@ -8,13 +8,11 @@ pub(in crate::gltf) mod budget;
 pub(in crate::gltf) mod buffer;
 #[cfg(feature = "fs")]
 pub(in crate::gltf) mod buffer_files;
-pub(in crate::gltf) mod component;
+pub(in crate::gltf) mod byte_ranges;
 pub(in crate::gltf) mod container;
 pub(in crate::gltf) mod json;
 pub(in crate::gltf) mod references;
-pub(in crate::gltf) mod removed_bytes;
 pub(crate) mod scene;
-pub(in crate::gltf) mod shared_bytes;
 pub(in crate::gltf) mod spec;
 mod tree;
 

@@ -33,9 +33,9 @@ use crate::error::Error;
 use crate::gltf::BufferFiles;
 use crate::gltf::document::accessor::{AccessorResolver, check_views};
 use crate::gltf::document::buffer;
+use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::container::{self, GlbContent};
 use crate::gltf::document::references::ExtensionNumbers;
-use crate::gltf::document::shared_bytes::SharedBytes;
 use crate::gltf::document::{Document, array};
 
 pub use packing::Rounding;

@@ -5,7 +5,6 @@ pub(in crate::gltf) mod compressed_views;
 mod draco;
 pub(in crate::gltf) mod placements;
 pub(in crate::gltf) mod pose;
-mod transform;
 mod triangles;
 
 use std::borrow::Cow;
@@ -22,9 +21,9 @@ use crate::gltf::BufferFiles;
 use crate::gltf::document::accessor::{AccessorResolver, check_views};
 use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
 use crate::gltf::document::buffer;
+use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::container::{self, GlbContainer};
 use crate::gltf::document::scene::{PrimitiveRef, Scene};
-use crate::gltf::document::shared_bytes::SharedBytes;
 use crate::gltf::document::spec::{
     COMPRESSIONS, ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
 };

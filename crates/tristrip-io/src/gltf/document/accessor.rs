@@ -4,9 +4,9 @@ use tristrip::AttributeData;
 
 use crate::error::Error;
 use crate::gltf::document::budget::DecodeBudget;
-use crate::gltf::document::component::ComponentType;
+use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::json::Members;
-use crate::gltf::document::shared_bytes::SharedBytes;
+use crate::gltf::document::spec::ComponentType;
 use crate::gltf::document::spec::QUANTIZATION;
 use crate::gltf::document::{Located, uses};
 

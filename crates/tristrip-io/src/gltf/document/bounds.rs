@@ -4,8 +4,8 @@ use serde_json::json;
 
 use crate::error::Error;
 use crate::gltf::document::accessor::AccessorValues;
-use crate::gltf::document::component::ComponentType;
 use crate::gltf::document::json::Value;
+use crate::gltf::document::spec::ComponentType;
 
 /// Returns `min` and `max` of an accessor; `None` if not all values are finite.
 ///

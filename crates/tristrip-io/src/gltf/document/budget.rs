@@ -7,7 +7,7 @@
 //! Writing indices does not change this count, so that what was read can be read again.
 
 use crate::error::Error;
-use crate::gltf::document::shared_bytes::SharedBytes;
+use crate::gltf::document::byte_ranges::SharedBytes;
 
 /// The number of bytes that the compressed buffer views of any file may take when decompressed; 32 for each byte of its buffers
 /// are added.

@@ -12,8 +12,8 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use crate::error::Error;
 #[cfg(feature = "fs")]
 use crate::gltf::BufferFiles;
+use crate::gltf::document::byte_ranges::{SharedBytes, whole_of};
 use crate::gltf::document::json::Value;
-use crate::gltf::document::shared_bytes::{SharedBytes, whole_of};
 use crate::gltf::document::{Document, Located, entries_mut, index};
 use crate::gltf::write::separate::SeparateFiles;
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::error::Error;
 use crate::gltf::document::Document;
-use crate::gltf::document::shared_bytes::SharedBytes;
+use crate::gltf::document::byte_ranges::SharedBytes;
 
 const MAGIC: &[u8; 4] = b"glTF";
 const JSON_CHUNK: u32 = 0x4E4F_534A;

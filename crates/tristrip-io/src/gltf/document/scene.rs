@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::gltf::document::json::Value;
 
 use crate::error::Error;
-use crate::gltf::document::shared_bytes::SharedBytes;
+use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::spec::TRIANGLES;
 use crate::gltf::document::{Document, array, items, whole};
 

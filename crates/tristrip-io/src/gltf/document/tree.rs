@@ -1,8 +1,8 @@
 //! The JSON of a document: parsed under a limit, read with errors that name the JSON path, and written with the text of
 //! everything that was not changed.
 
+use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::json::{self, Content, Members, Value};
-use crate::gltf::document::shared_bytes::SharedBytes;
 
 use crate::error::Error;
 

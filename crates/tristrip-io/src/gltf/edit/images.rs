@@ -10,10 +10,10 @@ use serde_json::json;
 
 use crate::error::Error;
 use crate::gltf::document::buffer_files::BufferFiles;
+use crate::gltf::document::byte_ranges::{SharedBytes, whole_of};
 use crate::gltf::document::json::Value;
 use crate::gltf::document::references::ExtensionNumbers;
 use crate::gltf::document::scene::Scene;
-use crate::gltf::document::shared_bytes::{SharedBytes, whole_of};
 use crate::gltf::document::{Located, entries_mut, list_mut};
 
 /// What became of the images of a model that are in separate files.

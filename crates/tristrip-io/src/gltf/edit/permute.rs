@@ -10,9 +10,9 @@ use crate::edit::vertex_group::Renumbering;
 use crate::error::Error;
 use crate::gltf::document::accessor::AccessorResolver;
 use crate::gltf::document::budget::DecodeBudget;
+use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::json::{Members, Value};
 use crate::gltf::document::references::{has_number, views_of_accessor};
-use crate::gltf::document::shared_bytes::SharedBytes;
 use crate::gltf::document::{Located, array, index};
 
 /// Bytes of accessors that may be checked per byte of the buffers, in addition to the constant.

@@ -29,11 +29,11 @@ use crate::gltf::document::accessor::AccessorResolver;
 use crate::gltf::document::bounds::bounds;
 use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
 use crate::gltf::document::buffer::view_range;
+use crate::gltf::document::byte_ranges::RemovedBytes;
+use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::json::{Members, Value};
 use crate::gltf::document::references::{ExtensionNumbers, position_accessors, views_of_accessor};
-use crate::gltf::document::removed_bytes::RemovedBytes;
 use crate::gltf::document::scene::Scene;
-use crate::gltf::document::shared_bytes::SharedBytes;
 use crate::gltf::document::{Located, array, entries_mut, index};
 use crate::gltf::edit::permute::{AccessorLayout, PermutedBuffers, VERTEX_FACTOR};
 

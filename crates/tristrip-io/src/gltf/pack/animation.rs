@@ -28,9 +28,9 @@ use self::track::Track;
 use super::packing::{NewAccessors, Packing, Rounding, entry_mut};
 use crate::error::Error;
 use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
-use crate::gltf::document::component::ComponentType;
 use crate::gltf::document::json::{Members, Value};
 use crate::gltf::document::references::has_number;
+use crate::gltf::document::spec::ComponentType;
 use crate::gltf::document::{Located, array, index, items, uses};
 use crate::gltf::edit::permute::VERTEX_FACTOR;
 

@@ -4,9 +4,9 @@ use serde_json::json;
 
 use crate::error::Error;
 use crate::gltf::document::accessor::AccessorResolver;
+use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::json::{Members, Value};
 use crate::gltf::document::references::ExtensionNumbers;
-use crate::gltf::document::shared_bytes::SharedBytes;
 use crate::gltf::document::{Document, array, entries_mut, list_mut};
 
 /// Members of an accessor, or of a view, that must not be lost.

@@ -19,8 +19,8 @@ use crate::error::Error;
 use crate::gltf::BufferFiles;
 use crate::gltf::document::accessor::AccessorResolver;
 use crate::gltf::document::buffer::decode_data_uri;
+use crate::gltf::document::byte_ranges::{SharedBytes, whole_of};
 use crate::gltf::document::scene::Scene;
-use crate::gltf::document::shared_bytes::{SharedBytes, whole_of};
 use crate::gltf::document::{Located, array};
 use crate::gltf::read::placements::Placement;
 use crate::gltf::read::pose::{Skin, SkinReader};
@@ -345,7 +345,7 @@ impl<'a> MaterialReader<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gltf::read::transform::Transform;
+    use crate::gltf::read::placements::Transform;
 
     /// Returns the appearance of a document with a triangle in mesh 0 and these further members.
     fn appearance(members: &str) -> Result<Appearance, Error> {

@@ -21,7 +21,7 @@ use crate::gltf::document::budget::DecodeBudget;
 use crate::gltf::document::json::Members;
 use crate::gltf::document::scene::Scene;
 use crate::gltf::document::{Located, items};
-use crate::gltf::read::transform::{Transform, of_node};
+use crate::gltf::read::placements::{Transform, of_node};
 
 /// The bytes of displacements that may be decoded for any scene; 16 for each byte of its buffers are added.
 const FREE_BYTES: u64 = 64 << 20;

@@ -15,9 +15,9 @@ use serde_json::{Value, json};
 use tristrip::{Attribute, AttributeData, Layout, Mesh};
 
 use crate::gltf::document::Document;
-use crate::gltf::document::component::ComponentType;
 use crate::gltf::document::container::GlbContent;
 use crate::gltf::document::json::{Content, Members};
+use crate::gltf::document::spec::ComponentType;
 use crate::gltf::document::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION};
 use crate::gltf::write::index::{IndexRun, pack_runs, runs};
 use crate::gltf::write::material_builder::{JPEG, MaterialBuilder};

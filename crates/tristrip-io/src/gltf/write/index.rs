@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use tristrip::strip_triangles;
 use tristrip::{Layout, Mesh, Strips};
 
-use crate::gltf::document::component::ComponentType;
+use crate::gltf::document::spec::ComponentType;
 use crate::gltf::document::spec::{TRIANGLE_STRIP, TRIANGLES};
 use crate::le_bytes::append;
 use crate::model::Drawing;

@@ -4,8 +4,8 @@ use crate::gltf::document::Located;
 use crate::gltf::document::accessor::{AccessorResolver, AccessorValues};
 use crate::gltf::document::bounds::number;
 use crate::gltf::document::budget::DecodeBudget;
-use crate::gltf::document::component::ComponentType;
 use crate::gltf::document::json::Value;
+use crate::gltf::document::spec::ComponentType;
 
 /// How far a track may be from what it was, as a share of its greatest value: a few times what rounding to 32-bit
 /// floats changes when an exporter computes it from a matrix.

@@ -11,8 +11,8 @@ use super::arrays::{Array, Holder, ViewArrays};
 use super::uses::Kind;
 use crate::error::Error;
 use crate::gltf::document::buffer::view_range;
+use crate::gltf::document::byte_ranges;
 use crate::gltf::document::json::{Members, Value};
-use crate::gltf::document::removed_bytes;
 use crate::gltf::document::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER};
 use crate::gltf::document::{array, index};
 
@@ -108,7 +108,7 @@ impl Layout {
         let mut moved = Vec::with_capacity(ranges.len());
         for (buffer, range) in &ranges {
             // The largest alignment that a known extension requires.
-            let alignment = removed_bytes::ALIGNMENT;
+            let alignment = byte_ranges::ALIGNMENT;
             moved.push(self.align(alignment, range.start % alignment));
             self.bytes.extend_from_slice(&scene.buffers[*buffer].as_slice()[range.clone()]);
         }

@@ -8,9 +8,9 @@ use serde_json::json;
 use super::unused::UnusedEntries;
 use crate::error::Error;
 use crate::gltf::document::buffer::view_range;
+use crate::gltf::document::byte_ranges::SharedBytes;
+use crate::gltf::document::byte_ranges::{ALIGNMENT, RemovedBytes};
 use crate::gltf::document::json::Members;
-use crate::gltf::document::removed_bytes::{ALIGNMENT, RemovedBytes};
-use crate::gltf::document::shared_bytes::SharedBytes;
 use crate::gltf::document::{array, entries_mut, index, list_mut};
 
 /// The joining of all buffers into one, without the bytes that nothing uses.
