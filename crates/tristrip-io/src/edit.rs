@@ -6,6 +6,6 @@ pub(crate) mod levels;
 pub(crate) mod new_values;
 pub(crate) mod new_vertices;
 pub(crate) mod redraw;
+mod renumber;
 pub(crate) mod reorder;
-pub(crate) mod shared_vertices;
 pub(crate) mod vertex_group;

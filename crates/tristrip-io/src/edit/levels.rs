@@ -8,8 +8,8 @@
 //! level 0    ├─────────────────────────────────────────────────────────────────┤
 //! ```
 //! # Algorithm
-//! 1. Parts whose vertices the file stores once form one group, as in [`crate::reorder`], with one order: the vertices of the coarsest
-//!    level of all its parts, then those that each finer level adds.
+//! 1. Each group of parts (those of `renumber.rs`, which does the rest) has one order: the vertices of the coarsest level of all its
+//!    parts, then those that each finer level adds.
 //! 2. Positions, attributes and triangles are renumbered, and vertices that no level uses are dropped; in a scene that is written as
 //!    a GLB together with all other values of the vertices: morph targets, joints and weights, attributes that are not decoded.
 //! 3. A group whose vertices something else in the scene depends on keeps its order or its vertices; [`VertexGroup::kept`] has the
@@ -20,12 +20,13 @@
 
 use tristrip::{Faces, Mesh, VertexOrder};
 
-use crate::edit::shared_vertices::{parts_by_vertices, renumber};
+use crate::edit::renumber::renumbered;
 use crate::edit::vertex_group::{Renumbering, VertexGroup};
 use crate::error::Error;
 use crate::format::Format;
 use crate::gltf;
 use crate::gltf::edit::levels::PartAtLevel;
+use crate::gltf::edit::renumber::SceneGroup;
 use crate::model::Model;
 
 /// What a part draws at a level of detail.
@@ -90,63 +91,47 @@ pub fn in_level_order(
     let meshes = model.parts.iter().zip(finest);
     let meshes = meshes
         .map(|(part, level)| Ok(part.mesh.with_faces(Faces::from_triangles(level.triangles.clone())?)?));
-    let mut meshes: Vec<Mesh> = meshes.collect::<Result<_, Error>>()?;
+    let meshes: Vec<Mesh> = meshes.collect::<Result<_, Error>>()?;
 
-    // 1. Groups, and their orders.
-    let scene = model.scene.as_ref().filter(|_| format == Format::Glb);
-    let found = scene.map(|scene| gltf::edit::renumber::groups(scene, meshes.len())).transpose()?;
-    let by_parts: Vec<Vec<usize>> = match &found {
-        Some(found) => found.iter().map(|group| group.parts.clone()).collect(),
-        None => parts_by_vertices(model, format)?,
-    };
+    // 1. The order of each group.
     let is_empty = finest.iter().all(|level| level.triangles.is_empty());
-    let (mut renumberings, mut used) = (Vec::new(), Vec::new());
-    for (number, parts) in by_parts.iter().enumerate() {
-        let group = found.as_ref().map(|found| &found[number]);
-        let counts: Vec<usize> = parts.iter().map(|&part| meshes[part].vertex_count()).collect();
-        let vertex_count = counts.iter().copied().max().unwrap_or(0);
-        let mut kept = group.and_then(gltf::edit::renumber::SceneGroup::why_ordered);
-        if counts.iter().any(|&count| count != vertex_count) {
-            kept.get_or_insert_with(|| {
-                "parts over shared accessors have different numbers of vertices".into()
-            });
-        }
-        if is_empty {
-            kept.get_or_insert_with(|| "nothing is drawn".into());
-        }
-        let mut listed = ListedVertices::of(vertex_count, levels, parts)?;
-        if scene.is_some() {
-            listed.have_one();
-        }
-        let left = if group.is_some_and(|group| group.why_complete().is_some()) {
-            vertex_count
-        } else {
-            listed.order.len()
+    let mut used = Vec::new();
+    let number =
+        |meshes: &[Mesh], parts: &[usize], group: Option<&SceneGroup>| -> Result<Renumbering, Error> {
+            let counts: Vec<usize> = parts.iter().map(|&part| meshes[part].vertex_count()).collect();
+            let vertex_count = counts.iter().copied().max().unwrap_or(0);
+            let mut kept = group.and_then(SceneGroup::why_ordered);
+            if counts.iter().any(|&count| count != vertex_count) {
+                kept.get_or_insert_with(|| {
+                    "parts over shared accessors have different numbers of vertices".into()
+                });
+            }
+            if is_empty {
+                kept.get_or_insert_with(|| "nothing is drawn".into());
+            }
+            let mut listed = ListedVertices::of(vertex_count, levels, parts)?;
+            if group.is_some() {
+                listed.have_one();
+            }
+            let left = if group.is_some_and(|group| group.why_complete().is_some()) {
+                vertex_count
+            } else {
+                listed.order.len()
+            };
+            let order = match kept {
+                Some(_) => VertexOrder::identity(vertex_count)?,
+                None => VertexOrder::of_indices(vertex_count, listed.order)?,
+            };
+            let left = if kept.is_some() { vertex_count } else { left };
+            used.push(listed.counts);
+            Ok(Renumbering { order, left, kept })
         };
-        let order = match kept {
-            Some(_) => VertexOrder::identity(vertex_count)?,
-            None => VertexOrder::of_indices(vertex_count, listed.order)?,
-        };
-        let left = if kept.is_some() { vertex_count } else { left };
-        renumberings.push(Renumbering { order, left, kept });
-        used.push(listed.counts);
-    }
 
-    // 2. The scene, in which more groups may have to keep their vertices.
-    let scene = match scene.zip(found) {
-        Some((scene, found)) => {
-            Some(gltf::edit::renumber::apply(scene, &found, &mut renumberings)?.redrawn()?)
-        }
-        None => model.scene.clone(),
-    };
-
-    // 3. Parts and levels.
-    let mut triangles: Vec<Vec<Vec<u32>>> = vec![vec![Vec::new(); meshes.len()]; levels.len()];
-    let mut vertex_counts = vec![vec![0; meshes.len()]; levels.len()];
-    for ((parts, renumbering), counts) in by_parts.iter().zip(&renumberings).zip(&used) {
-        if renumbering.changes() {
-            renumber(&mut meshes, parts, &renumbering.order, renumbering.left)?;
-        }
+    // 2. The scene and the parts, then the levels.
+    let (model, groups) = renumbered(model, meshes, (format, true), number)?;
+    let mut triangles: Vec<Vec<Vec<u32>>> = vec![vec![Vec::new(); model.parts.len()]; levels.len()];
+    let mut vertex_counts = vec![vec![0; model.parts.len()]; levels.len()];
+    for ((parts, renumbering), counts) in groups.iter().zip(&used) {
         for (level, drawn) in levels.iter().enumerate() {
             for &part in parts {
                 triangles[level][part] = renumbering.order.indices(&drawn[part].triangles)?;
@@ -155,11 +140,7 @@ pub fn in_level_order(
             }
         }
     }
-    let groups = by_parts.into_iter().zip(renumberings);
-    let groups = groups.map(|(parts, Renumbering { order, kept, .. })| VertexGroup { parts, order, kept });
-    let parts = model.parts.iter().zip(meshes).map(|(part, mesh)| part.with_mesh(mesh)).collect();
-    let groups = groups.collect();
-    let model = Model { parts, notes: model.notes.clone(), scene, materials: model.materials.clone() };
+    let groups = groups.into_iter().map(VertexGroup::from).collect();
     Ok(LeveledModel { model, triangles, vertex_counts, groups })
 }
 

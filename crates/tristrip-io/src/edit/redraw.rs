@@ -1,8 +1,8 @@
 //! Models with new triangles over their vertices, without the vertices that become unused.
 //!
 //! # Algorithm
-//! 1. Parts whose vertices the file stores once form one group, as in [`crate::reorder`]; a vertex stays if a part of its
-//!    group uses it, in a scene also if points or lines draw it.
+//! 1. A vertex stays if a part of its group uses it, in a scene also if points or lines draw it. Groups are those of `renumber.rs`,
+//!    which does the rest.
 //! 2. Positions, attributes and triangles are renumbered; the order of the vertices stays. If nothing is drawn at all, all
 //!    vertices stay, since not every format allows files without vertices.
 //! 3. In a scene that is written as a GLB, all other values of the vertices are dropped with them, and the bytes that nothing uses
@@ -10,16 +10,17 @@
 //!    its vertices, and [`Redrawn::kept_groups`] has the reason.
 //!
 //! # Complexity
-//! Linear time; 8 bytes per vertex in addition to the new model, and for a scene as in `gltf/renumber.rs`.
+//! Linear time; 8 bytes per vertex in addition to the new model, and for a scene as in `gltf/edit/renumber.rs`.
 
 use tristrip::VertexOrder;
 use tristrip::{Faces, Mesh, Strips};
 
-use crate::edit::shared_vertices::{parts_by_vertices, renumber};
+use crate::edit::renumber::renumbered;
 use crate::edit::vertex_group::Renumbering;
 use crate::error::Error;
 use crate::format::Format;
 use crate::gltf;
+use crate::gltf::edit::renumber::SceneGroup;
 use crate::model::Model;
 
 /// A model with new triangles, and counts of its vertices.
@@ -125,62 +126,48 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
     }
     // 1. The vertices of each group that stay.
     let scene = model.scene.as_ref().filter(|_| format == Format::Glb);
-    let found = scene.map(|scene| gltf::edit::renumber::groups(scene, meshes.len())).transpose()?;
-    let groups = match &found {
-        Some(found) => found.iter().map(|group| group.parts.clone()).collect(),
-        None => parts_by_vertices(model, format)?,
-    };
     // An OBJ without any vertex would be an empty file.
     let is_empty = meshes.iter().all(|mesh| mesh.faces().corner_count() == 0);
     let mut others = scene.map(gltf::edit::renumber::OtherVertices::of);
-    let mut counts = Vec::with_capacity(groups.len());
-    let mut renumberings = Vec::with_capacity(groups.len());
-    for (number, parts) in groups.iter().enumerate() {
-        let mut used = VertexUse::of(&meshes, parts);
-        let by_triangles = used.count();
-        let mut kept = None;
-        if let Some((others, group)) = others.as_mut().zip(found.as_ref().map(|found| &found[number])) {
-            let unknown = others.mark(group, &mut used.is_used).err();
-            let has_all = |&part: &usize| meshes[part].vertex_count() == used.is_used.len();
-            let several = (!parts.iter().all(has_all))
-                .then(|| "parts over shared accessors have different numbers of vertices".to_owned());
-            kept = group.why_complete().or(several).or(unknown);
-        }
-        if is_empty {
-            kept = Some("nothing is drawn".to_owned());
-        }
-        let unused = used.is_used.len() - used.count();
-        if unused == used.is_used.len() && scene.is_some() {
-            // An accessor must have a value.
-            used.is_used.iter_mut().take(1).for_each(|is_used| *is_used = true);
-        }
-        renumberings.push(used.renumbering(kept)?);
-        counts.push((by_triangles, unused));
-    }
-    // 2. The scene, in which more groups may have to keep their vertices.
-    let scene = match scene.zip(found) {
-        Some((scene, found)) => {
-            Some(gltf::edit::renumber::apply(scene, &found, &mut renumberings)?.redrawn()?)
-        }
-        None => model.scene.clone(),
-    };
-    // 3. The parts.
+    let mut counts = Vec::new();
+    let number =
+        |meshes: &[Mesh], parts: &[usize], group: Option<&SceneGroup>| -> Result<Renumbering, Error> {
+            let mut used = VertexUse::of(meshes, parts);
+            let by_triangles = used.count();
+            let mut kept = None;
+            if let Some((others, group)) = others.as_mut().zip(group) {
+                let unknown = others.mark(group, &mut used.is_used).err();
+                let has_all = |&part: &usize| meshes[part].vertex_count() == used.is_used.len();
+                let several = (!parts.iter().all(has_all))
+                    .then(|| "parts over shared accessors have different numbers of vertices".to_owned());
+                kept = group.why_complete().or(several).or(unknown);
+            }
+            if is_empty {
+                kept = Some("nothing is drawn".to_owned());
+            }
+            let unused = used.is_used.len() - used.count();
+            if unused == used.is_used.len() && scene.is_some() {
+                // An accessor must have a value.
+                used.is_used.iter_mut().take(1).for_each(|is_used| *is_used = true);
+            }
+            counts.push((by_triangles, unused));
+            used.renumbering(kept)
+        };
+    // 2. The scene and the parts.
+    let (model, groups) = renumbered(model, meshes, (format, true), number)?;
     let (mut dropped, mut kept_groups) = (0, Vec::new());
-    let (mut orders, mut order_of) = (Vec::new(), vec![None; meshes.len()]);
-    for ((parts, renumbering), &(_, unused)) in groups.into_iter().zip(renumberings).zip(&counts) {
+    let (mut orders, mut order_of) = (Vec::new(), vec![None; model.parts.len()]);
+    for ((parts, renumbering), &(_, unused)) in groups.into_iter().zip(&counts) {
         if let Some(why) = renumbering.kept {
             if unused > 0 {
                 kept_groups.push(KeptVertices { parts, vertex_count: unused, why });
             }
         } else if renumbering.drops() {
             dropped += renumbering.order.vertex_count() - renumbering.left;
-            renumber(&mut meshes, &parts, &renumbering.order, renumbering.left)?;
             parts.iter().for_each(|&part| order_of[part] = Some(orders.len()));
             orders.push(renumbering.order);
         }
     }
-    let parts = model.parts.iter().zip(meshes).map(|(part, mesh)| part.with_mesh(mesh)).collect();
-    let model = Model { parts, notes: model.notes.clone(), scene, materials: model.materials.clone() };
     let kept = kept_groups.iter().map(|group| group.vertex_count).sum();
     let used = counts.iter().map(|(by_triangles, _)| by_triangles).sum();
     Ok(Redrawn { model, used, dropped, kept, kept_groups, orders, order_of })

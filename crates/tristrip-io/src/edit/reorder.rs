@@ -5,8 +5,7 @@
 //! model, strips ─▶ groups of parts over the same vertices ─▶ one order per group ─▶ model, strips ─▶ write
 //! ```
 //! # Algorithm
-//! 1. Parts whose vertices the file stores once form one group: in PLY and OBJ those with positions and attributes in common,
-//!    in a GLB those with the same positions, and in a scene those that share any accessor.
+//! 1. Parts whose vertices the file stores once form one group (`renumber.rs`).
 //! 2. The order of a group is that of the index buffers that the writer builds from its drawings. In the degenerate layout the
 //!    strips are joined before: how they are joined depends on the vertex numbers.
 //! 3. Positions, attributes, faces and strips are renumbered; in a scene also all other data per vertex. Parts that shared
@@ -18,12 +17,12 @@
 use tristrip::VertexOrder;
 use tristrip::{Layout, Mesh, Strips};
 
-use crate::edit::shared_vertices::{parts_by_vertices, renumber};
+use crate::edit::renumber::renumbered;
 use crate::edit::vertex_group::{Renumbering, VertexGroup};
 use crate::error::Error;
 use crate::format::Format;
-use crate::gltf;
-use crate::model::{Drawing, Model, Part};
+use crate::gltf::edit::renumber::SceneGroup;
+use crate::model::{Drawing, Model};
 
 /// A model with its vertices in a new order, and how it is drawn.
 #[derive(Debug)]
@@ -97,8 +96,9 @@ pub fn reorder(
             Drawing::Strips(strips) => Some(if join { joined(strips) } else { strips.clone() }),
         })
         .collect();
-    // 1. Groups, and their orders.
-    let order = |parts: &Vec<usize>, kept: Option<String>| {
+    // 1. The order of each group.
+    let number = |_: &[Mesh], parts: &[usize], group: Option<&SceneGroup>| -> Result<Renumbering, Error> {
+        let kept = group.and_then(SceneGroup::why_ordered);
         let vertex_count = parts.first().map_or(0, |&part| model.parts[part].mesh.vertex_count());
         let indices = parts.iter().filter(|_| kept.is_none()).flat_map(|&part| match &strips[part] {
             Some(strips) => indices(strips, layout),
@@ -106,33 +106,21 @@ pub fn reorder(
         });
         Ok(Renumbering::of_order(VertexOrder::of_indices(vertex_count, indices)?, kept))
     };
-    let scene = model.scene.as_ref().filter(|_| format == Format::Glb);
-    let found = scene.map(|scene| gltf::edit::renumber::groups(scene, strips.len())).transpose()?;
-    let by_parts: Vec<(Vec<usize>, Option<String>)> = match &found {
-        Some(found) => found.iter().map(|group| (group.parts.clone(), group.why_ordered())).collect(),
-        None => parts_by_vertices(model, format)?.into_iter().map(|parts| (parts, None)).collect(),
-    };
-    let (by_parts, kept): (Vec<_>, Vec<_>) = by_parts.into_iter().unzip();
-    let each = by_parts.iter().zip(kept).map(|(parts, kept)| order(parts, kept));
-    let mut renumberings = each.collect::<Result<Vec<Renumbering>, Error>>()?;
-    // 2. The scene, which may keep the order of more groups.
-    let scene = match scene.zip(found) {
-        Some((scene, found)) => Some(gltf::edit::renumber::apply(scene, &found, &mut renumberings)?),
-        None => model.scene.clone(),
-    };
-    let groups = by_parts.into_iter().zip(renumberings);
-    let groups: Vec<VertexGroup> =
-        groups.map(|(parts, Renumbering { order, kept, .. })| VertexGroup { parts, order, kept }).collect();
-    // 3. Parts and strips.
-    let parts = reordered_parts(model, &groups)?;
+    // 2. The scene and the parts, which stay stripped if they were.
+    let meshes = model.parts.iter().map(|part| part.mesh.clone()).collect();
+    let (mut reordered, groups) = renumbered(model, meshes, (format, false), number)?;
+    for (part, old) in reordered.parts.iter_mut().zip(&model.parts) {
+        part.stripped = old.stripped;
+    }
+    let groups: Vec<VertexGroup> = groups.into_iter().map(VertexGroup::from).collect();
+    // 3. The strips.
     let mut out = vec![None; strips.len()];
     for group in &groups {
         for &part in &group.parts {
             out[part] = strips[part].as_ref().map(|strips| group.order.strips(strips)).transpose()?;
         }
     }
-    let model = Model { parts, notes: model.notes.clone(), scene, materials: model.materials.clone() };
-    Ok(Reordered { model, strips: out, layout, groups })
+    Ok(Reordered { model: reordered, strips: out, layout, groups })
 }
 
 /// Joins strips into one.
@@ -148,14 +136,4 @@ fn joined(strips: &Strips) -> Strips {
 /// Returns the vertices of strips in the order of a layout.
 fn indices(strips: &Strips, layout: Layout) -> Vec<u32> {
     if layout == Layout::List { strips.to_list() } else { strips.vertices().to_vec() }
-}
-
-/// Returns the parts with vertices and faces in the new order.
-fn reordered_parts(model: &Model, groups: &[VertexGroup]) -> Result<Vec<Part>, Error> {
-    let mut meshes: Vec<Mesh> = model.parts.iter().map(|part| part.mesh.clone()).collect();
-    for group in groups.iter().filter(|group| group.order.moved_count() > 0) {
-        renumber(&mut meshes, &group.parts, &group.order, group.order.vertex_count())?;
-    }
-    let parts = model.parts.iter().zip(meshes);
-    Ok(parts.map(|(part, mesh)| Part { stripped: part.stripped, ..part.with_mesh(mesh) }).collect())
 }

@@ -15,6 +15,12 @@ pub struct VertexGroup {
     pub kept: Option<String>,
 }
 
+impl From<(Vec<usize>, Renumbering)> for VertexGroup {
+    fn from((parts, Renumbering { order, kept, .. }): (Vec<usize>, Renumbering)) -> Self {
+        Self { parts, order, kept }
+    }
+}
+
 /// New numbers for the vertices of a group, some of which may be dropped.
 #[derive(Debug)]
 pub(crate) struct Renumbering {
