@@ -60,7 +60,7 @@ pub use document::budget::{
     ATTRIBUTE_LIMIT, DECOMPRESSED_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE,
 };
 #[cfg(not(feature = "fs"))]
-pub(crate) use document::buffer::BufferFiles;
+pub(crate) use document::buffer::NoBufferFiles as BufferFiles;
 #[cfg(feature = "fs")]
 pub(crate) use document::buffer_files::BufferFiles;
 pub use document::scene::Scene;

@@ -5,7 +5,7 @@ use crate::text::{Text, integer, quote};
 
 /// The encoding of the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum PlyEncoding {
     Ascii,
     Little,
     Big,
@@ -88,8 +88,8 @@ impl Element {
 
 /// The content of the header.
 #[derive(Debug)]
-pub(super) struct Header {
-    pub(super) encoding: Encoding,
+pub(super) struct PlyHeader {
+    pub(super) encoding: PlyEncoding,
     pub(super) elements: Vec<Element>,
     /// Offset of the first row, in bytes.
     pub(super) body: usize,
@@ -98,7 +98,7 @@ pub(super) struct Header {
 }
 
 /// Reads the header.
-pub(super) fn read(bytes: &[u8]) -> Result<Header, Error> {
+pub(super) fn read(bytes: &[u8]) -> Result<PlyHeader, Error> {
     let mut text = Text::new(bytes);
     match text.word() {
         Some(b"ply") if bytes.starts_with(b"ply") => {}
@@ -152,15 +152,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Error> {
     text.next_line();
     // Where lines end with CR alone, an LF after the last one is the first byte of the rows.
     let body = if bytes[..end].contains(&b'\n') { text.offset() } else { bytes.len().min(end + 1) };
-    Ok(Header { encoding, elements, body, body_line: line })
+    Ok(PlyHeader { encoding, elements, body, body_line: line })
 }
 
-fn read_format(text: &mut Text) -> Result<Encoding, Error> {
+fn read_format(text: &mut Text) -> Result<PlyEncoding, Error> {
     let expected = "`ascii`, `binary_little_endian` or `binary_big_endian`";
     let encoding = match text.word() {
-        Some(b"ascii") => Encoding::Ascii,
-        Some(b"binary_little_endian") => Encoding::Little,
-        Some(b"binary_big_endian") => Encoding::Big,
+        Some(b"ascii") => PlyEncoding::Ascii,
+        Some(b"binary_little_endian") => PlyEncoding::Little,
+        Some(b"binary_big_endian") => PlyEncoding::Big,
         Some(word) => return Err(Error::format(text.position(), quote(word), expected)),
         None => return Err(text.missing(expected)),
     };
@@ -225,7 +225,7 @@ mod tests {
             ];
             let bytes = text.join(end);
             let header = read(bytes.as_bytes()).unwrap();
-            assert_eq!(header.encoding, Encoding::Big);
+            assert_eq!(header.encoding, PlyEncoding::Big);
             assert_eq!(&bytes.as_bytes()[header.body..], b"\nrows", "{end:?}");
             assert_eq!(header.body_line, 9);
             let [vertex, face] = &header.elements[..] else { panic!() };

@@ -6,7 +6,7 @@ use tristrip::{Attribute, Mesh};
 
 use super::columns::{VertexColumn, columns};
 use super::fixed_rows::FixedRows;
-use super::header::{self, Element, Encoding, Header, Property, Scalar};
+use super::header::{self, Element, PlyEncoding, PlyHeader, Property, Scalar};
 use super::rows::{AsciiRows, BinaryRows, Rows};
 use crate::error::Error;
 use crate::model::{Model, Part, StoredStrips};
@@ -22,11 +22,11 @@ const RESTARTS: [i64; 2] = [-1, RESTART as i64];
 pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     let header = header::read(bytes)?;
     match header.encoding {
-        Encoding::Ascii => {
+        PlyEncoding::Ascii => {
             PlyReader::new(AsciiRows::new(&bytes[header.body..], header.body_line)).run(&header)
         }
-        Encoding::Little => PlyReader::new(BinaryRows::<false>::new(bytes, header.body)).run(&header),
-        Encoding::Big => PlyReader::new(BinaryRows::<true>::new(bytes, header.body)).run(&header),
+        PlyEncoding::Little => PlyReader::new(BinaryRows::<false>::new(bytes, header.body)).run(&header),
+        PlyEncoding::Big => PlyReader::new(BinaryRows::<true>::new(bytes, header.body)).run(&header),
     }
 }
 
@@ -54,7 +54,7 @@ impl<R: Rows> PlyReader<R> {
         }
     }
 
-    fn run(mut self, header: &Header) -> Result<Model, Error> {
+    fn run(mut self, header: &PlyHeader) -> Result<Model, Error> {
         // Faces may come before the vertices, so the header gives the bound of their indices.
         let Some(vertices) = header.elements.iter().find(|element| element.name == "vertex") else {
             return Err(Error::format(

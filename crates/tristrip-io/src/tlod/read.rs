@@ -6,8 +6,8 @@ use tristrip::{Attribute, AttributeData, CollapseSequence, Faces, Mesh, Rename, 
 
 use super::limits::{TlodLimits, check};
 use super::model::TlodModel;
-use super::sections::{ATTRIBUTE_BYTES, Counts, Kind, MAGIC, VERSION, empty_values, value_type};
-use super::source::{Source, wrong_length};
+use super::sections::{ATTRIBUTE_BYTES, Counts, MAGIC, SectionKind, VERSION, empty_values, value_type};
+use super::source::{TlodSource, wrong_length};
 use crate::error::Error;
 
 /// Reads a model from its first byte to the end of the source. Nothing is allocated for bytes that do not arrive.
@@ -25,7 +25,7 @@ use crate::error::Error;
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn read(mut source: impl Read, limits: &TlodLimits) -> Result<TlodModel, Error> {
-    let source = &mut Source::new(&mut source, limits.bytes);
+    let source = &mut TlodSource::new(&mut source, limits.bytes);
     read_start(source)?;
     let counts = read_counts(source, limits)?;
     let positions = read_positions(source, counts)?;
@@ -34,7 +34,7 @@ pub fn read(mut source: impl Read, limits: &TlodLimits) -> Result<TlodModel, Err
         mesh = mesh.with_attribute(read_attribute(source, counts, limits)?)?;
     }
     let strips = read_strips(source, counts)?;
-    let collapses = Collapses::read(source, counts)?;
+    let collapses = StoredCollapses::read(source, counts)?;
     source.finish()?;
     let triangles = strips.to_list();
     let sequence =
@@ -43,7 +43,7 @@ pub fn read(mut source: impl Read, limits: &TlodLimits) -> Result<TlodModel, Err
     Ok(TlodModel { mesh, strips, sequence })
 }
 
-fn read_start(source: &mut Source<'_>) -> Result<(), Error> {
+fn read_start(source: &mut TlodSource<'_>) -> Result<(), Error> {
     let magic: [u8; 8] = source.bytes("a .tlod file")?;
     if magic != MAGIC {
         return Err(Error::format("byte 0", format!("`{}`", magic.escape_ascii()), "a .tlod file"));
@@ -55,8 +55,8 @@ fn read_start(source: &mut Source<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-fn read_counts(source: &mut Source<'_>, limits: &TlodLimits) -> Result<Counts, Error> {
-    source.begin(Kind::Head, Some(Counts::BYTES))?;
+fn read_counts(source: &mut TlodSource<'_>, limits: &TlodLimits) -> Result<Counts, Error> {
+    source.begin(SectionKind::Head, Some(Counts::BYTES))?;
     let at = source.at();
     let bytes: [u8; Counts::BYTES as usize] = source.bytes("counts")?;
     source.end()?;
@@ -69,8 +69,8 @@ fn read_counts(source: &mut Source<'_>, limits: &TlodLimits) -> Result<Counts, E
     Ok(counts)
 }
 
-fn read_positions(source: &mut Source<'_>, counts: Counts) -> Result<Vec<[f32; 3]>, Error> {
-    source.begin(Kind::Positions, counts.section_bytes(Kind::Positions))?;
+fn read_positions(source: &mut TlodSource<'_>, counts: Counts) -> Result<Vec<[f32; 3]>, Error> {
+    source.begin(SectionKind::Positions, counts.section_bytes(SectionKind::Positions))?;
     let position = |bytes: [u8; 12]| {
         let mut position = [0.0; 3];
         for (number, &bytes) in position.iter_mut().zip(bytes.as_chunks().0) {
@@ -83,9 +83,13 @@ fn read_positions(source: &mut Source<'_>, counts: Counts) -> Result<Vec<[f32; 3
     Ok(positions)
 }
 
-fn read_attribute(source: &mut Source<'_>, counts: Counts, limits: &TlodLimits) -> Result<Attribute, Error> {
+fn read_attribute(
+    source: &mut TlodSource<'_>,
+    counts: Counts,
+    limits: &TlodLimits,
+) -> Result<Attribute, Error> {
     let length_at = source.at() + 4;
-    let length = source.begin(Kind::Attribute, None)?;
+    let length = source.begin(SectionKind::Attribute, None)?;
     if length < ATTRIBUTE_BYTES {
         return Err(wrong_length(length_at, "ATTR", length, ATTRIBUTE_BYTES));
     }
@@ -116,7 +120,7 @@ fn read_attribute(source: &mut Source<'_>, counts: Counts, limits: &TlodLimits) 
 }
 
 /// Reads the values of an attribute, up to the end of its section.
-fn read_values(source: &mut Source<'_>, data: &mut AttributeData) -> Result<(), Error> {
+fn read_values(source: &mut TlodSource<'_>, data: &mut AttributeData) -> Result<(), Error> {
     let count = source.left() / value_type(data).1;
     let what = "the values of an attribute";
     match data {
@@ -132,8 +136,8 @@ fn read_values(source: &mut Source<'_>, data: &mut AttributeData) -> Result<(), 
     Ok(())
 }
 
-fn read_strips(source: &mut Source<'_>, counts: Counts) -> Result<Strips, Error> {
-    source.begin(Kind::Strips, counts.section_bytes(Kind::Strips))?;
+fn read_strips(source: &mut TlodSource<'_>, counts: Counts) -> Result<Strips, Error> {
+    source.begin(SectionKind::Strips, counts.section_bytes(SectionKind::Strips))?;
     let ends_at = source.at();
     let ends = source.numbers(counts.strips.into(), "the ends of strips", u32::from_le_bytes)?;
     let at = source.at();
@@ -151,15 +155,15 @@ fn read_strips(source: &mut Source<'_>, counts: Counts) -> Result<Strips, Error>
 }
 
 /// The collapses as the file has them, the first from the full mesh first.
-struct Collapses {
+struct StoredCollapses {
     errors: Vec<f32>,
     ends: Vec<u32>,
     renames: Vec<Rename>,
 }
 
-impl Collapses {
-    fn read(source: &mut Source<'_>, counts: Counts) -> Result<Self, Error> {
-        source.begin(Kind::Collapses, counts.section_bytes(Kind::Collapses))?;
+impl StoredCollapses {
+    fn read(source: &mut TlodSource<'_>, counts: Counts) -> Result<Self, Error> {
+        source.begin(SectionKind::Collapses, counts.section_bytes(SectionKind::Collapses))?;
         let errors = source.numbers(counts.collapses.into(), "errors of collapses", f32::from_le_bytes)?;
         let at = source.at();
         let ends = source.numbers(counts.collapses.into(), "the ends of collapses", u32::from_le_bytes)?;

@@ -14,7 +14,7 @@ pub(super) const ATTRIBUTE_BYTES: u64 = 8;
 
 /// The kind of a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum SectionKind {
     Head,
     Positions,
     Attribute,
@@ -22,7 +22,7 @@ pub(super) enum Kind {
     Collapses,
 }
 
-impl Kind {
+impl SectionKind {
     pub(super) const ALL: [Self; 5] =
         [Self::Head, Self::Positions, Self::Attribute, Self::Strips, Self::Collapses];
 
@@ -86,14 +86,14 @@ impl Counts {
     }
 
     /// Returns the length of a section, if it depends on nothing else.
-    pub(super) fn section_bytes(self, kind: Kind) -> Option<u64> {
+    pub(super) fn section_bytes(self, kind: SectionKind) -> Option<u64> {
         let [vertices, _, strips, strip_vertices, _, collapses, renames] = self.to_numbers().map(u64::from);
         match kind {
-            Kind::Head => Some(Self::BYTES),
-            Kind::Positions => Some(12 * vertices),
-            Kind::Attribute => None,
-            Kind::Strips => Some(4 * (strips + strip_vertices)),
-            Kind::Collapses => Some(8 * (collapses + renames)),
+            SectionKind::Head => Some(Self::BYTES),
+            SectionKind::Positions => Some(12 * vertices),
+            SectionKind::Attribute => None,
+            SectionKind::Strips => Some(4 * (strips + strip_vertices)),
+            SectionKind::Collapses => Some(8 * (collapses + renames)),
         }
     }
 }

@@ -5,11 +5,11 @@ use std::io::{ErrorKind, Read};
 use crc32fast::Hasher;
 
 use super::limits::check;
-use super::sections::{Kind, PIECE_BYTES};
+use super::sections::{PIECE_BYTES, SectionKind};
 use crate::error::Error;
 
 /// A stream of bytes, from its first one on.
-pub(super) struct Source<'a> {
+pub(super) struct TlodSource<'a> {
     reader: &'a mut dyn Read,
     /// The number of bytes read.
     at: u64,
@@ -21,7 +21,7 @@ pub(super) struct Source<'a> {
     limit: u64,
 }
 
-impl<'a> Source<'a> {
+impl<'a> TlodSource<'a> {
     pub(super) fn new(reader: &'a mut dyn Read, limit: u64) -> Self {
         let (checksum, piece) = (Hasher::new(), Vec::new());
         Self { reader, at: 0, section_end: 0, checksum, piece, limit }
@@ -41,13 +41,14 @@ impl<'a> Source<'a> {
     }
 
     /// Begins a section of a kind, and returns the length of its content, which must be `length` if this is known.
-    pub(super) fn begin(&mut self, kind: Kind, length: Option<u64>) -> Result<u64, Error> {
+    pub(super) fn begin(&mut self, kind: SectionKind, length: Option<u64>) -> Result<u64, Error> {
         let start = self.at;
         let name = String::from_utf8_lossy(&kind.code()).into_owned();
         self.checksum = Hasher::new();
         let code: [u8; 4] = self.bytes(&format!("section {name}"))?;
         if code != kind.code() {
-            let known = if Kind::ALL.iter().any(|kind| kind.code() == code) { "" } else { "the unknown " };
+            let known =
+                if SectionKind::ALL.iter().any(|kind| kind.code() == code) { "" } else { "the unknown " };
             let found = format!("{known}section {}", code.escape_ascii());
             return Err(Error::format(format!("byte {start}"), found, format!("section {name}")));
         }

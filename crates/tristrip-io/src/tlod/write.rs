@@ -6,7 +6,7 @@ use crc32fast::Hasher;
 use tristrip::{Attribute, AttributeData};
 
 use super::model::{TlodModel, strip_ends};
-use super::sections::{ATTRIBUTE_BYTES, Counts, Kind, MAGIC, PIECE_BYTES, VERSION, value_type};
+use super::sections::{ATTRIBUTE_BYTES, Counts, MAGIC, PIECE_BYTES, SectionKind, VERSION, value_type};
 use crate::error::Error;
 use crate::le_bytes;
 
@@ -26,16 +26,16 @@ use crate::le_bytes;
 pub fn write(model: &TlodModel, target: &mut impl Write) -> Result<(), Error> {
     model.check()?;
     let counts = counts_of(model)?;
-    let target = &mut Target { writer: target, checksum: Hasher::new(), piece: Vec::new() };
+    let target = &mut TlodTarget { writer: target, checksum: Hasher::new(), piece: Vec::new() };
     target.bytes(&MAGIC)?;
     target.bytes(&VERSION.to_le_bytes())?;
 
     let length = |kind| counts.section_bytes(kind).unwrap_or_default();
-    target.begin(Kind::Head, length(Kind::Head))?;
+    target.begin(SectionKind::Head, length(SectionKind::Head))?;
     target.numbers(&counts.to_numbers(), u32::to_le_bytes)?;
     target.end()?;
 
-    target.begin(Kind::Positions, length(Kind::Positions))?;
+    target.begin(SectionKind::Positions, length(SectionKind::Positions))?;
     target.numbers(model.mesh.positions().as_flattened(), f32::to_le_bytes)?;
     target.end()?;
 
@@ -43,13 +43,13 @@ pub fn write(model: &TlodModel, target: &mut impl Write) -> Result<(), Error> {
         write_attribute(attribute, target)?;
     }
 
-    target.begin(Kind::Strips, length(Kind::Strips))?;
+    target.begin(SectionKind::Strips, length(SectionKind::Strips))?;
     target.each(strip_ends(&model.strips), u32::to_le_bytes)?;
     target.numbers(model.strips.vertices(), u32::to_le_bytes)?;
     target.end()?;
 
     let collapses = || model.sequence.iter();
-    target.begin(Kind::Collapses, length(Kind::Collapses))?;
+    target.begin(SectionKind::Collapses, length(SectionKind::Collapses))?;
     target.each(collapses().map(|collapse| collapse.error), f32::to_le_bytes)?;
     let ends = collapses().scan(0, |end, collapse| {
         *end += collapse.renames.len() as u32;
@@ -83,12 +83,12 @@ fn count(at: &str, found: usize) -> Result<u32, Error> {
     })
 }
 
-fn write_attribute(attribute: &Attribute, target: &mut Target<'_>) -> Result<(), Error> {
+fn write_attribute(attribute: &Attribute, target: &mut TlodTarget<'_>) -> Result<(), Error> {
     let Attribute { name, components, normalized, data } = attribute;
     let (number, value_bytes) = value_type(data);
     let name_bytes = count("bytes of a name", name.len())?;
     let length = ATTRIBUTE_BYTES + name.len() as u64 + data.len() as u64 * value_bytes;
-    target.begin(Kind::Attribute, length)?;
+    target.begin(SectionKind::Attribute, length)?;
     target.bytes(&name_bytes.to_le_bytes())?;
     target.bytes(&[number, *components, u8::from(*normalized), 0])?;
     target.bytes(name.as_bytes())?;
@@ -106,14 +106,14 @@ fn write_attribute(attribute: &Attribute, target: &mut Target<'_>) -> Result<(),
 }
 
 /// A stream of sections.
-struct Target<'a> {
+struct TlodTarget<'a> {
     writer: &'a mut dyn Write,
     checksum: Hasher,
     piece: Vec<u8>,
 }
 
-impl Target<'_> {
-    fn begin(&mut self, kind: Kind, length: u64) -> Result<(), Error> {
+impl TlodTarget<'_> {
+    fn begin(&mut self, kind: SectionKind, length: u64) -> Result<(), Error> {
         self.checksum = Hasher::new();
         self.bytes(&kind.code())?;
         self.bytes(&length.to_le_bytes())

@@ -110,10 +110,10 @@ pub(in crate::gltf) fn view_range(
 
 /// The files of a document, where no file is read.
 #[cfg(not(feature = "fs"))]
-pub(crate) struct BufferFiles<'a>(std::marker::PhantomData<&'a Path>);
+pub(crate) struct NoBufferFiles<'a>(std::marker::PhantomData<&'a Path>);
 
 #[cfg(not(feature = "fs"))]
-impl<'a> BufferFiles<'a> {
+impl<'a> NoBufferFiles<'a> {
     pub(crate) fn new(_folders: &'a [&'a Path]) -> Self {
         Self(std::marker::PhantomData)
     }

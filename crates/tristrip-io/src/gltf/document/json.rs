@@ -35,12 +35,12 @@ type Span = Range<u32>;
 pub(in crate::gltf) struct Value {
     /// `None` for a value that was built or changed.
     text: Option<Span>,
-    pub(in crate::gltf) content: Content,
+    pub(in crate::gltf) content: JsonContent,
 }
 
 /// What a value is.
 #[derive(Debug, Clone)]
-pub(in crate::gltf) enum Content {
+pub(in crate::gltf) enum JsonContent {
     Null,
     Bool(bool),
     /// A number without sign, fraction and exponent.
@@ -54,10 +54,10 @@ pub(in crate::gltf) enum Content {
 
 /// The members of an object in their order; the last one of each name, if a name is repeated.
 #[derive(Debug, Clone, Default)]
-pub(in crate::gltf) struct Members(IndexMap<Box<str>, Member>);
+pub(in crate::gltf) struct Members(IndexMap<Box<str>, JsonMember>);
 
 #[derive(Debug, Clone)]
-struct Member {
+struct JsonMember {
     /// The text of the name, quotes included; `None` for a member that was added.
     name: Option<Span>,
     value: Value,
@@ -155,19 +155,19 @@ impl Value {
     fn of_text(value: ast::Value<'_>) -> Self {
         let text = Some(span(&value));
         let content = match value {
-            ast::Value::NullKeyword(_) => Content::Null,
-            ast::Value::BooleanLit(bool) => Content::Bool(bool.value),
-            ast::Value::NumberLit(number) => Content::number(number.value),
-            ast::Value::StringLit(string) => Content::String(string.value.into()),
+            ast::Value::NullKeyword(_) => JsonContent::Null,
+            ast::Value::BooleanLit(bool) => JsonContent::Bool(bool.value),
+            ast::Value::NumberLit(number) => JsonContent::number(number.value),
+            ast::Value::StringLit(string) => JsonContent::String(string.value.into()),
             ast::Value::Array(array) => {
-                Content::Array(array.elements.into_iter().map(Self::of_text).collect())
+                JsonContent::Array(array.elements.into_iter().map(Self::of_text).collect())
             }
             ast::Value::Object(object) => {
                 let members = object.properties.into_iter().map(|property| {
                     let (name, value) = (Some(span(&property.name)), Self::of_text(property.value));
-                    (property.name.into_string().into(), Member { name, value })
+                    (property.name.into_string().into(), JsonMember { name, value })
                 });
-                Content::Object(Members(members.collect()))
+                JsonContent::Object(Members(members.collect()))
             }
         };
         Self { text, content }
@@ -179,38 +179,38 @@ impl Value {
     }
 
     pub(in crate::gltf) fn as_object(&self) -> Option<&Members> {
-        if let Content::Object(members) = &self.content { Some(members) } else { None }
+        if let JsonContent::Object(members) = &self.content { Some(members) } else { None }
     }
 
     pub(in crate::gltf) fn as_array(&self) -> Option<&[Self]> {
-        if let Content::Array(items) = &self.content { Some(items) } else { None }
+        if let JsonContent::Array(items) = &self.content { Some(items) } else { None }
     }
 
     pub(in crate::gltf) fn as_str(&self) -> Option<&str> {
-        if let Content::String(text) = &self.content { Some(text) } else { None }
+        if let JsonContent::String(text) = &self.content { Some(text) } else { None }
     }
 
     pub(in crate::gltf) fn as_bool(&self) -> Option<bool> {
-        if let Content::Bool(value) = self.content { Some(value) } else { None }
+        if let JsonContent::Bool(value) = self.content { Some(value) } else { None }
     }
 
     /// Returns the members of an object for a change.
     pub(in crate::gltf) fn as_object_mut(&mut self) -> Option<&mut Members> {
-        let Content::Object(members) = &mut self.content else { return None };
+        let JsonContent::Object(members) = &mut self.content else { return None };
         self.text = None;
         Some(members)
     }
 
     /// Returns the entries of an array for a change.
     pub(in crate::gltf) fn as_array_mut(&mut self) -> Option<&mut Vec<Self>> {
-        let Content::Array(items) = &mut self.content else { return None };
+        let JsonContent::Array(items) = &mut self.content else { return None };
         self.text = None;
         Some(items)
     }
 
     /// Builds a number from its JSON.
     pub(in crate::gltf) fn number(text: &str) -> Self {
-        Content::number(text).into()
+        JsonContent::number(text).into()
     }
 
     /// Appends the JSON of the value; `source` is the text that it was parsed from.
@@ -220,12 +220,12 @@ impl Value {
             return;
         }
         match &self.content {
-            Content::Null => out.extend_from_slice(b"null"),
-            Content::Bool(value) => out.extend_from_slice(value.to_string().as_bytes()),
-            Content::Whole(number) => out.extend_from_slice(number.to_string().as_bytes()),
-            Content::Number(number) => out.extend_from_slice(number.as_bytes()),
-            Content::String(text) => out.extend_from_slice(quoted(text).as_bytes()),
-            Content::Array(items) => {
+            JsonContent::Null => out.extend_from_slice(b"null"),
+            JsonContent::Bool(value) => out.extend_from_slice(value.to_string().as_bytes()),
+            JsonContent::Whole(number) => out.extend_from_slice(number.to_string().as_bytes()),
+            JsonContent::Number(number) => out.extend_from_slice(number.as_bytes()),
+            JsonContent::String(text) => out.extend_from_slice(quoted(text).as_bytes()),
+            JsonContent::Array(items) => {
                 out.push(b'[');
                 for (i, item) in items.iter().enumerate() {
                     out.extend_from_slice(if i > 0 { b"," } else { b"" });
@@ -233,12 +233,12 @@ impl Value {
                 }
                 out.push(b']');
             }
-            Content::Object(members) => members.write(source, out),
+            JsonContent::Object(members) => members.write(source, out),
         }
     }
 }
 
-impl Content {
+impl JsonContent {
     fn number(text: &str) -> Self {
         match text.parse() {
             Ok(whole) => Self::Whole(whole),
@@ -286,7 +286,7 @@ impl Members {
         let value = value.into();
         match self.0.get_mut(name) {
             Some(member) => member.value = value,
-            None => drop(self.0.insert(name.into(), Member { name: None, value })),
+            None => drop(self.0.insert(name.into(), JsonMember { name: None, value })),
         }
     }
 
@@ -335,15 +335,15 @@ fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-impl From<Content> for Value {
-    fn from(content: Content) -> Self {
+impl From<JsonContent> for Value {
+    fn from(content: JsonContent) -> Self {
         Self { text: None, content }
     }
 }
 
 impl From<u64> for Value {
     fn from(number: u64) -> Self {
-        Content::Whole(number).into()
+        JsonContent::Whole(number).into()
     }
 }
 
@@ -355,7 +355,7 @@ impl From<usize> for Value {
 
 impl From<&str> for Value {
     fn from(text: &str) -> Self {
-        Content::String(text.into()).into()
+        JsonContent::String(text.into()).into()
     }
 }
 
@@ -363,16 +363,16 @@ impl From<serde_json::Value> for Value {
     fn from(value: serde_json::Value) -> Self {
         use serde_json::Value as Json;
         let content = match value {
-            Json::Null => Content::Null,
-            Json::Bool(value) => Content::Bool(value),
-            Json::Number(number) => Content::number(&number.to_string()),
-            Json::String(text) => Content::String(text.into()),
-            Json::Array(items) => Content::Array(items.into_iter().map(Self::from).collect()),
+            Json::Null => JsonContent::Null,
+            Json::Bool(value) => JsonContent::Bool(value),
+            Json::Number(number) => JsonContent::number(&number.to_string()),
+            Json::String(text) => JsonContent::String(text.into()),
+            Json::Array(items) => JsonContent::Array(items.into_iter().map(Self::from).collect()),
             Json::Object(members) => {
                 let members = members
                     .into_iter()
-                    .map(|(name, value)| (name.into(), Member { name: None, value: value.into() }));
-                Content::Object(Members(members.collect()))
+                    .map(|(name, value)| (name.into(), JsonMember { name: None, value: value.into() }));
+                JsonContent::Object(Members(members.collect()))
             }
         };
         content.into()

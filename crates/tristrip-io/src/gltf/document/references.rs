@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::gltf::document::json::{Content, Members, Value};
+use crate::gltf::document::json::{JsonContent, Members, Value};
 
 use crate::error::Error;
 use crate::gltf::document::spec::{LEVELS_OF_DETAIL, SCREEN_COVERAGE};
@@ -46,7 +46,7 @@ impl ExtensionNumbers {
         }
         self.names_bytes |= inside && matches!(key, "buffer" | "byteOffset" | "byteLength");
         match &value.content {
-            Content::Object(members) if key == "extensions" => {
+            JsonContent::Object(members) if key == "extensions" => {
                 members.iter().for_each(|(name, extension)| {
                     self.add(
                         "",
@@ -55,11 +55,13 @@ impl ExtensionNumbers {
                     );
                 })
             }
-            Content::Object(members) => {
+            JsonContent::Object(members) => {
                 members.iter().for_each(|(k, v)| self.add(k, v, inside || key == "extras"));
             }
-            Content::Array(items) => items.iter().for_each(|v| self.add("", v, inside || key == "extras")),
-            Content::Whole(_) | Content::Number(_) if inside || key == "extras" => {
+            JsonContent::Array(items) => {
+                items.iter().for_each(|v| self.add("", v, inside || key == "extras"))
+            }
+            JsonContent::Whole(_) | JsonContent::Number(_) if inside || key == "extras" => {
                 self.numbers.extend(index(value))
             }
             _ => {}
@@ -70,8 +72,8 @@ impl ExtensionNumbers {
 /// Checks whether a value contains a whole number.
 pub(in crate::gltf) fn has_number(value: &Value) -> bool {
     match &value.content {
-        Content::Array(items) => items.iter().any(has_number),
-        Content::Object(members) => members.values().any(has_number),
+        JsonContent::Array(items) => items.iter().any(has_number),
+        JsonContent::Object(members) => members.values().any(has_number),
         _ => index(value).is_some(),
     }
 }

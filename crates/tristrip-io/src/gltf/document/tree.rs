@@ -2,7 +2,7 @@
 //! everything that was not changed.
 
 use crate::gltf::document::byte_ranges::SharedBytes;
-use crate::gltf::document::json::{self, Content, Members, Value};
+use crate::gltf::document::json::{self, JsonContent, Members, Value};
 
 use crate::error::Error;
 
@@ -71,7 +71,7 @@ fn root_of(json: &[u8]) -> Result<Members, Error> {
     }
     let root = json::parse(json)?;
     match root.content {
-        Content::Object(members) => Ok(members),
+        JsonContent::Object(members) => Ok(members),
         _ => Err(Error::format("JSON", describe(&root), "an object")),
     }
 }
@@ -161,8 +161,8 @@ impl<'a> Located<'a> {
     /// Returns the value as a finite number.
     pub(in crate::gltf) fn number(&self) -> Result<f64, Error> {
         let found = match &self.value.content {
-            Content::Whole(number) => Some(*number as f64),
-            Content::Number(text) => text.parse().ok(),
+            JsonContent::Whole(number) => Some(*number as f64),
+            JsonContent::Number(text) => text.parse().ok(),
             _ => None,
         };
         found.filter(|x| x.is_finite()).ok_or_else(|| self.wrong("a finite number"))
@@ -202,8 +202,8 @@ pub(in crate::gltf) fn array<'a>(root: &'a Members, list: &str) -> Result<&'a [V
 pub(in crate::gltf) fn whole(value: &Value) -> Option<u64> {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     match &value.content {
-        Content::Whole(number) => Some(*number),
-        Content::Number(text) => {
+        JsonContent::Whole(number) => Some(*number),
+        JsonContent::Number(text) => {
             let x: f64 = text.parse().ok()?;
             #[allow(clippy::cast_sign_loss, reason = "the range is checked")]
             (x.fract() == 0.0 && (0.0..EXACT).contains(&x)).then_some(x as u64)
@@ -215,7 +215,7 @@ pub(in crate::gltf) fn whole(value: &Value) -> Option<u64> {
 /// Returns the entries of one of the document's arrays, which is created if it is missing.
 pub(in crate::gltf) fn list_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut Vec<Value>, Error> {
     if !root.contains_key(list) {
-        root.insert(list, Value::from(Content::Array(Vec::new())));
+        root.insert(list, Value::from(JsonContent::Array(Vec::new())));
     }
     array(root, list)?;
     let entries = root.get_mut(list).and_then(Value::as_array_mut);
@@ -255,13 +255,13 @@ pub(in crate::gltf) fn uses(root: &Members, extension: &str) -> bool {
 /// Describes a value in a few words.
 fn describe(value: &Value) -> String {
     match &value.content {
-        Content::Null => "null".into(),
-        Content::Bool(b) => b.to_string(),
-        Content::Whole(n) => n.to_string(),
-        Content::Number(n) => n.chars().take(40).collect(),
-        Content::String(s) if s.chars().count() <= 40 => format!("{s:?}"),
-        Content::String(s) => format!("{:?}...", s.chars().take(40).collect::<String>()),
-        Content::Array(_) => "an array".into(),
-        Content::Object(_) => "an object".into(),
+        JsonContent::Null => "null".into(),
+        JsonContent::Bool(b) => b.to_string(),
+        JsonContent::Whole(n) => n.to_string(),
+        JsonContent::Number(n) => n.chars().take(40).collect(),
+        JsonContent::String(s) if s.chars().count() <= 40 => format!("{s:?}"),
+        JsonContent::String(s) => format!("{:?}...", s.chars().take(40).collect::<String>()),
+        JsonContent::Array(_) => "an array".into(),
+        JsonContent::Object(_) => "an object".into(),
     }
 }

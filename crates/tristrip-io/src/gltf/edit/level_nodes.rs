@@ -25,7 +25,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use serde_json::json;
 
 use crate::error::Error;
-use crate::gltf::document::json::{Content, Members, Value};
+use crate::gltf::document::json::{JsonContent, Members, Value};
 use crate::gltf::document::spec::{LEVELS_OF_DETAIL, SCREEN_COVERAGE};
 use crate::gltf::document::{array, index, items, list_mut, uses};
 
@@ -80,7 +80,7 @@ pub(in crate::gltf) fn add(root: &mut Members, levels: &BTreeMap<usize, MeshLeve
         let drawn_number = if is_plain { number } else { old.len() + new.len() };
         if !is_plain {
             add_child(&mut node, drawn_number);
-            new.push(Content::Null.into());
+            new.push(JsonContent::Null.into());
         }
         // 2. The nodes of lower levels.
         let first = old.len() + new.len();
@@ -133,7 +133,7 @@ fn only_places(node: &Value) -> bool {
 /// Moves the mesh of a node, and what belongs to it, to a new node.
 fn without_mesh(node: &mut Value) -> Value {
     let mut moved = Members::default();
-    let Some(members) = node.as_object_mut() else { return Content::Object(moved).into() };
+    let Some(members) = node.as_object_mut() else { return JsonContent::Object(moved).into() };
     if let Some(name) = members.get("name").cloned() {
         moved.insert("name", name);
         name_level(&mut moved, 0);
@@ -144,20 +144,20 @@ fn without_mesh(node: &mut Value) -> Value {
         MESH_EXTENSIONS.iter().for_each(|name| of_mesh.take_from(extensions, name));
         let is_empty = extensions.is_empty();
         if !of_mesh.is_empty() {
-            moved.insert("extensions", Content::Object(of_mesh));
+            moved.insert("extensions", JsonContent::Object(of_mesh));
         }
         if is_empty {
             members.remove("extensions");
         }
     }
-    Content::Object(moved).into()
+    JsonContent::Object(moved).into()
 }
 
 /// Adds a child to a node.
 fn add_child(node: &mut Value, child: usize) {
     let Some(members) = node.as_object_mut() else { return };
     if !members.contains_key("children") {
-        members.insert("children", Content::Array(Vec::new()));
+        members.insert("children", JsonContent::Array(Vec::new()));
     }
     let children = members.get_mut("children").and_then(Value::as_array_mut);
     children.into_iter().for_each(|children| children.push(child.into()));
@@ -182,7 +182,7 @@ fn node_at_level(drawn: &Value, level: usize, mesh: usize) -> Value {
         copy.insert("name", name.as_str());
         name_level(&mut copy, level);
     }
-    Content::Object(copy).into()
+    JsonContent::Object(copy).into()
 }
 
 /// Names the lower levels of a node, and the screen coverages of all.
@@ -195,7 +195,7 @@ fn name_levels(node: &mut Value, lower: &[usize], coverage: &[f64]) {
 /// Sets a member of an object that is itself a member, created if it is missing.
 fn set_inside(members: &mut Members, object: &str, name: &str, value: impl Into<Value>) {
     if !members.contains_key(object) {
-        members.insert(object, Content::Object(Members::default()));
+        members.insert(object, JsonContent::Object(Members::default()));
     }
     if let Some(inner) = members.get_mut(object).and_then(Value::as_object_mut) {
         inner.insert(name, value);

@@ -36,12 +36,12 @@ pub(in crate::gltf) struct Prefixes<'a> {
     positions: HashSet<usize>,
     /// The new accessors by the old accessor and the number of values.
     made: HashMap<(usize, usize), usize>,
-    new: NewAccessors,
+    new: PrefixAccessors,
 }
 
 /// Accessors and strides to be written into a document.
 #[derive(Default)]
-pub(in crate::gltf) struct NewAccessors {
+pub(in crate::gltf) struct PrefixAccessors {
     accessors: Vec<Value>,
     strides: BTreeMap<usize, usize>,
 }
@@ -55,7 +55,7 @@ impl<'a> Prefixes<'a> {
             sizes: sizes_of_views(&resolver)?,
             positions: position_accessors(root)?,
             made: HashMap::new(),
-            new: NewAccessors::default(),
+            new: PrefixAccessors::default(),
             resolver,
         })
     }
@@ -83,7 +83,7 @@ impl<'a> Prefixes<'a> {
     }
 
     /// Returns the new accessors.
-    pub(in crate::gltf) fn finish(self) -> NewAccessors {
+    pub(in crate::gltf) fn finish(self) -> PrefixAccessors {
         self.new
     }
 
@@ -132,7 +132,7 @@ impl<'a> Prefixes<'a> {
     }
 }
 
-impl NewAccessors {
+impl PrefixAccessors {
     /// Adds the accessors to the document that they were made for.
     pub(in crate::gltf) fn apply(self, root: &mut Members) -> Result<(), Error> {
         if self.accessors.is_empty() {

@@ -25,7 +25,7 @@ use std::collections::{HashMap, HashSet};
 use serde_json::json;
 
 use self::track::Track;
-use super::packing::{NewAccessors, Packing, Rounding, entry_mut};
+use super::packing::{AppendedAccessors, Packing, Rounding, entry_mut};
 use crate::error::Error;
 use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
 use crate::gltf::document::json::{Members, Value};
@@ -42,11 +42,11 @@ pub(super) fn reduce(scene: &mut Packing, rounding: Rounding) -> Result<(), Erro
     let root = &scene.document.root;
     let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, VERTEX_FACTOR, &scene.buffers);
     let targets = Targets::of(root)?;
-    let mut new = NewAccessors::of(root)?;
+    let mut new = AppendedAccessors::of(root)?;
     let mut changes = Vec::new();
     for animation in array(root, "animations")? {
         let tracks = tracks(scene, animation, &mut budget);
-        changes.push(Change::of(animation, &tracks, &targets, rounding, &mut new));
+        changes.push(AnimationChange::of(animation, &tracks, &targets, rounding, &mut new));
     }
     scene.append(new)?;
     for (number, change) in changes.into_iter().enumerate() {
@@ -124,20 +124,20 @@ impl<'a> Targets<'a> {
 
 /// How an animation changes.
 #[derive(Default)]
-struct Change {
+struct AnimationChange {
     /// The new times and values of samplers.
     samplers: HashMap<usize, (usize, usize)>,
     /// The channels that are removed.
     channels: HashSet<usize>,
 }
 
-impl Change {
+impl AnimationChange {
     fn of(
         animation: &Value,
         tracks: &[Option<Track>],
         targets: &Targets<'_>,
         rounding: Rounding,
-        new: &mut NewAccessors,
+        new: &mut AppendedAccessors,
     ) -> Self {
         let mut change = Self::default();
         let known = || tracks.iter().flatten();
@@ -213,7 +213,7 @@ impl Change {
 }
 
 /// Adds the times and the values of the keyframes that are kept.
-fn add(track: &Track, kept: &[usize], rounds: bool, new: &mut NewAccessors) -> (usize, usize) {
+fn add(track: &Track, kept: &[usize], rounds: bool, new: &mut AppendedAccessors) -> (usize, usize) {
     let times: Vec<f32> = kept.iter().map(|&key| track.time(key)).collect();
     let bytes: Vec<u8> = times.iter().flat_map(|time| time.to_le_bytes()).collect();
     let bound = |key: usize| json!([f64::from(times[key])]);

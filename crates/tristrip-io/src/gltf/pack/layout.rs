@@ -19,12 +19,12 @@ mod uses;
 use std::collections::HashMap;
 
 use self::arrays::ViewArrays;
-use self::bytes::Layout;
+use self::bytes::BufferLayout;
 use self::uses::{Uses, renumber};
 use super::packing::{OWN_MEMBERS, Packing};
 use crate::error::Error;
 use crate::gltf::document::container::GlbContent;
-use crate::gltf::document::json::{Content, Members, Value};
+use crate::gltf::document::json::{JsonContent, Members, Value};
 use crate::gltf::document::{Document, array};
 use crate::gltf::write::keep::compact::set_buffer;
 
@@ -32,7 +32,7 @@ use crate::gltf::write::keep::compact::set_buffer;
 pub(super) fn lay_out(scene: Packing) -> Result<Option<GlbContent>, Error> {
     let Some(uses) = Uses::of(&scene)? else { return Ok(None) };
     let Some(views) = ViewArrays::of(&scene, &uses)? else { return Ok(None) };
-    let layout = Layout::of(&scene, &views)?;
+    let layout = BufferLayout::of(&scene, &views)?;
     let Packing { mut document, fixed, .. } = scene;
 
     // 1. The accessors, of which equal ones become one.
@@ -42,7 +42,7 @@ pub(super) fn lay_out(scene: Packing) -> Result<Option<GlbContent>, Error> {
         root.remove(list);
         // An empty list is not allowed.
         if !entries.is_empty() {
-            root.insert(list, Content::Array(entries));
+            root.insert(list, JsonContent::Array(entries));
         }
     }
 
@@ -56,7 +56,7 @@ pub(super) fn lay_out(scene: Packing) -> Result<Option<GlbContent>, Error> {
 fn accessors(
     document: &Document,
     uses: &Uses,
-    layout: &Layout,
+    layout: &BufferLayout,
     fixed: usize,
 ) -> Result<(Vec<Value>, Vec<Option<usize>>), Error> {
     let mut kept: Vec<Value> = Vec::new();

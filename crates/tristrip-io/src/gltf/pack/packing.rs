@@ -40,8 +40,8 @@ impl Packing {
         AccessorResolver { root: &self.document.root, buffers: &self.buffers }
     }
 
-    /// Appends accessors with values of their own, from the number on that [`NewAccessors::of`] found.
-    pub(super) fn append(&mut self, new: NewAccessors) -> Result<(), Error> {
+    /// Appends accessors with values of their own, from the number on that [`AppendedAccessors::of`] found.
+    pub(super) fn append(&mut self, new: AppendedAccessors) -> Result<(), Error> {
         if new.accessors.is_empty() {
             return Ok(());
         }
@@ -63,7 +63,7 @@ impl Packing {
 }
 
 /// Accessors that are to be appended, each with a view of its own.
-pub(super) struct NewAccessors {
+pub(super) struct AppendedAccessors {
     /// The number of accessors that are there already.
     first: usize,
     bytes: Vec<u8>,
@@ -71,7 +71,7 @@ pub(super) struct NewAccessors {
     accessors: Vec<Value>,
 }
 
-impl NewAccessors {
+impl AppendedAccessors {
     pub(super) fn of(root: &Members) -> Result<Self, Error> {
         let first = array(root, "accessors")?.len();
         Ok(Self { first, bytes: Vec::new(), views: Vec::new(), accessors: Vec::new() })

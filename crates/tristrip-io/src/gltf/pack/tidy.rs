@@ -8,7 +8,7 @@ use std::collections::HashSet;
 
 use super::packing::{Packing, Rounding};
 use crate::error::Error;
-use crate::gltf::document::json::{Content, Members, Value};
+use crate::gltf::document::json::{JsonContent, Members, Value};
 use crate::gltf::document::references::position_accessors;
 use crate::gltf::document::{array, entries_mut, index, items};
 
@@ -89,28 +89,28 @@ fn remove_defaults(entry: &mut Value, defaults: &[(&str, &str)]) {
 /// Compares a value with JSON of an array of numbers, a number, a string or a bool.
 fn equals(value: &Value, json: &str) -> bool {
     match &value.content {
-        Content::Array(items) => {
+        JsonContent::Array(items) => {
             json.strip_prefix('[').and_then(|json| json.strip_suffix(']')).is_some_and(|json| {
                 items.len() == json.split(',').count()
                     && items.iter().zip(json.split(',')).all(|(item, json)| equals(item, json))
             })
         }
-        Content::Whole(_) | Content::Number(_) => {
+        JsonContent::Whole(_) | JsonContent::Number(_) => {
             // A negative zero is not the default: its sign may count.
             number(value)
                 .zip(json.parse::<f64>().ok())
                 .is_some_and(|(found, default)| found.to_bits() == default.to_bits())
         }
-        Content::String(text) => json.len() == text.len() + 2 && json[1..json.len() - 1] == **text,
-        Content::Bool(value) => json == value.to_string(),
-        Content::Null | Content::Object(_) => false,
+        JsonContent::String(text) => json.len() == text.len() + 2 && json[1..json.len() - 1] == **text,
+        JsonContent::Bool(value) => json == value.to_string(),
+        JsonContent::Null | JsonContent::Object(_) => false,
     }
 }
 
 fn number(value: &Value) -> Option<f64> {
     match &value.content {
-        Content::Whole(number) => Some(*number as f64),
-        Content::Number(text) => text.parse().ok(),
+        JsonContent::Whole(number) => Some(*number as f64),
+        JsonContent::Number(text) => text.parse().ok(),
         _ => None,
     }
 }
@@ -118,15 +118,15 @@ fn number(value: &Value) -> Option<f64> {
 /// Writes all numbers with the fewest digits of the same 64-bit float, except inside extensions and extras.
 fn shorten_numbers(value: &mut Value) {
     match &value.content {
-        Content::Array(items) if items.iter().any(may_shorten) => {
+        JsonContent::Array(items) if items.iter().any(may_shorten) => {
             value.as_array_mut().into_iter().flatten().for_each(shorten_numbers);
         }
-        Content::Object(members) if members.values().any(may_shorten) => {
+        JsonContent::Object(members) if members.values().any(may_shorten) => {
             let members = value.as_object_mut().into_iter().flat_map(Members::iter_mut);
             let known = members.filter(|(name, _)| !matches!(*name, "extensions" | "extras"));
             known.for_each(|(_, member)| shorten_numbers(member));
         }
-        Content::Number(text) => {
+        JsonContent::Number(text) => {
             let shorter = text.parse::<f64>().ok().filter(|x| x.is_finite()).map(|x| shortest(&x));
             if let Some(shorter) = shorter.filter(|shorter| shorter.len() < text.len()) {
                 *value = Value::number(&shorter);
@@ -137,7 +137,7 @@ fn shorten_numbers(value: &mut Value) {
 }
 
 fn may_shorten(value: &Value) -> bool {
-    matches!(value.content, Content::Number(_) | Content::Array(_) | Content::Object(_))
+    matches!(value.content, JsonContent::Number(_) | JsonContent::Array(_) | JsonContent::Object(_))
 }
 
 /// Checks whether a number is exactly a 32-bit float.

@@ -14,12 +14,12 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::packing::{NewAccessors, Packing, Rounding, entry_mut};
+use super::packing::{AppendedAccessors, Packing, Rounding, entry_mut};
 use crate::error::Error;
 use crate::gltf::document::accessor::AccessorValues;
 use crate::gltf::document::bounds::number;
 use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
-use crate::gltf::document::json::{Content, Members, Value};
+use crate::gltf::document::json::{JsonContent, Members, Value};
 use crate::gltf::document::references::skin_and_animation_accessors;
 use crate::gltf::document::spec::ComponentType;
 use crate::gltf::document::spec::TRIANGLES;
@@ -43,7 +43,7 @@ enum Meaning {
 pub(super) fn narrow(scene: &mut Packing, rounding: Rounding) -> Result<(), Error> {
     let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, VERTEX_FACTOR, &scene.buffers);
     let root = &scene.document.root;
-    let mut new = NewAccessors::of(root)?;
+    let mut new = AppendedAccessors::of(root)?;
     let mut replaced = Vec::new();
     for (accessor, meaning) in meanings(root)? {
         if meaning == Meaning::Other || accessor < scene.fixed.accessors {
@@ -66,7 +66,7 @@ pub(super) fn narrow(scene: &mut Packing, rounding: Rounding) -> Result<(), Erro
             if meaning == Meaning::Weights {
                 members.insert("normalized", Value::from(json!(true)));
             }
-            replaced.push((accessor, new.add(&bytes, Content::Object(members))));
+            replaced.push((accessor, new.add(&bytes, JsonContent::Object(members))));
         }
     }
     scene.append(new)?;

@@ -87,7 +87,7 @@ impl DecodedAccessor {
 
 /// What all compressed primitives of a document decode to.
 #[derive(Default)]
-struct Decoded {
+struct DecodedDraco {
     /// The compressed primitives: meshes, and numbers there.
     primitives: Vec<(usize, usize)>,
     accessors: BTreeMap<usize, DecodedAccessor>,
@@ -104,7 +104,7 @@ pub(in crate::gltf) fn decompress(
     buffers: Vec<SharedBytes>,
     notes: &mut Vec<String>,
 ) -> Result<Vec<SharedBytes>, Error> {
-    let Decoded { primitives, accessors, streams } = decode(&document.root, &buffers)?;
+    let DecodedDraco { primitives, accessors, streams } = decode(&document.root, &buffers)?;
     if primitives.is_empty() {
         return Ok(buffers);
     }
@@ -163,10 +163,10 @@ pub(in crate::gltf) fn decompress(
 }
 
 /// Decodes the compressed primitives.
-fn decode(root: &Members, buffers: &[SharedBytes]) -> Result<Decoded, Error> {
+fn decode(root: &Members, buffers: &[SharedBytes]) -> Result<DecodedDraco, Error> {
     let resolver = AccessorResolver { root, buffers };
     let mut budget = DecodeBudget::new(DECOMPRESSED_LIMIT, FACTOR, buffers);
-    let mut decoded = Decoded::default();
+    let mut decoded = DecodedDraco::default();
     // The stream that each accessor is in.
     let mut stream_of: HashMap<usize, usize> = HashMap::new();
     for (mesh, located_mesh) in Located::entries(root, "meshes")?.enumerate() {

@@ -57,7 +57,7 @@ impl TriangleCounts {
 }
 
 /// The corners of a primitive's triangles, and its indices if these are strips or fans.
-struct Decoded {
+struct DecodedTriangles {
     corners: Vec<u32>,
     stored: Option<StoredStrips>,
     weight: u64,
@@ -93,7 +93,7 @@ impl TriangleReader {
             Some(accessor) => from_accessor(resolver, accessor, mode, vertex_count, budget)?,
             None => from_all_vertices(primitive, mode, vertex_count, budget)?,
         };
-        let Decoded { corners, stored, weight, counts } = decoded;
+        let DecodedTriangles { corners, stored, weight, counts } = decoded;
         self.draws.charge(&primitive.at, weight, true)?;
         self.counts.add(counts);
         self.known.insert((source, mode), KnownTriangles { part: parts.len(), weight, counts });
@@ -113,7 +113,7 @@ fn from_accessor<'a>(
     mode: u64,
     vertex_count: usize,
     budget: &mut DecodeBudget,
-) -> Result<Decoded, Error> {
+) -> Result<DecodedTriangles, Error> {
     let values = resolver.values(accessor)?;
     if mode == TRIANGLES {
         return Ok(from_list(values.list_indices(vertex_count, budget)?));
@@ -128,7 +128,7 @@ fn from_all_vertices(
     mode: u64,
     vertex_count: usize,
     budget: &mut DecodeBudget,
-) -> Result<Decoded, Error> {
+) -> Result<DecodedTriangles, Error> {
     let numbers_each = if mode == TRIANGLES { 1 } else { 4 };
     budget.charge(&primitive.at, vertex_count, numbers_each * size_of::<u32>())?;
     Ok(if mode == TRIANGLES {
@@ -138,16 +138,16 @@ fn from_all_vertices(
     })
 }
 
-fn from_list(mut corners: Vec<u32>) -> Decoded {
+fn from_list(mut corners: Vec<u32>) -> DecodedTriangles {
     let incomplete = corners.len() % 3;
     corners.truncate(corners.len() - incomplete);
     let weight = corners.len() as u64 / 3;
     let counts = TriangleCounts { incomplete_indices: incomplete as u64, ..TriangleCounts::default() };
-    Decoded { corners, stored: None, weight, counts }
+    DecodedTriangles { corners, stored: None, weight, counts }
 }
 
 /// Unpacks strips or fans; triangles with a repeated corner draw nothing and are dropped.
-fn from_strips(indices: StripIndices, mode: u64) -> Decoded {
+fn from_strips(indices: StripIndices, mode: u64) -> DecodedTriangles {
     debug_assert!(mode == TRIANGLE_FAN || mode == TRIANGLE_STRIP);
     let mut corners = Vec::with_capacity(3 * indices.len());
     let mut counts = TriangleCounts::default();
@@ -175,5 +175,5 @@ fn from_strips(indices: StripIndices, mode: u64) -> Decoded {
         0 => StoredStrips::from_run(indices.into_indices(), fans),
         _ => StoredStrips::from_runs(indices.runs(), fans),
     });
-    Decoded { corners, stored, weight, counts }
+    DecodedTriangles { corners, stored, weight, counts }
 }

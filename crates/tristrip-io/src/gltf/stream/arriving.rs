@@ -63,15 +63,15 @@ pub struct ArrivingGlb {
     keeps_strips: bool,
     /// The bytes before the first chunk that have arrived.
     start: Vec<u8>,
-    stage: Stage,
+    stage: ArrivalStage,
     /// The bytes that have arrived.
     offset: u64,
-    fault: Option<Fault>,
+    fault: Option<ArrivalFault>,
 }
 
 /// What is to come next.
 #[derive(Debug, Clone)]
-enum Stage {
+enum ArrivalStage {
     /// The header, and the JSON up to a byte that is known from the 20th on.
     Json {
         end: Option<u64>,
@@ -90,12 +90,12 @@ enum Stage {
 
 /// An error that is returned again.
 #[derive(Debug, Clone)]
-enum Fault {
+enum ArrivalFault {
     Format { at: String, found: String, expected: String },
     Limit { at: String, found: u64, limit: u64 },
 }
 
-impl Fault {
+impl ArrivalFault {
     fn of(error: Error) -> Self {
         match error {
             Error::Format { at, found, expected } => Self::Format { at, found, expected },
@@ -123,7 +123,7 @@ impl ArrivingGlb {
             limits,
             keeps_strips: false,
             start: Vec::new(),
-            stage: Stage::Json { end: None },
+            stage: ArrivalStage::Json { end: None },
             offset: 0,
             fault: None,
         }
@@ -146,7 +146,7 @@ impl ArrivingGlb {
             return Err(fault.error());
         }
         self.advance(bytes).map_err(|error| {
-            let fault = Fault::of(error);
+            let fault = ArrivalFault::of(error);
             let error = fault.error();
             self.fault = Some(fault);
             error
@@ -157,7 +157,7 @@ impl ArrivingGlb {
         let mut decoded = 0;
         loop {
             match &mut self.stage {
-                Stage::Json { end } => {
+                ArrivalStage::Json { end } => {
                     // The length of the JSON is known from the header of its chunk on.
                     let wanted = end.unwrap_or(20);
                     let arrived = self.keep(wanted, &mut bytes)?;
@@ -165,24 +165,25 @@ impl ArrivingGlb {
                         Some(known) if arrived && self.start.len() as u64 >= known => {
                             self.stage = self.after_json()?;
                         }
-                        Some(known) if arrived => self.stage = Stage::Json { end: Some(known) },
+                        Some(known) if arrived => self.stage = ArrivalStage::Json { end: Some(known) },
                         _ => return Ok(decoded),
                     }
                 }
-                Stage::Base(range) => {
+                ArrivalStage::Base(range) => {
                     let wanted = range.bytes().start;
                     if !self.keep(wanted, &mut bytes)? {
                         return Ok(decoded);
                     }
-                    let Stage::Base(range) = std::mem::replace(&mut self.stage, Stage::Json { end: None })
+                    let ArrivalStage::Base(range) =
+                        std::mem::replace(&mut self.stage, ArrivalStage::Json { end: None })
                     else {
                         return Ok(decoded);
                     };
                     let decoder = Decoder::new(self.limits.stream);
                     let decoder = if self.keeps_strips { decoder.keeping_strips() } else { decoder };
-                    self.stage = Stage::Chunks { range, decoder: Box::new(decoder) };
+                    self.stage = ArrivalStage::Chunks { range, decoder: Box::new(decoder) };
                 }
-                Stage::Chunks { range, decoder } => {
+                ArrivalStage::Chunks { range, decoder } => {
                     let left = range.bytes().end.saturating_sub(self.offset);
                     let taken = usize::try_from(left).map_or(bytes.len(), |left| left.min(bytes.len()));
                     let arrived = self.offset + taken as u64 - range.bytes().start.min(self.offset);
@@ -199,7 +200,7 @@ impl ArrivingGlb {
                     }
                     return Ok(decoded);
                 }
-                Stage::Plain { end } => {
+                ArrivalStage::Plain { end } => {
                     let wanted = *end;
                     self.keep(wanted, &mut bytes)?;
                     self.offset += bytes.len() as u64;
@@ -224,12 +225,12 @@ impl ArrivingGlb {
     }
 
     /// Returns what comes after the JSON, as it says.
-    fn after_json(&self) -> Result<Stage, Error> {
+    fn after_json(&self) -> Result<ArrivalStage, Error> {
         if let Some(range) = ChunkRange::find(&self.start[..])? {
-            return Ok(Stage::Base(range));
+            return Ok(ArrivalStage::Base(range));
         }
         let length = self.start.get(8..12).and_then(|bytes| bytes.try_into().ok());
-        Ok(Stage::Plain { end: length.map_or(0, u32::from_le_bytes).into() })
+        Ok(ArrivalStage::Plain { end: length.map_or(0, u32::from_le_bytes).into() })
     }
 
     /// Checks that the file is complete: to be called when no more bytes come.
@@ -244,13 +245,13 @@ impl ArrivingGlb {
             return Ok(());
         }
         let expected = match &self.stage {
-            Stage::Json { .. } => "the header and the JSON of a GLB".into(),
-            Stage::Base(range) => format!("{} bytes before the stream", range.bytes().start),
-            Stage::Chunks { range, decoder } => {
+            ArrivalStage::Json { .. } => "the header and the JSON of a GLB".into(),
+            ArrivalStage::Base(range) => format!("{} bytes before the stream", range.bytes().start),
+            ArrivalStage::Chunks { range, decoder } => {
                 let length = range.bytes().end - range.bytes().start;
                 format!("{length} bytes of chunks, of which {} are complete", decoder.offset())
             }
-            Stage::Plain { end } => format!("{end} bytes"),
+            ArrivalStage::Plain { end } => format!("{end} bytes"),
         };
         Err(Error::format("file", format!("the end of the file after {} bytes", self.offset), expected))
     }
@@ -258,9 +259,11 @@ impl ArrivingGlb {
     /// Returns whether all that is drawn has arrived: all chunks, or all bytes of a file without a stream.
     pub fn is_complete(&self) -> bool {
         match &self.stage {
-            Stage::Json { .. } | Stage::Base(_) => false,
-            Stage::Chunks { range, decoder } => decoder.offset() == range.bytes().end - range.bytes().start,
-            Stage::Plain { end } => self.start.len() as u64 >= *end,
+            ArrivalStage::Json { .. } | ArrivalStage::Base(_) => false,
+            ArrivalStage::Chunks { range, decoder } => {
+                decoder.offset() == range.bytes().end - range.bytes().start
+            }
+            ArrivalStage::Plain { end } => self.start.len() as u64 >= *end,
         }
     }
 
@@ -272,21 +275,21 @@ impl ArrivingGlb {
     /// Returns where the chunks are in the file, once the JSON has arrived; `None` also for a file without a stream.
     pub fn chunk_range(&self) -> Option<&ChunkRange> {
         match &self.stage {
-            Stage::Base(range) | Stage::Chunks { range, .. } => Some(range),
-            Stage::Json { .. } | Stage::Plain { .. } => None,
+            ArrivalStage::Base(range) | ArrivalStage::Chunks { range, .. } => Some(range),
+            ArrivalStage::Json { .. } | ArrivalStage::Plain { .. } => None,
         }
     }
 
     /// Returns whether the base meshes have arrived, so that there is something to draw.
     pub fn has_base(&self) -> bool {
-        matches!(self.stage, Stage::Chunks { .. }) || self.is_complete()
+        matches!(self.stage, ArrivalStage::Chunks { .. }) || self.is_complete()
     }
 
     /// Returns the decoder of the chunks, once all bytes before them have arrived.
     pub fn decoder(&self) -> Option<&Decoder> {
         match &self.stage {
-            Stage::Chunks { decoder, .. } => Some(decoder),
-            Stage::Json { .. } | Stage::Base(_) | Stage::Plain { .. } => None,
+            ArrivalStage::Chunks { decoder, .. } => Some(decoder),
+            ArrivalStage::Json { .. } | ArrivalStage::Base(_) | ArrivalStage::Plain { .. } => None,
         }
     }
 

@@ -16,7 +16,7 @@ use tristrip::{Attribute, AttributeData, Layout, Mesh};
 
 use crate::gltf::document::Document;
 use crate::gltf::document::container::GlbContent;
-use crate::gltf::document::json::{Content, Members};
+use crate::gltf::document::json::{JsonContent, Members};
 use crate::gltf::document::spec::ComponentType;
 use crate::gltf::document::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION};
 use crate::gltf::write::index::{IndexRun, pack_runs, runs};
@@ -315,7 +315,7 @@ impl<'a> DocumentBuilder<'a> {
             root["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
         }
         let root = match crate::gltf::document::json::Value::from(root).content {
-            Content::Object(members) => members,
+            JsonContent::Object(members) => members,
             _ => Members::default(),
         };
         GlbContent { document: Document::of_members(root), buffer: self.bytes.into() }

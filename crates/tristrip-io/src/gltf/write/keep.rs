@@ -25,7 +25,7 @@ use crate::error::Error;
 use crate::gltf::document::byte_ranges::ALIGNMENT;
 use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::container::{self, GlbContent};
-use crate::gltf::document::json::{Content, Members, Value};
+use crate::gltf::document::json::{JsonContent, Members, Value};
 use crate::gltf::document::scene::{PrimitiveRef, Scene};
 use crate::gltf::document::spec::{ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION, TRIANGLES};
 use crate::gltf::document::{Document, array, entries_mut, index, items, list_mut, whole};
@@ -205,7 +205,7 @@ fn put(root: &mut Members, list: &str, replaced: Option<usize>, value: Value) ->
         return Ok(entries.len() - 1);
     };
     let old = entries.get_mut(replaced).and_then(Value::as_object_mut);
-    if let (Some(old), Content::Object(mut new)) = (old, value.content) {
+    if let (Some(old), JsonContent::Object(mut new)) = (old, value.content) {
         for name in ["name", "extras", "extensions"] {
             new.take_from(old, name);
         }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::ops::Range;
 
 use super::super::packing::{OWN_MEMBERS, Packing};
-use super::uses::{Kind, Uses};
+use super::uses::{UseKind, Uses};
 use crate::error::Error;
 use crate::gltf::document::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
 use crate::gltf::document::buffer::view_range;
@@ -36,14 +36,14 @@ impl Holder {
 pub(super) struct Slots {
     pub(super) accessor: usize,
     pub(super) holder: Holder,
-    kind: Kind,
+    kind: UseKind,
     view: usize,
     pub(super) range: StridedRange,
 }
 
 /// Slots whose bytes overlap or interleave.
 pub(super) struct Array {
-    pub(super) kind: Kind,
+    pub(super) kind: UseKind,
     pub(super) slots: Vec<Slots>,
     /// The bytes from the first value to the end of the last.
     pub(super) span: Range<usize>,
@@ -68,7 +68,7 @@ impl Array {
         let is_packed = |slots: &Slots| slots.range.stride == slots.range.element;
         match self.kind {
             _ if self.single().is_some() => true,
-            Kind::Attribute => {
+            UseKind::Attribute => {
                 first.stride.is_multiple_of(4)
                     && self.slots.iter().all(|slots| slots.range.stride == first.stride)
             }
@@ -146,7 +146,7 @@ fn slots(scene: &Packing, uses: &Uses) -> Result<Option<FoundSlots>, Error> {
         let holders = [Holder::Accessor, Holder::SparseIndices, Holder::SparseValues];
         for (holder, range) in holders.into_iter().zip(ranges) {
             let view = holder.of(accessor).and_then(|object| index(object.get("bufferView")?));
-            let kind = if holder == Holder::Accessor { kind } else { Kind::Other };
+            let kind = if holder == Holder::Accessor { kind } else { UseKind::Other };
             match view.zip(range) {
                 Some((view, range)) => {
                     found.slots.push(Slots { accessor: number, holder, kind, view, range })
@@ -183,7 +183,7 @@ fn overlapping(scene: &Packing, used: impl Iterator<Item = usize>) -> Result<Vec
 /// Takes a view apart into arrays of one kind; `None` if that is not possible.
 fn apart(mut slots: Vec<Slots>) -> Option<Vec<Array>> {
     let kind = slots.first()?.kind;
-    if kind == Kind::Mixed || slots.iter().any(|slots| slots.kind != kind) {
+    if kind == UseKind::Mixed || slots.iter().any(|slots| slots.kind != kind) {
         return None;
     }
     slots.sort_by_key(|slots| slots.range.start);

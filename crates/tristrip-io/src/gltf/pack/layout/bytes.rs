@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::super::packing::Packing;
 use super::arrays::{Array, Holder, ViewArrays};
-use super::uses::Kind;
+use super::uses::UseKind;
 use crate::error::Error;
 use crate::gltf::document::buffer::view_range;
 use crate::gltf::document::byte_ranges;
@@ -20,10 +20,10 @@ use crate::gltf::document::{array, index};
 const ALIGNMENT: usize = 4;
 
 /// Arrays in a common view: their kind, and the stride of values of vertices.
-type Class = (Kind, Option<usize>);
+type Class = (UseKind, Option<usize>);
 
 /// The new buffer.
-pub(super) struct Layout {
+pub(super) struct BufferLayout {
     pub(super) bytes: Vec<u8>,
     pub(super) views: Vec<Value>,
     /// The new numbers of the views that stay whole.
@@ -32,7 +32,7 @@ pub(super) struct Layout {
     places: HashMap<(usize, Holder), (usize, usize)>,
 }
 
-impl Layout {
+impl BufferLayout {
     /// Lays out all views.
     pub(super) fn of(scene: &Packing, views: &[ViewArrays]) -> Result<Self, Error> {
         let old = array(&scene.document.root, "bufferViews")?;
@@ -74,9 +74,9 @@ impl Layout {
                 view["byteStride"] = stride.into();
             }
             match kind {
-                Kind::Attribute => view["target"] = ARRAY_BUFFER.into(),
-                Kind::Indices => view["target"] = ELEMENT_ARRAY_BUFFER.into(),
-                Kind::Matrices | Kind::Other | Kind::Mixed => {}
+                UseKind::Attribute => view["target"] = ARRAY_BUFFER.into(),
+                UseKind::Indices => view["target"] = ELEMENT_ARRAY_BUFFER.into(),
+                UseKind::Matrices | UseKind::Other | UseKind::Mixed => {}
             }
             self.views.push(without_zero_offset(view.into()));
         }
@@ -177,11 +177,11 @@ fn bytes_of(array: &Array, scene: &Packing) -> (Class, usize, Vec<u8>) {
         // The values keep their alignment.
         let start = array.span.start / ALIGNMENT * ALIGNMENT;
         let stride =
-            array.slots.first().map(|slots| slots.range.stride).filter(|_| array.kind == Kind::Attribute);
+            array.slots.first().map(|slots| slots.range.stride).filter(|_| array.kind == UseKind::Attribute);
         return ((array.kind, stride), start, old[start..array.span.end].to_vec());
     };
     let stride = match array.kind {
-        Kind::Attribute => single.element.next_multiple_of(ALIGNMENT),
+        UseKind::Attribute => single.element.next_multiple_of(ALIGNMENT),
         _ => single.element,
     };
     let mut bytes = Vec::with_capacity(array.span.len());
@@ -189,7 +189,7 @@ fn bytes_of(array: &Array, scene: &Packing) -> (Class, usize, Vec<u8>) {
         bytes.extend_from_slice(&old[value]);
         bytes.resize(bytes.len().next_multiple_of(stride), 0);
     }
-    ((array.kind, Some(stride).filter(|_| array.kind == Kind::Attribute)), single.start, bytes)
+    ((array.kind, Some(stride).filter(|_| array.kind == UseKind::Attribute)), single.start, bytes)
 }
 
 /// Removes an offset of a view that is zero, as it is without.

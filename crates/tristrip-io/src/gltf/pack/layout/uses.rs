@@ -9,7 +9,7 @@ use crate::gltf::document::{array, entries_mut, index, items};
 
 /// The kind of an array: what a buffer view says about the values in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Kind {
+pub(super) enum UseKind {
     /// Values of vertices.
     Attribute,
     Indices,
@@ -24,7 +24,7 @@ pub(super) enum Kind {
 /// What the accessors and views are used for.
 pub(super) struct Uses {
     /// `None` for accessors that nothing uses.
-    kinds: Vec<Option<Kind>>,
+    kinds: Vec<Option<UseKind>>,
     /// The views of images.
     pub(super) images: HashSet<usize>,
 }
@@ -33,29 +33,29 @@ impl Uses {
     /// Finds the uses; `None` if a reference leads nowhere.
     pub(super) fn of(scene: &Packing) -> Result<Option<Self>, Error> {
         let root = &scene.document.root;
-        let mut kinds: Vec<Option<Kind>> = vec![None; array(root, "accessors")?.len()];
-        kinds.iter_mut().take(scene.fixed.accessors).for_each(|kind| *kind = Some(Kind::Mixed));
+        let mut kinds: Vec<Option<UseKind>> = vec![None; array(root, "accessors")?.len()];
+        kinds.iter_mut().take(scene.fixed.accessors).for_each(|kind| *kind = Some(UseKind::Mixed));
         let mut is_whole = true;
-        let mut add = |value: &Value, kind: Kind| match index(value).and_then(|number| kinds.get_mut(number))
-        {
-            None => is_whole = false,
-            Some(known) if known.is_none_or(|known| known == kind) => *known = Some(kind),
-            Some(known) => *known = Some(Kind::Mixed),
-        };
+        let mut add =
+            |value: &Value, kind: UseKind| match index(value).and_then(|number| kinds.get_mut(number)) {
+                None => is_whole = false,
+                Some(known) if known.is_none_or(|known| known == kind) => *known = Some(kind),
+                Some(known) => *known = Some(UseKind::Mixed),
+            };
         for primitive in array(root, "meshes")?.iter().flat_map(|mesh| items(mesh, "primitives")) {
-            primitive.get("indices").into_iter().for_each(|value| add(value, Kind::Indices));
+            primitive.get("indices").into_iter().for_each(|value| add(value, UseKind::Indices));
             let objects = primitive.get("attributes").into_iter().chain(items(primitive, "targets"));
             let members = objects.flat_map(|object| object.as_object().into_iter().flat_map(Members::values));
-            members.for_each(|value| add(value, Kind::Attribute));
+            members.for_each(|value| add(value, UseKind::Attribute));
         }
         for skin in array(root, "skins")? {
-            skin.get("inverseBindMatrices").into_iter().for_each(|value| add(value, Kind::Matrices));
+            skin.get("inverseBindMatrices").into_iter().for_each(|value| add(value, UseKind::Matrices));
         }
         for sampler in array(root, "animations")?.iter().flat_map(|animation| items(animation, "samplers")) {
             ["input", "output"]
                 .iter()
                 .filter_map(|name| sampler.get(name))
-                .for_each(|value| add(value, Kind::Other));
+                .for_each(|value| add(value, UseKind::Other));
         }
         let views = array(root, "images")?.iter().filter_map(|image| image.get("bufferView"));
         let images: HashSet<usize> = views.map(|view| index(view).unwrap_or(usize::MAX)).collect();
@@ -65,7 +65,7 @@ impl Uses {
     }
 
     /// Returns the kind of an accessor; `None` if nothing uses it.
-    pub(super) fn kind(&self, accessor: usize) -> Option<Kind> {
+    pub(super) fn kind(&self, accessor: usize) -> Option<UseKind> {
         self.kinds.get(accessor).copied().flatten()
     }
 }
