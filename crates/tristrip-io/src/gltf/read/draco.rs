@@ -49,7 +49,7 @@ const FACTOR: u64 = 256;
 const VALUE_BYTES: usize = 16;
 
 /// The bytes that any stream may decode to.
-const FEWEST_BYTES: usize = 1 << 16;
+const MIN_DECODED_BYTES: usize = 1 << 16;
 
 /// The values of an accessor that was compressed.
 struct DecodedAccessor {
@@ -245,7 +245,7 @@ impl<'a> CompressedPrimitive<'a> {
         let vertex_bytes = VALUE_BYTES * self.attributes.len();
         budget.charge(&extension.at, vertices, vertex_bytes)?;
         let numbers = self.numbers(extension)?;
-        let decoded = vertices.saturating_mul(vertex_bytes).max(FEWEST_BYTES);
+        let decoded = vertices.saturating_mul(vertex_bytes).max(MIN_DECODED_BYTES);
         // The decoder copies an attribute for each of its names.
         let distinct: BTreeSet<u64> = numbers.values().copied().collect();
         budget.charge(&extension.at, numbers.len() - distinct.len(), decoded)?;

@@ -39,7 +39,7 @@ use crate::model::Drawing;
 pub(in crate::gltf) const EXTENSION: &str = "TRISTRIP_progressive";
 pub(in crate::gltf) const VERSION: u64 = 1;
 /// The triangles that a stream may have: any stream, and for each byte. A flat grid of a million has two per byte.
-const FEWEST_TRIANGLES: usize = 1 << 18;
+const MIN_TRIANGLE_LIMIT: usize = 1 << 18;
 const TRIANGLES_PER_BYTE: usize = 32;
 
 /// A primitive that is refined.
@@ -223,7 +223,7 @@ fn decode_all(chunks: &[u8]) -> Result<StreamMeshes, Error> {
 /// The limits of a decoder of a stream with so many bytes: a mesh that is regular takes little for each triangle.
 pub(in crate::gltf) fn limits(bytes: usize) -> StreamLimits {
     let limits = StreamLimits::default();
-    let triangles = FEWEST_TRIANGLES.saturating_add(bytes.saturating_mul(TRIANGLES_PER_BYTE));
+    let triangles = MIN_TRIANGLE_LIMIT.saturating_add(bytes.saturating_mul(TRIANGLES_PER_BYTE));
     StreamLimits { triangles: triangles.min(limits.triangles), ..limits }
 }
 
