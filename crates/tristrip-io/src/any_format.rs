@@ -33,10 +33,10 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
     }
 }
 
-/// Reads a model as [`read`] does. A model in glTF shares the bytes and keeps them, instead of a copy.
+/// Reads a model as [`read`] does, without a copy of the file: a model in glTF shares the bytes.
 ///
 /// # Errors
-/// As of [`read`].
+/// The bytes are not a file of this format ([`Error::Format`]), or it holds more than 32-bit ids can name.
 ///
 /// ```
 /// use std::sync::Arc;

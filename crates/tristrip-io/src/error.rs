@@ -22,10 +22,13 @@ pub enum Error {
         /// What the format requires.
         expected: String,
     },
-    /// The file states a size that exceeds a limit, such as what 32-bit ids can name.
+    /// A size exceeds a limit. Of the file: vertices or faces beyond 32-bit ids, values of the JSON, decoded bytes or triangles beyond
+    /// what its bytes allow, sizes beyond [`TlodLimits`](crate::tlod::TlodLimits), [`ArrivalLimits`](crate::gltf::ArrivalLimits) or the
+    /// limits of a stream, or side files beyond the bytes that [`read_beside`](crate::read_beside) may read. Of the result: a GLB
+    /// beyond 4 GiB, or more levels than its JSON can hold.
     #[error("{at}: found {found}, the limit is {limit}")]
     LimitExceeded {
-        /// The position: `line 12`, `byte 345`, `accessors[3].count`.
+        /// The position or the quantity: `line 12`, `accessors[3].count`, `vertices of all parts`.
         at: String,
         /// The size that was found.
         found: u64,

@@ -48,7 +48,7 @@ pub struct ReadFile {
 /// Reads a model as [`read_path`] does, in a format that may be given, and returns it with the bytes of the file.
 ///
 /// # Errors
-/// As of [`read_path`].
+/// The file cannot be read, it is a directory, or its bytes are not a file of the format.
 ///
 /// ```
 /// use tristrip_io::{Format, read_file};
@@ -77,9 +77,11 @@ pub fn read_file(path: impl AsRef<Path>, format: Option<Format>) -> Result<ReadF
     Ok(ReadFile { model, bytes, format })
 }
 
-/// Reads a model from bytes, and takes the materials and images that belong to it into it, for a program that serves the result to others: the files that
-/// it names are in the folder of `path` or below it, none of them begins with a dot or is in a folder that does, and they have at most `most_bytes`
-/// together. Notes and [`Model::materials`] say which images and libraries are left out; a buffer that is left out is an error.
+/// Reads a model from bytes with the materials and images that it names, for a program that serves the result to others.
+///
+/// The files that it names must be in the folder of `path` or below it. Hidden files and folders, whose names begin with a dot, are
+/// not read, and all files together have at most `max_bytes`. [`Model::notes`] and [`Model::materials`] list the images and libraries
+/// that are left out. A buffer that is left out is an error.
 ///
 /// # Errors
 /// The errors of [`read`](crate::read), and a buffer cannot be read.
@@ -91,8 +93,8 @@ pub fn read_file(path: impl AsRef<Path>, format: Option<Format>) -> Result<ReadF
 /// # let path = dir.path().join("model.obj");
 /// std::fs::write(dir.path().join("a.mtl"), "newmtl red\nKd 1 0 0\n")?;
 /// let obj = Arc::new(b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n".to_vec());
-/// let has_materials = |most_bytes| {
-///     let model = read_beside(&obj, Format::Obj, &path, most_bytes)?;
+/// let has_materials = |max_bytes| {
+///     let model = read_beside(&obj, Format::Obj, &path, max_bytes)?;
 ///     Ok::<_, tristrip_io::Error>(!model.materials.unwrap_or_default().is_empty())
 /// };
 /// assert!(has_materials(100)? && !has_materials(10)?);
@@ -102,11 +104,11 @@ pub fn read_beside(
     bytes: &Arc<Vec<u8>>,
     format: Format,
     path: &Path,
-    most_bytes: u64,
+    max_bytes: u64,
 ) -> Result<Model, Error> {
     let target = target_of(path);
     let folders = folders(path, &target);
-    let mut files = BufferFiles::limited(&folders, most_bytes);
+    let mut files = BufferFiles::limited(&folders, max_bytes);
     let mut model = read_with_files(bytes, format, &mut files)?;
     if model.scene.is_none() {
         load_libraries(&mut model, &mut files);

@@ -45,7 +45,8 @@ const NOT_GEOMETRY: [&str; 5] =
 /// Reads a GLB, or the JSON of a `.gltf` whose buffers are data URIs or files inside `base_dir`.
 ///
 /// # Errors
-/// The parts of the document that the geometry needs are not valid glTF 2.0, decoding would exceed the limits, or a buffer's file cannot be read or is outside `base_dir`.
+/// The parts of the document that the geometry needs are not valid glTF 2.0, decoding exceeds a limit, or a buffer's file cannot
+/// be read or is outside `base_dir`.
 ///
 /// ```
 /// let empty = br#"{"asset":{"version":"2.0"}}"#;
@@ -74,12 +75,13 @@ pub(in crate::gltf) fn read_refined(
 /// Reads a document and its buffer that [`separate`](super::separate()) made.
 ///
 /// # Errors
-/// As of [`read`].
+/// The document is not valid glTF 2.0, it names another buffer, or decoding exceeds a limit.
 pub fn read_separate(files: &SeparateFiles) -> Result<Model, Error> {
     read_container(Arc::new(files.json.clone()), &mut BufferFiles::new(&[]), Some(files), None)
 }
 
-/// Returns a model with a scene: the model itself if it has one, and otherwise the model that a GLB of it holds, whose faces are triangles.
+/// Returns a model with a scene: the model itself if it has one. Otherwise it builds the scene that a GLB of the model has, and
+/// reads its parts, whose faces are triangles.
 ///
 /// # Errors
 /// The model has more values than the reader decodes.

@@ -395,16 +395,16 @@ fn files_that_arrive_are_checked_and_limited() {
     assert!(update(&with(16, b'_'), usual).starts_with("byte 16: found chunk type"));
     let damaged = update(&with(bytes.len() - 9, bytes[bytes.len() - 9] ^ 1), usual);
     assert!(damaged.contains("the chunk is damaged"), "{damaged}");
-    let few = ArrivalLimits { kept_bytes: 100, ..usual };
+    let few = usual.with_kept_bytes(100);
     let kept = update(&bytes, few);
     assert!(kept.starts_with("bytes before the first chunk: found ") && kept.ends_with("the limit is 100"));
     let stream = StreamLimits { triangles: 100, ..usual.stream };
-    let triangles = update(&bytes, ArrivalLimits { stream, ..usual });
+    let triangles = update(&bytes, usual.with_stream(stream));
     assert!(
         triangles.contains("of the stream, triangles: found ") && triangles.ends_with("the limit is 100")
     );
     let stream = StreamLimits { meshes: 0, ..usual.stream };
-    assert!(update(&bytes, ArrivalLimits { stream, ..usual }).ends_with("meshes: found 1, the limit is 0"));
+    assert!(update(&bytes, usual.with_stream(stream)).ends_with("meshes: found 1, the limit is 0"));
     for end in [0, 10, 30, glb.chunk_start() - 1, glb.chunk_start() + 5] {
         let mut arriving = ArrivingGlb::new(usual);
         arriving.update(&bytes[..end]).unwrap();

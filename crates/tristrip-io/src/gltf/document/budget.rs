@@ -11,22 +11,22 @@ use crate::gltf::document::byte_ranges::SharedBytes;
 
 /// The number of bytes that the compressed buffer views of any file may take when decompressed; 32 for each byte of its buffers
 /// are added.
-pub const DECOMPRESSED_LIMIT: u64 = 8 << 20;
+pub(in crate::gltf) const DECOMPRESSED_LIMIT: u64 = 8 << 20;
 
 /// The number of bytes that positions and indices of any file may take when decoded; 16 for each byte of its buffers are
 /// added.
-pub const GEOMETRY_LIMIT: u64 = 1 << 20;
+pub(in crate::gltf) const GEOMETRY_LIMIT: u64 = 1 << 20;
 
 /// The number of bytes that the other vertex attributes of any file may take when decoded; 4 for each byte of its buffers are
 /// added. Attributes beyond the limit are not decoded, and counted in the notes.
-pub const ATTRIBUTE_LIMIT: u64 = 64 << 20;
+pub(in crate::gltf) const ATTRIBUTE_LIMIT: u64 = 64 << 20;
 
 /// The number of triangles that the primitives of any file may draw; 16 for each triangle of different indices, and
 /// [`TRIANGLES_PER_PRIMITIVE`] are added.
-pub const TRIANGLE_LIMIT: u64 = 1 << 18;
+pub(in crate::gltf) const TRIANGLE_LIMIT: u64 = 1 << 18;
 
 /// The number of triangles that each primitive adds to [`TRIANGLE_LIMIT`], 8,388,608 for all primitives at most.
-pub const TRIANGLES_PER_PRIMITIVE: u64 = 1 << 10;
+const TRIANGLES_PER_PRIMITIVE: u64 = 1 << 10;
 
 /// What all primitives may add.
 const ALL_PRIMITIVES: u64 = 1 << 23;

@@ -27,8 +27,8 @@ impl<'a> BufferFiles<'a> {
     }
 
     /// Reads at most so many bytes, and no file whose name or folder begins with a dot.
-    pub(crate) fn limited(folders: &'a [&'a Path], most_bytes: u64) -> Self {
-        Self { left: Some(most_bytes), ..Self::new(folders) }
+    pub(crate) fn limited(folders: &'a [&'a Path], max_bytes: u64) -> Self {
+        Self { left: Some(max_bytes), ..Self::new(folders) }
     }
 
     /// Returns the folders in which the document may look for files later: none if they are limited, since the limit ends with this value.

@@ -23,8 +23,8 @@ pub enum Rounding {
     /// Weights of joints to 16 bits, which changes each by less than 1/65535 where those of a vertex sum to 1. Numbers that place nodes, where
     /// they are 32-bit floats, are written with the fewest digits of these: as 64-bit floats they change by less than 1e-7 of their value.
     Weights,
-    /// The same, but weights of joints to 8 bits, which changes each by less than 1/255; rotations of animations to 16 bits, which changes each
-    /// component of a quaternion by at most 1/65534, the angle by less than 0.004 degrees.
+    /// Weights of joints to 8 bits, which changes each by less than 1/255; rotations of animations to 16 bits, which changes each
+    /// component of a quaternion by at most 1/65534, the angle by less than 0.004 degrees; numbers that place nodes as by `Weights`.
     WeightsAndRotations,
 }
 

@@ -28,7 +28,7 @@
 //!
 //! # Complexity
 //! Linear in the compressed and decoded bytes. A byte of the codec of attributes can stand for 1024 decoded bytes, so that
-//! [`DECOMPRESSED_LIMIT`](crate::gltf::DECOMPRESSED_LIMIT) bounds what is decoded.
+//! [`DECOMPRESSED_LIMIT`] bounds what is decoded.
 
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;

@@ -20,7 +20,7 @@
 //! Google: *Draco 3D data compression*, 2017; the crate `draco-gltf` decodes it. The Khronos Group: *`KHR_draco_mesh_compression`*, 2018.
 //!
 //! # Complexity
-//! Linear in the decoded bytes, which [`DECOMPRESSED_LIMIT`](crate::gltf::DECOMPRESSED_LIMIT) and the size of the file bound.
+//! Linear in the decoded bytes, which [`DECOMPRESSED_LIMIT`] and the size of the file bound.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 

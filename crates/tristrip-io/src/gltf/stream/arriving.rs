@@ -20,24 +20,33 @@ use crate::gltf::stream::progressive::{ChunkRange, ProgressiveGlb};
 use crate::gltf::stream::refine::{StreamMeshes, stream_error};
 use crate::model::Model;
 
-/// What a file that arrives may ask for at most.
-///
-/// ```
-/// use tristrip_io::gltf::ArrivalLimits;
-/// assert_eq!(ArrivalLimits::default().kept_bytes, 1 << 30);
-/// ```
+/// Limits of an [`ArrivingGlb`]; files that exceed them are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ArrivalLimits {
-    /// The bytes that are kept: those before the first chunk, or the whole of a file without a stream.
+    /// The maximum number of bytes before the first chunk, or in a file without a stream, 1 GiB by default. They are kept in memory.
     pub kept_bytes: u64,
-    /// The limits of the decoder. Triangles are limited by the bytes that arrived, too.
+    /// The limits of the decoder. The bytes that have arrived limit the number of triangles, too.
     pub stream: StreamLimits,
 }
 
 impl Default for ArrivalLimits {
-    /// A gigabyte, and those of any stream.
     fn default() -> Self {
         Self { kept_bytes: 1 << 30, stream: StreamLimits::default() }
+    }
+}
+
+impl ArrivalLimits {
+    /// Sets the maximum number of bytes that are kept.
+    #[must_use]
+    pub fn with_kept_bytes(self, kept_bytes: u64) -> Self {
+        Self { kept_bytes, ..self }
+    }
+
+    /// Sets the limits of the decoder.
+    #[must_use]
+    pub fn with_stream(self, stream: StreamLimits) -> Self {
+        Self { stream, ..self }
     }
 }
 
@@ -129,18 +138,19 @@ impl ArrivingGlb {
         }
     }
 
-    /// Keeps strips of the meshes up while they are refined; see [`StreamPart::strips`]. Decoding takes five times as long then.
+    /// Maintains triangle strips during refinement ([`StreamPart::strips`]); decoding is about five times slower.
     #[must_use]
     pub fn keeping_strips(mut self) -> Self {
         self.keeps_strips = true;
         self
     }
 
-    /// Takes the next bytes of the file, and decodes the chunks that are complete. Returns how many that were. Bytes behind the chunks are ignored.
+    /// Takes the next bytes of the file, decodes the chunks that they complete, and returns the number of these chunks. Bytes after
+    /// the chunks are ignored.
     ///
     /// # Errors
-    /// The bytes are not those of a GLB, its document or a chunk is not valid, or more is asked for than the limits allow. What chunks before the fault have
-    /// built stays. All further bytes are refused with the same error.
+    /// The bytes are not a GLB, its document or a chunk is invalid, or the file exceeds a limit. Chunks before the error stay decoded.
+    /// All later bytes are refused with the same error.
     pub fn update(&mut self, bytes: &[u8]) -> Result<usize, Error> {
         if let Some(fault) = &self.fault {
             return Err(fault.error());

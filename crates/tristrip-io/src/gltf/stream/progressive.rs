@@ -4,8 +4,8 @@
 //! Writing ([`write_progressive`]): the scene gets its drawings and is packed in memory. The chunks follow all other bytes, the
 //! extensions are added, and the file is written once.
 //!
-//! Reading: the reader of documents refines them to the full meshes (`refine.rs`). [`ProgressiveGlb`] gives the chunks as they are, also of a file that is cut off, and the scene of
-//! any level that is decoded from them.
+//! Reading: the reader of documents refines base meshes to the full meshes (`refine.rs`). [`ProgressiveGlb`] gives access to the
+//! chunks, also of a truncated file, and builds the scene of any level that is decoded from them.
 //!
 //! # Complexity
 //! Linear in the bytes of the file.
@@ -43,11 +43,12 @@ pub struct WrittenGlb {
     pub chunk_start: usize,
 }
 
-/// Writes a progressive GLB in few bytes, as [`pack`](crate::gltf::pack()) does: a model with a scene, one drawing per part, and the stream that refines them. `parts` has the
-/// source of each part that is refined. Without chunks the result is a plain GLB.
+/// Writes a progressive GLB: the drawings of a model with a scene, packed without rounding as by [`pack`](crate::gltf::pack()), and the
+/// chunks of the stream that refines them. `parts` has the source of each part that is refined. Without chunks the result is a plain GLB.
 ///
 /// # Errors
-/// The model has no scene, there is not one drawing and one source per part, a strip names a vertex that does not exist, or the result exceeds 4 GiB.
+/// The model has no scene, there is not one drawing and one source per part, a strip names a vertex that does not exist, or the
+/// result exceeds 4 GiB.
 ///
 /// ```
 /// use tristrip::stream::{StreamOptions, encode};
@@ -123,7 +124,8 @@ fn add_stream(
     set_buffer(root, chunks.end)
 }
 
-/// Reads the base meshes of a progressive GLB, as a viewer without the extension draws them; a GLB without a stream as [`read`](crate::gltf::read()) does. The model shares the bytes.
+/// Reads the base meshes of a progressive GLB, as a viewer without the extension draws them. A GLB without a stream is read as by
+/// [`read`](crate::gltf::read()). The model shares the bytes.
 ///
 /// # Errors
 /// The document is not valid.
@@ -293,7 +295,7 @@ impl ProgressiveGlb {
 
     /// Returns the bytes of the chunks, as far as they are there.
     ///
-    /// As all functions of the type, see [`write_progressive`] for an example.
+    /// [`write_progressive`] has an example.
     pub fn chunks(&self) -> &[u8] {
         &self.glb[self.chunks.clone()]
     }
