@@ -22,7 +22,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// All formats, in the order in which they are listed for users.
+    /// All formats, in the order of lists for users.
     pub const ALL: [Self; 6] = [Self::Obj, Self::Ply, Self::Off, Self::Stl, Self::Gltf, Self::Glb];
 
     /// Returns the file name extension, without the dot.

@@ -12,16 +12,16 @@
 //!
 //! # Algorithm
 //! Reading: every primitive of triangles, strips or fans becomes one part, in the order of meshes and primitives. Strips and
-//! fans are unpacked in order, with the winding in which they are drawn. Primitives over one `POSITION` accessor share one
+//! fans are unpacked in drawing order, with their winding. Primitives over one `POSITION` accessor share one
 //! array, which is checked once; primitives with the same set of attributes share all attribute arrays.
 //!
 //! Buffer views that are compressed by meshoptimizer are decompressed first, and the extension is removed: a GLB that is
 //! written holds their bytes as any other.
 //!
 //! Writing, where the model has a scene: only `indices` and `mode` of its primitives change. A new index accessor replaces
-//! the old one if nothing else refers to the old one, so that no index in the document changes its meaning, and the old
-//! bytes are removed from the buffer. Otherwise accessor and bytes are appended. Any whole number inside an extension or
-//! extras counts as a possible reference. All buffers are joined into one.
+//! the old one if nothing else refers to the old one: no index in the document changes its meaning, and the old bytes are removed
+//! from the buffer. Otherwise accessor and bytes are appended. Any integer inside an extension or extras counts as a possible
+//! reference. All buffers are joined into one.
 //!
 //! [`reorder`](crate::reorder()) and [`with_triangles`](crate::with_triangles) change the scene before it is written: values of vertices
 //! move within their accessors, and those of vertices that nothing draws are removed.

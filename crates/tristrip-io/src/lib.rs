@@ -8,7 +8,7 @@
 //! | STL | ascii, binary; equal positions welded | – |
 //! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart, quantization, meshopt compression | GLB, with the scene; two files by [`gltf::separate`](gltf::separate()) |
 //!
-//! The module [`tlod`] reads and writes models of which each view has its own detail.
+//! The module [`tlod`] reads and writes view-dependent level-of-detail models.
 //!
 //! Every input is treated as hostile: a reader never panics, and allocates in proportion to the bytes that it was given,
 //! never to a count that they state. Its errors name the position in the file, what was found and what was expected. A

@@ -1,4 +1,4 @@
-//! The materials of an OBJ file: libraries beside it (`.mtl`), and the images that they name.
+//! The materials of an OBJ file: its libraries (`.mtl` files), and the images that they name.
 //!
 //! ```text
 //! newmtl wood            begins a material                  map_Kd oak.png         image of the colour
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// The most bytes of a library that are parsed; longer ones are no material libraries.
 const LONGEST_LIBRARY: usize = 64 << 20;
-/// The most images of a library.
+/// The maximum number of images of a library.
 const MAX_IMAGES: usize = 4096;
 
 /// A file that an OBJ file refers to, directly or in a library.
@@ -58,7 +58,7 @@ pub struct PlainMaterial {
     pub roughness: f32,
     /// Whether the opacity counts.
     pub is_blended: bool,
-    /// The bytes of a PNG or JPEG by which the base colour is multiplied, at the texture coordinates `TEXCOORD_0`.
+    /// The bytes of a PNG or JPEG texture that multiplies the base colour, at the texture coordinates `TEXCOORD_0`.
     pub image: Option<Arc<Vec<u8>>>,
 }
 

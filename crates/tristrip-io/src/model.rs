@@ -9,14 +9,14 @@ use crate::materials::Materials;
 /// A file's geometry, in the order of the file. Clones share positions, attributes, buffers and images.
 #[derive(Debug, Clone, Default)]
 pub struct Model {
-    /// The meshes, each of which is stripified and drawn separately.
+    /// The meshes. Each is stripified and drawn separately.
     pub parts: Vec<Part>,
     /// Everything that was dropped or changed while reading, in words, with counts.
     pub notes: Vec<String>,
     /// The document around the parts, for glTF and GLB.
     pub scene: Option<Scene>,
-    /// The materials in files beside an OBJ, or those of a model that a program builds; `None` for other formats. With a scene, those of an OBJ that it
-    /// will be written as.
+    /// The materials in the libraries of an OBJ, or those of a model that a program builds; `None` for other formats. For a model with
+    /// a scene, the materials of the OBJ that it will be written as.
     pub materials: Option<Materials>,
 }
 

@@ -127,7 +127,7 @@ fn folders<'a>(path: &'a Path, target: &'a Path) -> Vec<&'a Path> {
     [path, target].into_iter().filter_map(Path::parent).collect()
 }
 
-/// Takes the images of a model that are in separate files into the model, so that a GLB that is written anywhere has its
+/// Embeds the images of a model that are in separate files: a GLB that is written to any folder then has its
 /// textures. `path` is that of the file that the model was read from, if it is known; images are looked for in its folders, as
 /// [`read_path`] looks for buffers. An image that cannot be read keeps its URI. A note counts the images.
 ///

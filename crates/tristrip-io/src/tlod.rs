@@ -1,4 +1,4 @@
-//! `.tlod`: a model of which each view has its own detail, in one file: a mesh, its strips, and its collapses.
+//! `.tlod`: a view-dependent level-of-detail model in one file: a mesh, its strips and its collapses.
 //!
 //! The file has what [`SkipStrips::new`](tristrip::lod::SkipStrips::new) takes. All numbers are little-endian. It begins with 12 bytes, which sections
 //! follow, and ends with the last of them:
@@ -27,15 +27,16 @@
 //!           u32 × 2  for each rename: the vertex removed, and the vertex kept
 //! ```
 //!
-//! Sections are in this order. The triangles are those of the strips, in the order in which these draw them, so that they are not stored.
+//! Sections are in this order. Triangles are not stored: they are those of the strips, in drawing order.
 //!
 //! # Algorithm
-//! A reader takes pieces of at most 64 KiB, and each list grows with the bytes that arrived, so that a count without data allocates nothing. A length
-//! must be the one that the counts give. Numbers are looked at after the checksum of their section. Then the collapses are replayed, which checks
-//! that each renames vertices that are still drawn.
+//! The reader reads at most 64 KiB at a time, and each list grows with the bytes that have been read: a count without data allocates
+//! nothing. The length of a section must match the counts. Numbers are checked after the checksum of their section. Finally the
+//! collapses are replayed, which checks that each of them renames vertices that are still drawn.
 //!
 //! # Complexity
-//! O(n log n) time. 4 bytes per number, plus 44 per collapse. A reader takes at most [`MEMORY_PER_BYTE`] bytes of memory per byte that it read, plus 1 MiB.
+//! O(n log n) time. 4 bytes per number, plus 44 per collapse. The reader uses at most [`MEMORY_PER_BYTE`]
+//! bytes of memory per byte of the file, plus 1 MiB.
 //!
 //! ```
 #![doc = include_str!("tlod/example.txt")]

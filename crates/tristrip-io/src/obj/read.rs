@@ -12,7 +12,7 @@ use crate::materials::Materials;
 use crate::model::Model;
 use crate::text::{Text, integer, quote};
 
-/// The most material libraries of a file; others are ignored.
+/// The maximum number of material libraries of a file; others are ignored.
 const MAX_LIBRARIES: usize = 64;
 
 /// The most bytes of the name of a material library; others are ignored, as longer paths are in no file system.

@@ -1,11 +1,11 @@
-//! The limits of a reader: what a file may state, and how much it may have.
+//! The limits of the reader: the counts that a file may state, and its size.
 
 use crate::error::Error;
 
-/// The largest number of bytes of memory that [`read`](super::read()) takes per byte that it read.
+/// The maximum number of bytes of memory that [`read`](super::read()) uses per byte of the file.
 pub const MEMORY_PER_BYTE: u64 = 32;
 
-/// The limits of [`read`](super::read()). A file that states more is refused before what it states is read.
+/// Limits of [`read`](super::read()). A file with larger counts is refused before its data is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct TlodLimits {

@@ -5,7 +5,7 @@ use tristrip::{CollapseSequence, Faces, Mesh, Strips};
 
 use crate::error::Error;
 
-/// A model of which each view has its own detail.
+/// A view-dependent level-of-detail model.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct TlodModel {

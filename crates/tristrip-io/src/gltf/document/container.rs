@@ -68,7 +68,7 @@ pub(in crate::gltf) fn is_glb(file: &[u8]) -> bool {
     file.starts_with(MAGIC)
 }
 
-/// Returns the bytes of a GLB up to the end of its JSON, as its first bytes say; `None` if there are too few of them.
+/// Returns the offset of the end of the JSON in a GLB, from its first bytes; `None` if more of them are needed.
 ///
 /// # Errors
 /// The bytes are not those of a GLB of version 2 that begins with JSON.
@@ -104,7 +104,8 @@ fn check_json(kind: u32) -> Result<(), Error> {
     Err(Error::format(format!("byte {}", HEADER_BYTES + 4), found, "0x4e4f534a (JSON)"))
 }
 
-/// Finds the chunks of a GLB of which only the first bytes may be there: the JSON, and what there is of the bytes behind. `None` if the JSON is not there.
+/// Finds the chunks of a GLB that may be truncated: its JSON, and as much of the binary chunk as is present. `None` if the JSON is
+/// truncated.
 pub(in crate::gltf) fn open_start(file: Arc<Vec<u8>>) -> Option<GlbContainer> {
     let end = usize::try_from(json_end(&file).ok()??).ok()?;
     let json = HEADER_BYTES + CHUNK_HEADER_BYTES..end;

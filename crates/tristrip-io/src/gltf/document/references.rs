@@ -69,7 +69,7 @@ impl ExtensionNumbers {
     }
 }
 
-/// Checks whether a value contains a whole number.
+/// Checks whether a value contains a number that may be an index.
 pub(in crate::gltf) fn has_number(value: &Value) -> bool {
     match &value.content {
         JsonContent::Array(items) => items.iter().any(has_number),

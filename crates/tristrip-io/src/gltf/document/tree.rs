@@ -52,7 +52,7 @@ impl Document {
         Ok(Self { root: root_of(text.as_slice())?, text })
     }
 
-    /// Parses the JSON as it is now, so that the text of removed values is dropped.
+    /// Parses the JSON as it is now, which drops the text of removed values.
     pub(in crate::gltf) fn compacted(self) -> Result<Self, Error> {
         let text = SharedBytes::from(self.to_bytes());
         Ok(Self { root: root_of(text.as_slice())?, text })
@@ -148,7 +148,7 @@ impl<'a> Located<'a> {
         Ok(members.iter().map(move |(name, value)| (name, Located { value, at: format!("{at}.{name}") })))
     }
 
-    /// Returns the value as a whole number.
+    /// Returns the value as an integer of at least 0.
     pub(in crate::gltf) fn whole(&self) -> Result<u64, Error> {
         whole(self.value).ok_or_else(|| self.wrong("a whole number"))
     }
@@ -198,7 +198,7 @@ pub(in crate::gltf) fn array<'a>(root: &'a Members, list: &str) -> Result<&'a [V
     value.as_array().ok_or_else(|| Error::format(list, describe(value), "an array"))
 }
 
-/// Returns a value as a whole number; some writers put `3.0` for `3`.
+/// Returns a value as an integer of at least 0; some exporters write `3.0` for `3`.
 pub(in crate::gltf) fn whole(value: &Value) -> Option<u64> {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     match &value.content {

@@ -1,4 +1,4 @@
-//! Images in separate files: taken into the document, so that a file that is written to another folder has its textures.
+//! Images in separate files are embedded: a file that is written to another folder then has its textures.
 //!
 //! Each file becomes a buffer of its own with one view, which the writer joins with the others. Images that cannot be read keep
 //! their URI.
@@ -38,7 +38,7 @@ pub(crate) fn embed(scene: &mut Scene, files: &mut BufferFiles<'_>) -> Result<Em
         let Some(uri) = image.field("uri") else { continue };
         let loaded = match uri.text() {
             Ok(text) if text.starts_with("data:") => continue,
-            // Buffers of which an extension names bytes cannot be joined with others.
+            // A buffer cannot be joined with others if an extension names bytes of it.
             Ok(_) if bytes_named => {
                 Err(uri.wrong("no extension that names bytes of a buffer beside images in files"))
             }

@@ -14,7 +14,7 @@
 //! the mesh several times. So whatever moves the node moves all its levels, a viewer that ignores the extension shows the finest
 //! level, and the number of no node changes. The nodes of lower levels are in no scene.
 //!
-//! Morph weights stand on the node with the mesh. An animation of the weights gets a channel for every level with the same sampler;
+//! Morph weights are on the node with the mesh. An animation of the weights gets a channel for every level with the same sampler;
 //! where `KHR_animation_pointer` animates the weights of a node, the node has no levels.
 //!
 //! # References
@@ -242,7 +242,7 @@ fn weights_target(channel: &Value) -> Option<usize> {
 /// What animations move.
 #[derive(Default)]
 struct Motion {
-    /// Nodes of which more than the morph weights is animated, or may be.
+    /// Nodes with an animation of more than their morph weights, or that may have one.
     of_nodes: HashSet<usize>,
     /// Nodes with animated morph weights.
     weights_of_nodes: HashSet<usize>,

@@ -1,7 +1,7 @@
 //! A scene with meshes for lower levels of detail, which draw the first vertices of the meshes that they simplify.
 //!
 //! # Algorithm
-//! 1. A mesh of which a part changes from one level to the next is copied: names, materials, morph weights, points and lines stay;
+//! 1. A mesh is copied if a part of it changes from one level to the next: names, materials, morph weights, points and lines stay;
 //!    the vertex accessors of a part become accessors over their first values ([`crate::gltf::edit::prefixes`]). A mesh that does not change
 //!    is drawn at both levels.
 //! 2. Each copied primitive is a further part of the model, so that the writer gives it indices of its own.

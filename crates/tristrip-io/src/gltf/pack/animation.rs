@@ -8,7 +8,7 @@
 //! ```
 //! # Algorithm
 //! 1. Each sampler of translations, rotations, scales or morph weights becomes a track: times, and the values at them.
-//! 2. A track of which all values are equal keeps its first keyframe, if other tracks of the animation have its first and its last time, so
+//! 2. A track whose values are all equal keeps its first keyframe, if other tracks of the animation have its first and its last time, so
 //!    that the animation begins and ends as before; otherwise the first and the last one. If moreover the value is the one that the node
 //!    has without the animation, and no other animation moves that property, the channel is removed.
 //! 3. In other linear tracks a keyframe is kept where the segment from the last one that was kept, which ends one keyframe later, would be

@@ -176,7 +176,7 @@ fn weights(all: &[[f64; 4]], rounding: Rounding) -> Option<(ComponentType, Vec<u
     Some((component, bytes))
 }
 
-/// Returns the number that stands for the weight 1 in a type of 8 or 16 bits.
+/// Returns the value of the weight 1 in a type of 8 or 16 bits.
 fn highest(component: ComponentType) -> u16 {
     if component == ComponentType::U8 { 255 } else { u16::MAX }
 }

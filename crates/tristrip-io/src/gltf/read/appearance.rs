@@ -1,4 +1,4 @@
-//! What a scene shows: where its nodes put each part, and the base colours of its materials, for pictures.
+//! What a scene shows: where its nodes place each part, and the base colours of its materials, for images.
 //!
 //! ```text
 //! scene ─▶ nodes ─▶ mesh ─▶ primitives that became parts: one instance each, with the product of the nodes' transforms

@@ -1,4 +1,4 @@
-//! Primitives compressed by Draco: decodes them, so that the rest of the reader and the writer find ordinary accessors.
+//! Primitives compressed by Draco are decoded: the rest of the reader and the writer see ordinary accessors.
 //!
 //! ```text
 //! primitive: { attributes: { POSITION: 0 }, indices: 1,      accessors 0 and 1 state type and count, without a buffer view

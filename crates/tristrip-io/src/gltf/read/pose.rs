@@ -1,4 +1,4 @@
-//! The rest pose of a scene: what the weights of morph targets and the joints of skins make of the vertices of a part, for pictures.
+//! The rest pose of a scene: the vertices of a part as morph weights and joints place them, for images.
 //!
 //! ```text
 //! vertex ─▶ + sum of weight × displacement of each morph target ─▶ sum of weight × matrix of each joint ─▶ place in the scene

@@ -126,7 +126,7 @@ impl ArrivalFault {
 }
 
 impl ArrivingGlb {
-    /// Creates a decoder of a file of which nothing has arrived.
+    /// Creates a decoder for a new file.
     pub fn new(limits: ArrivalLimits) -> Self {
         Self {
             limits,
@@ -290,7 +290,7 @@ impl ArrivingGlb {
         }
     }
 
-    /// Returns whether the base meshes have arrived, so that there is something to draw.
+    /// Returns whether the base meshes have arrived and can be drawn.
     pub fn has_base(&self) -> bool {
         matches!(self.stage, ArrivalStage::Chunks { .. }) || self.is_complete()
     }

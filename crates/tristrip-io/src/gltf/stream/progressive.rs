@@ -166,7 +166,7 @@ fn stream_in_bin(root: &Members) -> Result<Option<(StreamInDocument, usize, usiz
     }
 }
 
-/// Where the chunks of a progressive GLB are in its file, as its JSON says.
+/// Where the chunks of a progressive GLB are in its file, according to its JSON.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChunkRange {
     bytes: Range<u64>,
@@ -200,7 +200,7 @@ impl ChunkRange {
         Ok(Some(Self { bytes: first..first.saturating_add(length as u64), streams: stream.numbers() }))
     }
 
-    /// Returns the bytes of the chunks in the file, which may be shorter.
+    /// Returns the byte range of the chunks in the complete file.
     pub fn bytes(&self) -> Range<u64> {
         self.bytes.clone()
     }
@@ -210,14 +210,14 @@ impl ChunkRange {
         &self.streams
     }
 
-    /// Returns limits for a decoder of the chunks, if so many bytes of them are there.
+    /// Returns limits for a decoder of the chunks when this many bytes of them are present.
     pub fn limits(&self, present_bytes: u64) -> StreamLimits {
         let length = self.bytes.end - self.bytes.start;
         limits(usize::try_from(length.min(present_bytes)).unwrap_or(usize::MAX))
     }
 }
 
-/// A progressive GLB, or the first bytes of one, whose stream has not been decoded.
+/// A progressive GLB, complete or truncated, whose stream has not been decoded.
 ///
 /// ```
 /// use tristrip_io::gltf::ProgressiveGlb;
@@ -230,7 +230,7 @@ impl ChunkRange {
 /// ```
 #[derive(Debug, Clone)]
 pub struct ProgressiveGlb {
-    /// The file, or a GLB of what there is of it.
+    /// The file, or a valid GLB with the bytes that are present.
     glb: Arc<Vec<u8>>,
     /// The chunks in `glb`.
     chunks: Range<usize>,
@@ -281,7 +281,7 @@ impl ProgressiveGlb {
         if container::open(Arc::clone(&file), &mut Vec::new()).is_ok() && present == length {
             return Ok(Some(whole));
         }
-        // What is there becomes a GLB that is whole.
+        // The bytes that are present become a valid GLB.
         for (list, number, bytes) in [("bufferViews", stream.view, present), ("buffers", 0, offset + present)]
         {
             let entry = entries_mut(&mut document.root, list)?.get_mut(number).and_then(Value::as_object_mut);
@@ -293,7 +293,7 @@ impl ProgressiveGlb {
         Ok(Some(Self { glb: Arc::new(glb), chunks: chunks..chunks + present, ..whole }))
     }
 
-    /// Returns the bytes of the chunks, as far as they are there.
+    /// Returns the bytes of the chunks that are present.
     ///
     /// [`write_progressive`] has an example.
     pub fn chunks(&self) -> &[u8] {
@@ -305,7 +305,7 @@ impl ProgressiveGlb {
         self.start
     }
 
-    /// Checks whether all bytes of the chunks are there.
+    /// Checks whether all bytes of the chunks are present.
     pub fn is_complete(&self) -> bool {
         self.chunks.len() == self.length
     }
@@ -330,8 +330,8 @@ impl ProgressiveGlb {
         limits(self.chunks.len())
     }
 
-    /// Returns the scene in which the primitives draw the given meshes, by their numbers in the stream, instead of the base meshes. Where one is missing, or has no triangles, the base mesh
-    /// stays. Images of the document are looked for in `base_dir`.
+    /// Returns the scene with the given meshes, by their numbers in the stream, in place of the base meshes. A base mesh is kept if
+    /// its mesh is missing or has no triangles. Images of the document are read from `base_dir`.
     ///
     /// # Errors
     /// The document is not valid, or a mesh does not have the attributes of a primitive that draws it.

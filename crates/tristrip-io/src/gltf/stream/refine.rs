@@ -1,4 +1,5 @@
-//! Progressive documents: base meshes are replaced by what their stream builds, so that the rest of the reader and the writer find an ordinary document.
+//! Reading progressive documents: base meshes are replaced by what their stream builds. The rest of the reader and the writer see an
+//! ordinary document.
 //!
 //! ```text
 //! root:      { extensions: { TRISTRIP_progressive: { version: 1, bufferView: 7 } } }      the chunks: the last buffer view
@@ -38,7 +39,7 @@ use crate::model::Drawing;
 
 pub(in crate::gltf) const EXTENSION: &str = "TRISTRIP_progressive";
 pub(in crate::gltf) const VERSION: u64 = 1;
-/// The triangles that a stream may have: any stream, and for each byte. A flat grid of a million has two per byte.
+/// The triangles that any stream may have, and those that each of its bytes adds. A flat grid of a million triangles has two per byte.
 const MIN_TRIANGLE_LIMIT: usize = 1 << 18;
 const TRIANGLES_PER_BYTE: usize = 32;
 
@@ -121,7 +122,7 @@ pub(in crate::gltf) fn refine(
     };
     let root = &mut document.root;
     check_view(root, stream.view)?;
-    // 1. The extensions are removed, so that their numbers are no references.
+    // 1. The extensions are removed: their numbers are not references.
     remove_from_root(root);
     undeclare(root, EXTENSION);
     for primitive in &stream.primitives {

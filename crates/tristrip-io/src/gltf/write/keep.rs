@@ -1,7 +1,7 @@
 //! Writing with the scene kept: only indices and modes of the document change.
 //!
 //! # Algorithm
-//! 1. Find the index accessors, and their buffer views, that only the primitives to be written refer to. Every whole number
+//! 1. Find the index accessors, and their buffer views, that only the primitives to be written refer to. Every integer
 //!    inside `extensions` or `extras` counts as a reference, since its meaning is unknown.
 //! 2. Replace an unused accessor and view by each new one, or append the new one; so every other index keeps its meaning.
 //! 3. Remove the bytes of unused views from the buffer, in multiples of 8 bytes so that the alignment of all others stays,
@@ -197,7 +197,7 @@ impl IndexWriter {
     }
 }
 
-/// Replaces an entry of a list, of which name, extras and extensions stay, or appends one; returns the index of the entry.
+/// Replaces an entry of a list except for its name, extras and extensions, or appends one; returns the index of the entry.
 fn put(root: &mut Members, list: &str, replaced: Option<usize>, value: Value) -> Result<usize, Error> {
     let entries = list_mut(root, list)?;
     let Some(replaced) = replaced else {

@@ -14,9 +14,9 @@ use crate::gltf::document::{Document, entries_mut, index};
 pub struct SeparateFiles {
     /// The `.gltf`.
     pub json: Vec<u8>,
-    /// The URI by which it names its buffer; the same as the file name, except that some characters are escaped.
+    /// The URI of its buffer: the file name with some characters escaped.
     pub uri: String,
-    /// The buffer, to be written beside the document; empty if the document has none.
+    /// The buffer, to be written into the folder of the document; empty if the document has none.
     pub buffer: Vec<u8>,
 }
 

@@ -11,10 +11,10 @@ use crate::gltf::document::spec::ComponentType;
 /// floats changes when an exporter computes it from a matrix.
 const TOLERANCE: f64 = 1.0 / 1_048_576.0;
 
-/// The most keyframes from one that is kept to the next, so that the time is linear.
+/// The maximum number of keyframes from one that is kept to the next, which makes the time linear.
 const LONGEST: usize = 32;
 
-/// The least cosine of half the angle of an arc.
+/// The minimum cosine of half the angle of an arc.
 const MIN_COSINE: f64 = 0.92;
 
 /// Times, and the values at them.

@@ -24,7 +24,7 @@ pub(in crate::gltf) struct UnusedEntries {
 }
 
 impl UnusedEntries {
-    /// Finds them; `rewritten` has the mesh and number of each primitive of which something is replaced.
+    /// Finds them; `rewritten` has the mesh and number of each primitive whose indices or vertices are replaced.
     pub(in crate::gltf) fn find(
         root: &Members,
         rewritten: &HashSet<(usize, usize)>,
