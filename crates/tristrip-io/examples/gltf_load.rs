@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh};
-use tristrip_io::{Drawing, Error, Model, Part, gltf};
+use tristrip_io::{Drawing, Error, Format, Model, Part, gltf, write};
 
 /// Vertices along each side of the grid: 2 × 707² triangles are a million.
 const SIDE: u32 = 708;
@@ -41,7 +41,7 @@ fn main() -> Result<(), Error> {
     if std::env::args().nth(1).as_deref() != Some("load") {
         let model = Model { parts: vec![Part { mesh: grid()?, ..Part::default() }], ..Model::default() };
         let start = Instant::now();
-        let glb = gltf::write_glb(&model, &[Drawing::Faces], Layout::List)?;
+        let glb = write(&model, &[Drawing::Faces], Format::Glb, Layout::List)?;
         println!(
             "write      {:8.1} ms, {:.1} MB",
             start.elapsed().as_secs_f64() * 1e3,

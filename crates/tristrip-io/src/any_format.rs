@@ -87,7 +87,9 @@ fn read_other(bytes: &[u8], format: Format) -> Result<Model, Error> {
 /// - OBJ has no strips: the strips' triangles are written in strip order, whatever the layout.
 /// - PLY has the `tristrips` element: [`Layout::Restart`] is one row with −1 between strips, [`Layout::Separate`] one row per
 ///   strip, [`Layout::Degenerate`] one row per part; [`Layout::List`] writes triangles as faces. Little-endian binary.
-/// - GLB keeps the scene that the model was read with.
+/// - GLB keeps the scene that the model was read with: only indices and modes of its triangle primitives change, and
+///   [`Drawing::Faces`] leaves a triangle list unchanged. Without a scene it has a minimal document: one mesh and node for each run of
+///   parts with the same name, one primitive per part, one material per name.
 ///
 /// # Errors
 /// The format cannot be written, there is not one drawing for each part, a strip names a vertex that its part does not

@@ -59,7 +59,6 @@ use tristrip::Layout;
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
-pub use document::JSON_VALUE_LIMIT;
 #[cfg(not(feature = "fs"))]
 pub(crate) use document::buffer::NoBufferFiles as BufferFiles;
 #[cfg(feature = "fs")]
@@ -74,7 +73,7 @@ pub use read::{read, read_separate, with_scene};
 pub use stream::arriving::{ArrivalLimits, ArrivingGlb};
 pub use stream::progressive::{ChunkRange, ProgressiveGlb, WrittenGlb, read_base, write_progressive};
 pub use stream::refine::{StreamMeshes, StreamedPart};
-pub use write::build::losses;
+pub(crate) use write::build::losses;
 pub use write::separate::{SeparateFiles, separate};
 
 /// Checks whether a model's document has vertex data that the meshes of its parts do not hold: morph targets, and
@@ -116,29 +115,12 @@ pub fn unread_vertex_values(model: &Model) -> Vec<bool> {
 ///
 /// With a scene, the document is the one that was read: only the indices and modes of its triangle primitives change
 /// ([`Drawing::Faces`] leaves a triangle list unchanged). Without a scene, a minimal document is built: one mesh and node for
-/// each run of parts with the same name, one primitive per part, one material per name. [`losses`] lists what such a
-/// document cannot hold.
+/// each run of parts with the same name, one primitive per part, one material per name.
 ///
-/// The index type is the smallest in which no index takes the highest value. Strips of fewer than three vertices are
+/// The index type is the smallest that can hold the indices without its highest value. Strips of fewer than three vertices are
 /// dropped; a drawing without any triangle becomes one degenerate triangle, because glTF has no empty index buffers.
 /// [`Layout::Restart`] declares the draft extension only where there is a restart.
-///
-/// # Errors
-/// The drawings do not fit the parts, a strip names a vertex that does not exist, or the result exceeds 4 GiB.
-///
-/// ```
-/// use tristrip::{Faces, Layout, Mesh};
-/// use tristrip_io::{Drawing, Model, Part, gltf};
-/// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
-/// let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?)?;
-/// let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
-/// let mut strips = tristrip::Strips::default();
-/// strips.push(&[0, 1, 2, 3]);
-/// let glb = gltf::write_glb(&model, &[Drawing::Strips(&strips)], Layout::Degenerate)?;
-/// assert_eq!(gltf::read(glb, None)?.parts[0].mesh.faces(), model.parts[0].mesh.faces());
-/// # Ok::<(), tristrip_io::Error>(())
-/// ```
-pub fn write_glb(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
+pub(crate) fn write_glb(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
     model.check_drawings(drawings)?;
     match &model.scene {
         Some(scene) => write::keep::draw(scene, model, drawings, layout)?.write(),

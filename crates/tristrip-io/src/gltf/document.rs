@@ -16,7 +16,6 @@ pub(crate) mod scene;
 pub(in crate::gltf) mod spec;
 mod tree;
 
-pub use tree::JSON_VALUE_LIMIT;
 pub(in crate::gltf) use tree::{
-    Document, Located, array, entries_mut, index, items, list_mut, uses, values, whole,
+    Document, JSON_VALUE_LIMIT, Located, array, entries_mut, index, items, list_mut, uses, values, whole,
 };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 use tristrip::Layout;
-use tristrip_io::{Drawing, Model, gltf};
+use tristrip_io::{Drawing, Format, Model, write};
 
 use crate::gltf_documents::*;
 
@@ -135,7 +135,7 @@ pub(crate) fn first_rotations(model: &Model, part: usize) -> Vec<[u32; 3]> {
 
 /// Writes a model with its faces.
 pub(crate) fn written(model: &Model) -> Vec<u8> {
-    gltf::write_glb(model, &vec![Drawing::Faces; model.parts.len()], Layout::List).unwrap()
+    write(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb, Layout::List).unwrap()
 }
 
 /// A ribbon over positions, with a view for its indices.

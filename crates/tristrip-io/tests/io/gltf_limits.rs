@@ -3,7 +3,7 @@
 
 use serde_json::json;
 use tristrip::{Layout, Strips};
-use tristrip_io::{Drawing, Error, Model, gltf};
+use tristrip_io::{Drawing, Error, Format, Model, gltf, write};
 
 use crate::gltf_documents::*;
 
@@ -59,7 +59,7 @@ fn thousands_of_meshes_over_one_array_are_written_and_read_again() {
     assert!(model.parts.len() == 5000 && model.parts.iter().all(|part| part.mesh.shares_vertices(first)));
     let (long, short) = (greedy(&triangles(&model, 0)), isolated(&model));
     for (strips, layout) in [(&long, Layout::Degenerate), (&short, Layout::Restart)] {
-        let glb = gltf::write_glb(&model, &vec![Drawing::Strips(strips); 5000], layout).unwrap();
+        let glb = write(&model, &vec![Drawing::Strips(strips); 5000], Format::Glb, layout).unwrap();
         let again = gltf::read(glb, None).unwrap();
         assert_eq!(again.parts.len(), 5000);
         for part in [0, 4999] {

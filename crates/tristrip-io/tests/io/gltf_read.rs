@@ -2,7 +2,7 @@
 
 use serde_json::json;
 use tristrip::AttributeData;
-use tristrip_io::{Error, gltf};
+use tristrip_io::{Error, Format, gltf, write};
 
 use crate::gltf_documents::*;
 
@@ -367,7 +367,7 @@ fn no_truncation_or_mutation_panics() {
                 mutated[at] = new;
                 if let Ok(model) = gltf::read(mutated, None) {
                     let drawings = vec![tristrip_io::Drawing::Faces; model.parts.len()];
-                    let _ = gltf::write_glb(&model, &drawings, tristrip::Layout::Degenerate);
+                    let _ = write(&model, &drawings, Format::Glb, tristrip::Layout::Degenerate);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The text of a document: what is not ours stays byte for byte when indices are written into it.
 
 use tristrip::{Layout, Strips};
-use tristrip_io::{Drawing, gltf};
+use tristrip_io::{Drawing, Format, gltf, write};
 
 use crate::gltf_documents::*;
 
@@ -57,7 +57,7 @@ fn what_is_not_ours_stays_byte_for_byte() {
     strips.push(&[0, 1, 2]);
     strips.push(&[2, 1, 3]);
     for layout in [Layout::Degenerate, Layout::Restart, Layout::Separate, Layout::List] {
-        let glb = gltf::write_glb(&model, &[Drawing::Strips(&strips)], layout).unwrap();
+        let glb = write(&model, &[Drawing::Strips(&strips)], Format::Glb, layout).unwrap();
         let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
         let json = String::from_utf8(glb[20..20 + length].to_vec()).unwrap();
         let mut expected = vec![
@@ -84,7 +84,8 @@ fn what_is_not_ours_stays_byte_for_byte() {
 fn a_document_in_one_file_keeps_its_text_without_the_data() {
     let gltf = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":3,"uri":"data:;base64,AAAA", "extras": 1E5 }],
         "extras":{ "uri" : -0.0}}"#;
-    let glb = gltf::write_glb(&gltf::read(gltf.as_bytes(), None).unwrap(), &[], Layout::Degenerate).unwrap();
+    let glb =
+        write(&gltf::read(gltf.as_bytes(), None).unwrap(), &[], Format::Glb, Layout::Degenerate).unwrap();
     let json = String::from_utf8_lossy(&glb);
     assert!(json.contains(r#""buffers":[{"byteLength":3,"extras":1E5}]"#), "{json}");
     assert!(json.contains(r#""extras":{ "uri" : -0.0}"#), "{json}");

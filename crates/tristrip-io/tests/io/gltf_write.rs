@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
-use tristrip_io::{Drawing, Error, Model, Part, gltf};
+use tristrip_io::{Drawing, Error, Format, Model, Part, gltf, losses};
 
 use crate::gltf_documents::*;
 use crate::kept_scenes::{LAYOUTS, check_scene, rich, strips_of, write};
@@ -30,7 +30,7 @@ fn keeps_a_rich_scene() {
 fn faces_of_a_triangle_list_stay_unchanged() {
     let glb = rich().glb();
     let model = gltf::read(glb.clone(), None).unwrap();
-    let after = gltf::write_glb(&model, &[Drawing::Faces; 3], Layout::Degenerate).unwrap();
+    let after = tristrip_io::write(&model, &[Drawing::Faces; 3], Format::Glb, Layout::Degenerate).unwrap();
     assert_eq!(json_of(&after), json_of(&glb));
     assert_eq!(bin_of(&after), bin_of(&glb));
 }
@@ -172,7 +172,7 @@ fn declares_restarts_only_where_there_are_any() {
     let after = write(&model, &strips_of(&model), Layout::Degenerate);
     assert_eq!(names(&after), both(json!(["KHR_mesh_primitive_restart"])));
     // Faces of strips become a list.
-    let after = gltf::write_glb(&model, &[Drawing::Faces], Layout::Restart).unwrap();
+    let after = tristrip_io::write(&model, &[Drawing::Faces], Format::Glb, Layout::Restart).unwrap();
     assert_eq!(json_of(&after)["meshes"][0]["primitives"][0]["mode"], 4);
     assert_eq!(triangles(&gltf::read(after, None).unwrap(), 0), [[0, 1, 2], [3, 4, 5]]);
 }
@@ -188,7 +188,8 @@ fn extensions_about_the_index_order_are_dropped() {
     let after = json_of(&write(&model, &strips_of(&model), Layout::List));
     assert_eq!(after["extensionsUsed"], json!(["EXT_unknown_thing"]));
     assert_eq!(after["meshes"][0]["extensions"], json!({ "EXT_unknown_thing": {} }));
-    let after = json_of(&gltf::write_glb(&model, &[Drawing::Faces; 3], Layout::List).unwrap());
+    let after =
+        json_of(&tristrip_io::write(&model, &[Drawing::Faces; 3], Format::Glb, Layout::List).unwrap());
     assert_eq!(after["meshes"][0]["extensions"], draft.json["meshes"][0]["extensions"]);
 }
 
@@ -292,7 +293,7 @@ fn writes_attributes_under_valid_names() {
     ]);
     let model = model_of([good, bad]);
     assert_eq!(
-        gltf::losses(&model, &[Drawing::Faces; 2]),
+        losses(&model, &[Drawing::Faces; 2], Format::Glb),
         [
             "attribute `COLOR_01` written as `_COLOR_01`: 1",
             "attribute `COLOR_0` written as `_COLOR_0`: 1",
@@ -308,7 +309,7 @@ fn writes_attributes_under_valid_names() {
             "attribute `quality` written as `_quality`: 1",
         ]
     );
-    let glb = gltf::write_glb(&model, &[Drawing::Faces; 2], Layout::Degenerate).unwrap();
+    let glb = tristrip_io::write(&model, &[Drawing::Faces; 2], Format::Glb, Layout::Degenerate).unwrap();
     let back = gltf::read(glb.clone(), None).unwrap();
     for (old, new) in model.parts[0].mesh.attributes().iter().zip(back.parts[0].mesh.attributes()) {
         assert_eq!((old.components, &old.data, old.normalized), (new.components, &new.data, new.normalized));
@@ -331,7 +332,7 @@ fn parts_that_share_positions_share_them_in_the_file() {
     for (part, (name, material)) in model.parts.iter_mut().zip([("a", "m"), ("a", "n"), ("b", "m")]) {
         (part.name, part.material) = (Some(name.into()), Some(material.into()));
     }
-    let glb = gltf::write_glb(&model, &[Drawing::Faces; 3], Layout::Degenerate).unwrap();
+    let glb = tristrip_io::write(&model, &[Drawing::Faces; 3], Format::Glb, Layout::Degenerate).unwrap();
     let json = json_of(&glb);
     let primitives = &json["meshes"][0]["primitives"];
     assert_eq!(primitives[0]["attributes"], primitives[1]["attributes"]);
@@ -339,7 +340,7 @@ fn parts_that_share_positions_share_them_in_the_file() {
     assert_eq!(json["meshes"][1]["primitives"][0]["material"], 0);
     assert_eq!(json["nodes"], json!([{ "name": "a", "mesh": 0 }, { "name": "b", "mesh": 1 }]));
     assert_eq!(json["materials"], json!([{ "name": "m" }, { "name": "n" }]));
-    assert_eq!(gltf::losses(&model, &[Drawing::Faces; 3]), ["polygons cut into fans: 1"]);
+    assert_eq!(losses(&model, &[Drawing::Faces; 3], Format::Glb), ["polygons cut into fans: 1"]);
     let back = gltf::read(glb.clone(), None).unwrap();
     assert_eq!(triangles(&back, 1), [[7, 9, 8], [6, 9, 7]]);
     validate("parts_that_share", &[("shared.glb".into(), glb)]);
@@ -349,7 +350,7 @@ fn parts_that_share_positions_share_them_in_the_file() {
 fn refuses_invalid_drawings() {
     let model = model_of([mesh_of(3, &[[0, 1, 2]])]);
     let message = |drawings: &[Drawing<'_>]| {
-        gltf::write_glb(&model, drawings, Layout::Degenerate).unwrap_err().to_string()
+        tristrip_io::write(&model, drawings, Format::Glb, Layout::Degenerate).unwrap_err().to_string()
     };
     assert_eq!(message(&[]), "drawings: found 0, expected 1 (one for each part)");
     let mut strips = Strips::default();
@@ -360,7 +361,7 @@ fn refuses_invalid_drawings() {
     );
     let mut model = model_with(&rich());
     model.parts.pop();
-    let error = gltf::write_glb(&model, &[Drawing::Faces; 2], Layout::List).unwrap_err();
+    let error = tristrip_io::write(&model, &[Drawing::Faces; 2], Format::Glb, Layout::List).unwrap_err();
     assert!(matches!(error, Error::Unsupported(_)), "{error}");
 }
 
@@ -395,7 +396,7 @@ proptest! {
         prop_assert_eq!(rotated(strips.triangles()), rotated(real.iter().copied()));
         for layout in LAYOUTS {
             let drawing = [Drawing::Strips(&strips)];
-            let first = gltf::write_glb(&model, &drawing, layout).unwrap();
+            let first = tristrip_io::write(&model, &drawing, Format::Glb, layout).unwrap();
             let kept = gltf::read(first, None).unwrap();
             let drawn = |model: &Model| {
                 let all: Vec<[u32; 3]> = (0..model.parts.len()).flat_map(|part| triangles(model, part)).collect();
@@ -414,4 +415,16 @@ proptest! {
             prop_assert_eq!(sorted(drawn(&gltf::read(second, None).unwrap())), sorted(real.clone()));
         }
     }
+}
+
+#[test]
+fn attributes_without_a_type_in_gltf_are_losses() {
+    let data = AttributeData::F64(vec![1.0]);
+    let quality = Attribute { name: "quality".into(), components: 1, normalized: false, data };
+    let mesh = Mesh::new(vec![[0.0; 3]], Faces::default()).unwrap().with_attribute(quality).unwrap();
+    let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
+    assert_eq!(
+        losses(&model, &[Drawing::Faces], Format::Glb),
+        ["attribute `quality` not written: glTF has no 64-bit floats or 32-bit integers for vertices: 1"],
+    );
 }

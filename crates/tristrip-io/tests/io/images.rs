@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::gltf_documents::*;
 use serde_json::json;
 use tristrip::Layout;
-use tristrip_io::{Drawing, Model, embed_images, gltf, read_path};
+use tristrip_io::{Drawing, Format, Model, embed_images, gltf, read_path, write};
 
 /// One grey pixel.
 const PNG: &[u8] =
@@ -24,7 +24,7 @@ fn draft(uris: &[&str]) -> Draft {
 }
 
 fn written(model: &Model) -> Vec<u8> {
-    gltf::write_glb(model, &vec![Drawing::Faces; model.parts.len()], Layout::List).unwrap()
+    write(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb, Layout::List).unwrap()
 }
 
 /// A folder with a model and two images beside it.

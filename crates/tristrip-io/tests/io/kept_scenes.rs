@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use tristrip::{Layout, Strips};
-use tristrip_io::{Drawing, Model, gltf};
+use tristrip_io::{Drawing, Format, Model, gltf};
 
 use crate::gltf_documents::*;
 
@@ -19,7 +19,7 @@ pub(crate) fn strips_of(model: &Model) -> Vec<Strips> {
 
 pub(crate) fn write(model: &Model, strips: &[Strips], layout: Layout) -> Vec<u8> {
     let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-    gltf::write_glb(model, &drawings, layout).unwrap()
+    tristrip_io::write(model, &drawings, Format::Glb, layout).unwrap()
 }
 
 /// A document with one of each kind of reference.

@@ -3,7 +3,7 @@
 use meshopt::EncodeExpMode;
 use serde_json::{Value, json};
 use tristrip::{Layout, Strips};
-use tristrip_io::{Drawing, Model, gltf};
+use tristrip_io::{Drawing, Format, Model, gltf, write};
 
 use crate::compressed::{Compression, EXT, KHR, compress, draft_of, model_path, ribbon, same_parts, written};
 use crate::gltf_documents::*;
@@ -283,7 +283,7 @@ fn what_is_written_is_uncompressed_and_the_rest_is_unchanged() {
         let mut strips = Strips::default();
         triangles(&model, 0).iter().for_each(|triangle| strips.push(triangle));
         for drawing in [Drawing::Faces, Drawing::Strips(&strips)] {
-            let glb = gltf::write_glb(&model, &[drawing], Layout::Degenerate).unwrap();
+            let glb = write(&model, &[drawing], Format::Glb, Layout::Degenerate).unwrap();
             let json = json_of(&glb);
             assert!(!json.to_string().contains("meshopt"), "{json}");
             assert_eq!(json["buffers"], json!([{ "byteLength": json["buffers"][0]["byteLength"] }]));

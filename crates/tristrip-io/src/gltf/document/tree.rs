@@ -7,7 +7,7 @@ use crate::gltf::document::json::{self, JsonContent, Members, Value};
 use crate::error::Error;
 
 /// The largest number of values that the JSON of a document may have.
-pub const JSON_VALUE_LIMIT: u64 = 4 << 20;
+pub(in crate::gltf) const JSON_VALUE_LIMIT: u64 = 4 << 20;
 
 /// The JSON of a document and the text that it was parsed from.
 #[derive(Debug, Clone, Default)]

@@ -31,21 +31,7 @@ const UNIT_TOLERANCE: f64 = 0.006;
 
 /// Lists what a GLB cannot hold of a model, or holds in another form, in words, with counts. Empty for a model with a
 /// scene, which keeps everything. There is one drawing for each part.
-///
-/// ```
-/// use tristrip::{Attribute, AttributeData, Faces, Mesh};
-/// use tristrip_io::{Model, Part, gltf};
-/// let mesh = Mesh::new(vec![[0.0; 3]], Faces::default())?.with_attribute(Attribute {
-///     name: "quality".into(), components: 1, normalized: false, data: AttributeData::F64(vec![1.0]),
-/// })?;
-/// let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
-/// assert_eq!(
-///     gltf::losses(&model, &[tristrip_io::Drawing::Faces]),
-///     ["attribute `quality` not written: glTF has no 64-bit floats or 32-bit integers for vertices: 1"],
-/// );
-/// # Ok::<(), tristrip_io::Error>(())
-/// ```
-pub fn losses(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
+pub(crate) fn losses(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
     if model.scene.is_some() {
         return Vec::new();
     }
