@@ -16,6 +16,9 @@ pub mod flight;
 pub mod pareto;
 pub mod recovery;
 pub mod repro;
+#[cfg(test)]
+mod samples;
 pub mod traffic;
+pub mod wire;
 
 pub use error::Error;

@@ -55,12 +55,11 @@ mod shortened;
 mod skip;
 mod strip_graph;
 mod strip_states;
-pub mod traffic;
 mod vertex_ranges;
 mod view;
 
 pub use blocks::{BlockOptions, Blocks, BlocksCursor};
-pub use filter::{DrawCost, Filter};
+pub use filter::{DrawCost, Filter, FilterCosts};
 pub use geomorph::{Geomorph, Transit};
 pub use hysteresis::Hysteresis;
 pub use index_map::RESTART;
@@ -69,14 +68,12 @@ pub use level_table::LevelTable;
 pub use lod_strips::LodStrips;
 pub use model_kind::ModelKind;
 pub use mts::Mts;
-pub(crate) use progressive::decode_entries;
 pub use progressive::{
     Encoding, ProgressiveMesh, ProgressiveMeshCursor, ProgressiveStrips, ProgressiveStripsCursor, SlotUpdate,
-    VertexSplit, encoded_offset,
+    VertexSplit, decode_entries, encoded_offset,
 };
 pub use repair::{Repair, RepairOptions, RepairedStrips};
 pub(crate) use repair::{RepairedPaths, walk_steps};
-pub(crate) use replay::Records;
 pub use sets::Sets;
 pub use skip::{
     Camera, Foveation, RepairedView, SkipLevelCursor, SkipStrips, SkipView, ViewCriteria, ViewGeomorphs,
