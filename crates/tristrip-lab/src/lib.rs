@@ -11,6 +11,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod baselines;
 mod error;
 pub mod flight;
 pub mod pareto;

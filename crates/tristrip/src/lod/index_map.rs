@@ -7,7 +7,7 @@ use crate::strip::Strips;
 pub const RESTART: u32 = u32::MAX;
 
 /// Checks that all vertices of strips are below a number.
-pub(super) fn check_strips(strips: &Strips, vertex_count: usize) -> Result<(), Error> {
+pub fn check_strips(strips: &Strips, vertex_count: usize) -> Result<(), Error> {
     for (face, strip) in strips.iter().enumerate() {
         if let Some(corner) = strip.iter().position(|&v| v as usize >= vertex_count) {
             let (found, vertex_count) = (strip[corner], vertex_count as u32);
