@@ -216,7 +216,7 @@ impl Strips {
     /// {'faces': 2, 'triangles': 2}
     /// >>> tristrip.stripify(faces).verify([[0, 1, 2], [2, 3, 1]])
     /// Traceback (most recent call last):
-    /// tristrip.NotProvenError: 1 triangles are missing and 1 are extra or flipped; the first is [1, 2, 3]
+    /// tristrip.NotProvenError: triangles missing: 1, extra or flipped: 1; the first is [1, 2, 3]
     #[pyo3(signature = (faces, vertices = None))]
     fn verify<'py>(
         &self,

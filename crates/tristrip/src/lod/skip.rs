@@ -57,7 +57,6 @@ mod tests;
 mod vertex_tree;
 mod view;
 
-use super::index_map::check_strips;
 use super::level_table::LevelTable;
 use crate::collapse::{Collapse, CollapseSequence};
 use crate::error::Error;
@@ -142,7 +141,7 @@ impl SkipStrips {
         sequence: &CollapseSequence,
         positions: Option<&P>,
     ) -> Result<Self, Error> {
-        check_strips(strips, sequence.vertex_count())?;
+        strips.check_vertices(sequence.vertex_count())?;
         check_triangles(strips, sequence)?;
         let (tree, numbers) = VertexTree::new(sequence)?;
         let leader = |collapse: Collapse<'_>| collapse.renames.first().map(|first| numbers.of(first.removed));

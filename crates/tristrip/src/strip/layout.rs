@@ -389,7 +389,7 @@ mod tests {
         );
         assert_eq!(short, [7; 5]);
         let error = Strips::from_indices(&[1_u8, 2], Layout::List).unwrap_err().to_string();
-        assert_eq!(error, "faces: found 2 corners, expected a multiple of 3");
+        assert_eq!(error, "faces: number of corners: found 2, expected a multiple of 3");
     }
 
     proptest! {

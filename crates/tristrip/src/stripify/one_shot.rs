@@ -192,7 +192,7 @@ mod tests {
         );
         assert_eq!(
             message(stripify_indices(&[0_u16, 1], 9)),
-            "faces: found 2 corners, expected a multiple of 3"
+            "faces: number of corners: found 2, expected a multiple of 3"
         );
         let weld = StripifyOptions::default().with_weld(true);
         assert!(message(stripify_indices_with(&[0_u16, 1, 2], 3, &weld)).starts_with("parameter `weld`"));

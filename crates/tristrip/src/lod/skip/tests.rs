@@ -472,3 +472,28 @@ fn without_an_allowed_error_a_budget_goes_where_the_errors_are_largest() {
         differ(&moved, &here)
     );
 }
+
+#[test]
+fn a_larger_budget_is_used_by_the_next_update() {
+    let model = hills(60);
+    let camera = Camera::new([30.0, 20.0, 90.0], [30.0, 0.0, 30.0]).unwrap();
+    let least = ViewCriteria::new(0.01).unwrap();
+    let new_view = |budget: usize| {
+        let mut view = model.view();
+        view.update(&camera, &least.with_budget(budget)).unwrap();
+        view.triangle_count()
+    };
+    let mut view = model.view();
+    let mut before = usize::MAX;
+    for budget in [2000, 300, 700, 1500, 1500, 3000, 400, 5000] {
+        view.update(&camera, &least.with_budget(budget)).unwrap();
+        check(&view).unwrap();
+        let found = view.triangle_count();
+        assert!(found <= budget);
+        if budget > before {
+            let expected = new_view(budget);
+            assert!(100 * found >= 95 * expected, "{budget}: {found}, a new view has {expected}");
+        }
+        before = budget;
+    }
+}

@@ -21,7 +21,7 @@ use crate::mesh::is_degenerate;
 use crate::strip::{Strips, strip_triangles};
 pub use geomorphs::{ViewGeomorphs, ViewSnapshot};
 
-/// The factors by which a frame lowers it again where there is room: where there is little, and at most.
+/// The factors by which an update lowers the allowed error while the budget has room: with little room, and the smallest one.
 const FALL: f64 = 0.98;
 const STEEPEST_FALL: f64 = 0.5;
 /// The share of a budget below which there is room.
@@ -78,6 +78,8 @@ pub struct SkipView {
     criteria: Option<Criteria>,
     /// The factor of the allowed pixels that keeps the budget.
     scale: f64,
+    /// The budget that the factor was found for; `None` without a budget.
+    scaled_budget: Option<usize>,
     /// Collapses that wait no longer, that became candidates, and that are to be done.
     due: Vec<u32>,
     fresh: Vec<u32>,
@@ -153,6 +155,7 @@ impl SkipView {
             schedule: None,
             criteria: None,
             scale: 1.0,
+            scaled_budget: None,
             due: Vec::new(),
             fresh: Vec::new(),
             wanted: Vec::new(),
@@ -198,11 +201,22 @@ impl SkipView {
                 self.scale *= RISE;
                 self.work(frame, criteria, &mut update);
             }
-            if (self.triangle_count as f64) < ROOM * budget as f64 {
+            let has_room = |view: &Self| (view.triangle_count as f64) < ROOM * budget as f64;
+            let is_larger = self.scaled_budget.is_some_and(|before| before < budget);
+            if is_larger && self.scale > 1.0 && has_room(self) && update.is_complete {
+                // A larger budget is filled as by a new view: with all splits, those with the largest errors first.
+                self.scale = 1.0;
+                self.criteria = None;
+                self.work(frame, criteria, &mut update);
+            }
+            if has_room(self) {
                 // The triangles grow about as the allowed error falls, but what is added near the eye may take more.
                 let filled = self.triangle_count as f64 / (ROOM * budget as f64);
                 self.scale = (filled.sqrt().clamp(STEEPEST_FALL, FALL) * self.scale).max(1.0);
             }
+        }
+        if update.is_complete {
+            self.scaled_budget = criteria.budget();
         }
         update.segments = self.rebuild(&mut update.changed);
         Ok(update)
