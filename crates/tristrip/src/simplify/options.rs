@@ -2,9 +2,9 @@
 
 use std::str::FromStr;
 
-use super::topology::MOST_TRIANGLES;
 use crate::error::Error;
 use crate::names::names;
+use crate::simplify::surface::topology::MOST_TRIANGLES;
 
 /// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
 ///

@@ -25,9 +25,9 @@ const MOST_VALUES: usize = 8;
 
 /// The weights of joints as lengths.
 #[derive(Debug)]
-pub(super) struct SkinValues {
+pub(crate) struct SkinValues {
     /// The number of values per vertex.
-    pub(super) width: usize,
+    pub(crate) width: usize,
     values: Vec<f32>,
 }
 
@@ -60,7 +60,7 @@ impl JointMoments {
 
 impl SkinValues {
     /// Computes the values of a mesh, in a frame of a unit; `None` if it has no skin.
-    pub(super) fn new(mesh: &Mesh, unit: f64) -> Option<Self> {
+    pub(crate) fn new(mesh: &Mesh, unit: f64) -> Option<Self> {
         let influences = Influences::of(mesh);
         let mut moments: BTreeMap<u32, JointMoments> = BTreeMap::new();
         for (v, position) in mesh.positions().iter().enumerate() {
@@ -86,7 +86,7 @@ impl SkinValues {
     }
 
     /// Returns the values of a vertex.
-    pub(super) fn of(&self, vertex: usize) -> &[f32] {
+    pub(crate) fn of(&self, vertex: usize) -> &[f32] {
         &self.values[vertex * self.width..][..self.width]
     }
 }

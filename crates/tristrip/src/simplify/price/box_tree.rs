@@ -14,7 +14,7 @@
 
 use wide::f32x4;
 
-use super::curve::order_along_curve;
+use crate::simplify::surface::curve::order_along_curve;
 use crate::vector::{Point, to_triangle};
 
 /// The boxes, or triangles, in a box.
@@ -58,7 +58,7 @@ type Bounds = [[f32; 3]; 2];
 
 /// The boxes around triangles.
 #[derive(Debug)]
-pub(super) struct BoxTree {
+pub(crate) struct BoxTree {
     /// The triangles in the order of the tree.
     triangles: Vec<u32>,
     /// The boxes of each level, the lowest first; the highest has one group.
@@ -67,7 +67,7 @@ pub(super) struct BoxTree {
 
 impl BoxTree {
     /// Builds the boxes around triangles, each with the numbers of its corners' positions, in a frame with sides of at most 1.
-    pub(super) fn new(positions: &[Point], triangles: &[[u32; 3]]) -> Self {
+    pub(crate) fn new(positions: &[Point], triangles: &[[u32; 3]]) -> Self {
         let first = |triangle: &[u32; 3]| positions[triangle[0] as usize].map(|x| x as f32);
         let order = order_along_curve(triangles.iter().map(first));
         let corners = |t: &u32| triangles[*t as usize].map(|p| positions[p as usize]);
@@ -85,7 +85,7 @@ impl BoxTree {
 
     /// Returns the squared distance of a place from a triangle that is near enough, not always the nearest; `None` if there is none, or the
     /// search gives up.
-    pub(super) fn within(
+    pub(crate) fn within(
         &self,
         positions: &[Point],
         triangles: &[[u32; 3]],

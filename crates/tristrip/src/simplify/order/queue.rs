@@ -32,16 +32,16 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use super::outcome::MOST_CORNERS;
-use super::surface::Surface;
+use crate::simplify::price::priced_surface::Surface;
+use crate::simplify::surface::outcome::MOST_CORNERS;
 
 /// A collapse that waits.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct WaitingCollapse {
+pub(crate) struct WaitingCollapse {
     /// In units of the frame.
-    pub(super) cost: f64,
-    pub(super) point: u32,
-    pub(super) to: u32,
+    pub(crate) cost: f64,
+    pub(crate) point: u32,
+    pub(crate) to: u32,
     /// The number of collapses that were done before it was priced.
     priced: u32,
 }
@@ -83,7 +83,7 @@ impl Eq for WaitingCollapse {}
 
 /// The collapses of all pairs of neighbours, the cheapest first.
 #[derive(Debug)]
-pub(super) struct CollapseQueue {
+pub(crate) struct CollapseQueue {
     heap: BinaryHeap<Reverse<WaitingCollapse>>,
     /// For each point the number of the last collapse that changed its triangles, from 1.
     changed: Vec<u32>,
@@ -96,7 +96,7 @@ pub(super) struct CollapseQueue {
 
 impl CollapseQueue {
     /// Prices all pairs of neighbours.
-    pub(super) fn new(surface: &Surface) -> Self {
+    pub(crate) fn new(surface: &Surface) -> Self {
         let count = surface.topology.point_count();
         let mut queue = Self {
             heap: BinaryHeap::new(),
@@ -120,7 +120,7 @@ impl CollapseQueue {
     }
 
     /// Returns the cheapest collapse whose points have not changed, and removes it.
-    pub(super) fn next(&mut self, surface: &Surface) -> Option<WaitingCollapse> {
+    pub(crate) fn next(&mut self, surface: &Surface) -> Option<WaitingCollapse> {
         while let Some(Reverse(next)) = self.heap.pop() {
             if !next.is_current(&self.changed) {
                 continue;
@@ -135,7 +135,7 @@ impl CollapseQueue {
     }
 
     /// Prices the pairs of the points around a collapse that was done.
-    pub(super) fn update(&mut self, surface: &Surface, removed: u32, around: &[u32]) {
+    pub(crate) fn update(&mut self, surface: &Surface, removed: u32, around: &[u32]) {
         self.done += 1;
         self.changed[removed as usize] = self.done;
         let around = || around.iter().copied().filter(|&point| may_collapse(surface, point));

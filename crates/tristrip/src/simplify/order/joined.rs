@@ -12,13 +12,13 @@
 //! # Complexity
 //! As of the simplification of one mesh of all triangles, and 12 bytes per vertex.
 
-use super::attributes::PricedAttributes;
 use super::decimate::Decimation;
-use super::{SimplifyOptions, Stopped};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
 use crate::ids::check_count;
 use crate::mesh::{Mesh, attribute_bits, check_corners};
+use crate::simplify::price::attributes::PricedAttributes;
+use crate::simplify::{SimplifyOptions, Stopped};
 
 /// The collapses of meshes that were simplified as one surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +39,7 @@ impl JoinedSimplification {
     /// Counts the collapses of the joined surface.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let joined = simplify_joined(&[(&grid, grid.faces().corners())], &SimplifyOptions::default().with_triangles(126))?;
     /// assert_eq!(joined.step_count(), joined.steps[0].len());
     /// # Ok::<(), tristrip::Error>(())
@@ -112,7 +112,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// As [`simplify_triangles`](super::simplify_triangles), or the meshes together have too many vertices for 32-bit ids.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let options = SimplifyOptions::default();
     /// assert!(SurfaceSimplifier::new(vec![(&grid, &[0, 1, 2])], &options).is_ok());
     /// assert!(SurfaceSimplifier::new(vec![(&grid, &[0, 1, 81])], &options).is_err());
@@ -159,7 +159,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// Counts the triangles that are left.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// assert_eq!(surface.triangle_count(), 128);
     /// # Ok::<(), tristrip::Error>(())
@@ -172,7 +172,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// may be fewer, as collapses are done many at a time; [`SurfaceSimplifier::finish`] puts them in the order of their costs.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// assert!(surface.simplify_to(100) && surface.triangle_count() <= 100);
     /// // The peak and the corners stay.
@@ -189,7 +189,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// which of them suffers least from the next collapse.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// surface.simplify_to(100);
     /// let flat = surface.cost();
@@ -205,7 +205,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// Counts the reasons for which the remaining vertices stay.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// surface.simplify_to(0);
     /// assert_eq!(surface.stopped().triangle_count, surface.triangle_count());
@@ -222,7 +222,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// None for meshes that [`SurfaceSimplifier::new`] accepted.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// surface.simplify_to(100);
     /// let count = surface.triangle_count();

@@ -17,13 +17,13 @@
 
 use super::box_tree::BoxTree;
 use super::neighbourhood::Neighbourhood;
-use super::topology::Topology;
-use super::waiting::finite;
+use crate::simplify::price::best_collapse::finite;
+use crate::simplify::surface::topology::Topology;
 use crate::vector::Point;
 
 /// The deviation of each triangle, and the full mesh.
 #[derive(Debug)]
-pub(super) struct Deviations {
+pub(crate) struct Deviations {
     /// Those of the triangles, in units of the frame.
     of_triangles: Vec<f32>,
     /// The triangles of the full mesh.
@@ -35,13 +35,13 @@ pub(super) struct Deviations {
 
 impl Deviations {
     /// Of a full mesh.
-    pub(super) fn new(triangles: &[[u32; 3]]) -> Self {
+    pub(crate) fn new(triangles: &[[u32; 3]]) -> Self {
         Self { of_triangles: vec![0.0; triangles.len()], full: triangles.to_vec(), tree: None, after: 0.0 }
     }
 
     /// Checks whether the new triangles of a collapse, of the point of a neighbourhood to another, are within a distance of the full mesh. If
     /// so, it keeps their deviation for [`Deviations::collapse`].
-    pub(super) fn allow(
+    pub(crate) fn allow(
         &mut self,
         topology: &Topology,
         positions: &[Point],
@@ -65,7 +65,7 @@ impl Deviations {
     }
 
     /// Sets the deviation of the triangles that are left when a point goes to another, in the collapse that was allowed last.
-    pub(super) fn collapse(&mut self, topology: &Topology, point: u32, to: u32) {
+    pub(crate) fn collapse(&mut self, topology: &Topology, point: u32, to: u32) {
         for (corner, edge) in topology.ring(point).iter().zip(topology.opposite(point)) {
             if !edge.contains(&to) {
                 self.of_triangles[corner.triangle()] = self.after;

@@ -153,7 +153,7 @@ impl Block {
 
 /// The triangles around a point.
 #[derive(Debug, Default)]
-pub(super) struct Fan {
+pub(crate) struct Fan {
     origin: Point,
     /// The length of the longest edge at the point; positive.
     unit: f64,
@@ -168,7 +168,7 @@ pub(super) struct Fan {
 
 impl Fan {
     /// Places the triangles (origin, u, w).
-    pub(super) fn place(
+    pub(crate) fn place(
         &mut self,
         origin: Point,
         is_inner: bool,
@@ -210,7 +210,7 @@ impl Fan {
 
     /// Returns the squared distance of the point from the triangles that it would have at a position, without those for which `is_left_out`;
     /// without any, from their opposite edges.
-    pub(super) fn distance(&mut self, kept: Point, is_left_out: impl Fn(usize) -> bool) -> f64 {
+    pub(crate) fn distance(&mut self, kept: Point, is_left_out: impl Fn(usize) -> bool) -> f64 {
         let at = splat(self.local(kept));
         let mut remain = false;
         self.left_out.clear();
@@ -237,7 +237,7 @@ impl Fan {
     }
 
     /// Returns the squared distance of a position from the old triangles.
-    pub(super) fn old_distance(&mut self, position: Point) -> f64 {
+    pub(crate) fn old_distance(&mut self, position: Point) -> f64 {
         self.place_old();
         let point = splat(self.local(position));
         let found = self.blocks.iter().map(|block| least(block.old_distance(point, self.is_inner)));
@@ -245,7 +245,7 @@ impl Fan {
     }
 
     /// Returns which of the old triangles is nearest to a position.
-    pub(super) fn nearest(&mut self, position: Point) -> usize {
+    pub(crate) fn nearest(&mut self, position: Point) -> usize {
         self.place_old();
         let point = splat(self.local(position));
         let (mut nearest, mut distance) = (0, f32::INFINITY);

@@ -2,13 +2,13 @@
 
 use super::Decimation;
 use crate::collapse::CollapseSequence;
-use crate::simplify::ahead::Pricers;
-use crate::simplify::merge_tree::{MergeOrder, Spacing};
-use crate::simplify::outcome::{Outcome, Outcomes};
-use crate::simplify::price::PriceSearch;
-use crate::simplify::surface::Surface;
-use crate::simplify::topology::PointKind;
-use crate::simplify::waiting::PricedCollapse;
+use crate::simplify::order::ahead::Pricers;
+use crate::simplify::order::merge_tree::{MergeOrder, Spacing};
+use crate::simplify::price::best_collapse::PricedCollapse;
+use crate::simplify::price::priced_surface::Surface;
+use crate::simplify::price::search::PriceSearch;
+use crate::simplify::surface::outcome::{Outcome, Outcomes};
+use crate::simplify::surface::topology::PointKind;
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
 /// One in so many of the vertices, the cheapest, is what a level by quadric takes a maximal set of. A view of the dragon at one pixel has 38, 36 and 36 thousand
@@ -113,7 +113,7 @@ fn add(sum: &mut Point, other: Point) {
 impl Decimation {
     /// Does collapses level by level until there are at most `triangle_count` triangles, or none is possible. Returns the number of
     /// collapses up to the end of each level.
-    pub(in super::super) fn run_levels(
+    pub(crate) fn run_levels(
         &mut self,
         (order, spacing): (MergeOrder, Spacing),
         error_factors: &[f32],

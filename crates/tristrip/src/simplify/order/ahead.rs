@@ -20,10 +20,10 @@
 //! Blelloch, Fineman, Shun: *Greedy Sequential Maximal Independent Set and Matching are Parallel on Average*, 2012: rounds over the
 //! points without an undecided earlier neighbour give what one after the other gives.
 
-use super::outcome::{Outcome, Outcomes};
-use super::price::PriceSearch;
-use super::surface::Surface;
-use super::waiting::{PricedCollapse, Waiting};
+use crate::simplify::price::best_collapse::{PricedCollapse, Waiting};
+use crate::simplify::price::priced_surface::Surface;
+use crate::simplify::price::search::PriceSearch;
+use crate::simplify::surface::outcome::{Outcome, Outcomes};
 
 /// Prices are found ahead of a pass while at least so many points are undecided.
 const LEAST_POINTS: usize = 1024;
@@ -63,14 +63,14 @@ enum Finding {
 
 /// The best collapse of a point, if it has one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FoundPrice {
+pub(crate) struct FoundPrice {
     point: u32,
-    pub(super) best: Option<PricedCollapse>,
+    pub(crate) best: Option<PricedCollapse>,
 }
 
 /// Prices of points, found ahead of a pass.
 #[derive(Debug, Default)]
-pub(super) struct PricesAhead {
+pub(crate) struct PricesAhead {
     /// For each point; all are `Outside` between passes.
     fates: Vec<Fate>,
     /// The prices by ascending point.
@@ -81,7 +81,7 @@ pub(super) struct PricesAhead {
 
 impl PricesAhead {
     /// Finds prices of points, which ascend, for a pass up to a limit; none if there is only one thread, or few points.
-    pub(super) fn find(&mut self, surface: &Surface, waiting: &[Waiting], points: &[u32], limit: f32) {
+    pub(crate) fn find(&mut self, surface: &Surface, waiting: &[Waiting], points: &[u32], limit: f32) {
         self.found.clear();
         self.next = 0;
         // A permissive collapse depends on the triangles of both points.
@@ -140,7 +140,7 @@ impl PricesAhead {
     }
 
     /// Returns the price of a point, if it was found. Each point comes after those asked for before.
-    pub(super) fn of(&mut self, point: u32) -> Option<FoundPrice> {
+    pub(crate) fn of(&mut self, point: u32) -> Option<FoundPrice> {
         while let Some(&found) = self.found.get(self.next).filter(|found| found.point <= point) {
             self.next += 1;
             if found.point == point {
@@ -152,7 +152,7 @@ impl PricesAhead {
 }
 
 /// Returns the least estimate of each point that may be removed.
-pub(super) fn least_estimates(
+pub(crate) fn least_estimates(
     surface: &Surface,
     is_removable: impl Fn(u32) -> bool + Sync,
 ) -> Vec<Option<f64>> {
@@ -188,17 +188,17 @@ struct Pricer {
 
 /// Several threads that price points of a surface that stays as it is meanwhile.
 #[derive(Debug)]
-pub(super) struct Pricers(Vec<Pricer>);
+pub(crate) struct Pricers(Vec<Pricer>);
 
 impl Pricers {
     /// One for each thread of the current pool, up to eight; at least one.
-    pub(super) fn new(point_count: usize) -> Self {
+    pub(crate) fn new(point_count: usize) -> Self {
         let pricer = || Pricer { search: PriceSearch::default(), outcomes: Outcomes::new(point_count) };
         Self((0..thread_count().clamp(1, MOST_PRICERS)).map(|_| pricer()).collect())
     }
 
     /// Finds the best collapses of points, and tells them in the order of the points.
-    pub(super) fn price(
+    pub(crate) fn price(
         &mut self,
         points: &[u32],
         best: impl Fn(&mut PriceSearch, &mut Outcomes, u32) -> Option<PricedCollapse> + Sync,
@@ -247,8 +247,8 @@ fn thread_count() -> usize {
 mod tests {
     use super::*;
     use crate::mesh::{Attribute, AttributeData, Faces, Mesh};
+    use crate::simplify::surface::topology::Topology;
     use crate::simplify::tests::grid;
-    use crate::simplify::topology::Topology;
     use crate::simplify::{MergeOrder, Price, SimplifyOptions, merge_tree, simplify_triangles};
 
     const THREADS: [usize; 3] = [1, 2, 5];

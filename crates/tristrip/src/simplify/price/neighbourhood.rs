@@ -11,7 +11,7 @@
 
 use super::fan::Fan;
 use super::removed_points::{RemovedPoint, RemovedPoints};
-use super::topology::{PointKind, Topology};
+use crate::simplify::surface::topology::{PointKind, Topology};
 use crate::vector::{Point, cross, dot, sub, to_segment, to_triangle};
 
 /// The cosine of the largest angle by which a triangle may rotate.
@@ -48,7 +48,7 @@ impl OppositeEdge {
 
 /// The triangles around one point, in the order of its ring.
 #[derive(Debug, Default)]
-pub(super) struct Neighbourhood {
+pub(crate) struct Neighbourhood {
     from: Point,
     is_inner: bool,
     edges: Vec<OppositeEdge>,
@@ -66,7 +66,7 @@ pub(super) struct Neighbourhood {
 
 impl Neighbourhood {
     /// Collects the triangles of a point.
-    pub(super) fn collect(&mut self, topology: &Topology, positions: &[Point], point: u32) {
+    pub(crate) fn collect(&mut self, topology: &Topology, positions: &[Point], point: u32) {
         let from = positions[point as usize];
         (self.from, self.is_inner) = (from, topology.kind(point) == PointKind::Inner);
         topology.meshes_around(point, &mut self.meshes);
@@ -79,13 +79,13 @@ impl Neighbourhood {
     }
 
     /// Collects the removed points that belong to the triangles.
-    pub(super) fn collect_removed(&mut self, topology: &Topology, point: u32, removed: &RemovedPoints) {
+    pub(crate) fn collect_removed(&mut self, topology: &Topology, point: u32, removed: &RemovedPoints) {
         removed.around(topology, point, &mut self.removed);
     }
 
     /// Returns the sum of the squared distances of the removed points from the triangles that the point would have at a neighbour, weighted by area,
     /// and the largest squared distance; `None` if the sum exceeds `most`, or a distance `most_square`.
-    pub(super) fn removed_distances(
+    pub(crate) fn removed_distances(
         &mut self,
         to: u32,
         kept: Point,
@@ -123,7 +123,7 @@ impl Neighbourhood {
 
     /// Returns the squared distance of the point from the triangles that it would have at a neighbour, or, without any, from the edges opposite
     /// to it. Between several meshes it is the largest for any of them, so that it tells how far the line between them moves.
-    pub(super) fn distance(&mut self, to: u32, kept: Point) -> f64 {
+    pub(crate) fn distance(&mut self, to: u32, kept: Point) -> f64 {
         if self.meshes.is_empty() {
             self.place();
             let edges = &self.edges;
@@ -153,7 +153,7 @@ impl Neighbourhood {
     }
 
     /// Checks whether a remaining triangle would rotate too far. One without area must not become inverted.
-    pub(super) fn folds_over(&self, to: u32, kept: Point) -> bool {
+    pub(crate) fn folds_over(&self, to: u32, kept: Point) -> bool {
         // The orientation of a triangle without area is that of all triangles of the point together.
         let all = || {
             let sum = |sum: Point, normal: Point| [0, 1, 2].map(|k| sum[k] + normal[k]);
@@ -172,7 +172,7 @@ impl Neighbourhood {
     }
 
     /// Iterates over places on the triangles that the point would have at a neighbour: quarters of their edges at it, and their insides.
-    pub(super) fn new_places(&self, to: u32, kept: Point) -> impl Iterator<Item = Point> {
+    pub(crate) fn new_places(&self, to: u32, kept: Point) -> impl Iterator<Item = Point> {
         let edges = self.edges.iter().filter(move |edge| !edge.has(to));
         edges.flat_map(move |edge| {
             let [u, w] = edge.positions;
@@ -182,7 +182,7 @@ impl Neighbourhood {
     }
 
     /// Returns the largest squared distance of the middle of a new edge from the old triangles, or any above `most` as soon as there is one.
-    pub(super) fn bridge(&mut self, to: u32, kept: Point, most: f64) -> f64 {
+    pub(crate) fn bridge(&mut self, to: u32, kept: Point, most: f64) -> f64 {
         self.place();
         // Around an inner point each neighbour is the u of one triangle; around another one may be only a w.
         let ends = if self.is_inner { 1 } else { 2 };

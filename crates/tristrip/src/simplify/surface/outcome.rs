@@ -12,11 +12,11 @@ use super::irregular::Links;
 use super::topology::{LONG_RING, PointKind, Topology};
 
 /// A point with more triangles is not removed, so that the time for its price does not depend on the size of the mesh.
-pub(super) const MOST_CORNERS: usize = 256;
+pub(crate) const MOST_CORNERS: usize = 256;
 
 /// What a collapse does to the surface around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Outcome {
+pub(crate) enum Outcome {
     /// Everything stays as it is arranged.
     Keeps,
     /// The last triangles of a component or of a mesh disappear, or two back to back are left of it.
@@ -29,7 +29,7 @@ pub(super) enum Outcome {
 
 /// Finds the outcomes of collapses.
 #[derive(Debug)]
-pub(super) struct Outcomes {
+pub(crate) struct Outcomes {
     /// The last mark of each point.
     marks: Vec<u32>,
     mark: u32,
@@ -38,12 +38,12 @@ pub(super) struct Outcomes {
 
 impl Outcomes {
     /// Creates the marks of the points.
-    pub(super) fn new(point_count: usize) -> Self {
+    pub(crate) fn new(point_count: usize) -> Self {
         Self { marks: vec![0; point_count], mark: 0, links: Links::default() }
     }
 
     /// Returns what a collapse does to the surface.
-    pub(super) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> Outcome {
+    pub(crate) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> Outcome {
         let ring = topology.opposite(point);
         if is_end(topology, point, to) || topology.ends_mesh(point, to) {
             return Outcome::Ends;

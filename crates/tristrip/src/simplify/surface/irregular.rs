@@ -60,14 +60,14 @@ impl Link {
 
 /// The links of two points.
 #[derive(Debug, Default)]
-pub(super) struct Links {
+pub(crate) struct Links {
     removed: Link,
     kept: Link,
 }
 
 impl Links {
     /// Collects the neighbours that a point may move to: along its singular edges, if it has any, otherwise all, ascending.
-    pub(super) fn neighbours(&mut self, topology: &Topology, point: u32, found: &mut Vec<u32>) {
+    pub(crate) fn neighbours(&mut self, topology: &Topology, point: u32, found: &mut Vec<u32>) {
         self.removed.collect(topology, point);
         found.clear();
         found.extend(self.removed.singular().map(|(node, _)| node));
@@ -77,7 +77,7 @@ impl Links {
     }
 
     /// Checks whether a collapse keeps the arrangement of the sheets, and leaves a triangle.
-    pub(super) fn allow(&mut self, topology: &Topology, removed: u32, kept: u32) -> bool {
+    pub(crate) fn allow(&mut self, topology: &Topology, removed: u32, kept: u32) -> bool {
         self.removed.collect(topology, removed);
         self.kept.collect(topology, kept);
         let Self { removed: from, kept: to } = self;

@@ -31,19 +31,19 @@
 mod merge_levels;
 
 use super::ahead::{PricesAhead, least_estimates};
-use super::attributes::PricedAttributes;
-use super::options::{Price, SimplifyOptions};
-use super::order::CollapseOrder;
-use super::outcome::{MOST_CORNERS, Outcome, Outcomes};
-use super::price::PriceSearch;
 use super::queue::{CollapseQueue, WaitingCollapse};
 use super::stopped::Stopped;
-use super::surface::{Surface, locked_points};
-use super::topology::{PointKind, Topology};
-use super::waiting::{PricedCollapse, Waiting, finite};
 use crate::collapse::CollapseSequence;
 use crate::ids::OptionalId;
 use crate::mesh::{Positions, is_degenerate, triangles_of};
+use crate::simplify::options::{Price, SimplifyOptions};
+use crate::simplify::order::collapse_order::CollapseOrder;
+use crate::simplify::price::attributes::PricedAttributes;
+use crate::simplify::price::best_collapse::{PricedCollapse, Waiting, finite};
+use crate::simplify::price::priced_surface::{Surface, locked_points};
+use crate::simplify::price::search::PriceSearch;
+use crate::simplify::surface::outcome::{MOST_CORNERS, Outcome, Outcomes};
+use crate::simplify::surface::topology::{PointKind, Topology};
 
 /// One in so many of the points that wait are below the limit of a pass. From one in 6 to one in 12 the mean of the distances over 37 models
 /// differs by one percent, and the time hardly.
@@ -61,7 +61,7 @@ enum Refusal {
 
 /// A mesh while it is simplified.
 #[derive(Debug)]
-pub(super) struct Decimation {
+pub(crate) struct Decimation {
     surface: Surface,
     locked: Vec<bool>,
     /// Whether any collapse may change the topology.
@@ -89,7 +89,7 @@ pub(super) struct Decimation {
 impl Decimation {
     /// Connects the vertices of each point, computes the quadrics, and estimates all points. `priced` returns the attributes
     /// that have a price, given the triangles and the unit of the frame; `meshes` are the first vertices of the meshes if there are several.
-    pub(super) fn new<P: Positions + ?Sized>(
+    pub(crate) fn new<P: Positions + ?Sized>(
         positions: &P,
         attribute_bits: impl Fn(u32) -> Vec<u8>,
         vertices: &[u32],
@@ -133,7 +133,7 @@ impl Decimation {
 
     /// Does collapses until there are at most `triangle_count` triangles, or no collapse is possible; returns whether there are. The collapses
     /// come in the order in which they were found, the last ones of a pass beyond the number, until [`Decimation::finish`] puts them in order.
-    pub(super) fn run(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) -> bool {
+    pub(crate) fn run(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) -> bool {
         if let Some(mut queue) = self.queue.take() {
             self.run_cheapest_first(&mut queue, triangle_count, sequence);
             self.queue = Some(queue);
@@ -217,17 +217,17 @@ impl Decimation {
 
     /// Puts the collapses in order, and removes those after at most `triangle_count` triangles. Returns the greatest cost so far of each that is
     /// left, in units of the frame.
-    pub(super) fn finish(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
+    pub(crate) fn finish(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
         self.order.apply(triangle_count, sequence)
     }
 
     /// Returns the greatest cost of a collapse, as [`Decimation::finish`] does.
-    pub(super) fn greatest_cost(&self) -> f32 {
+    pub(crate) fn greatest_cost(&self) -> f32 {
         self.order.greatest()
     }
 
     /// Returns the cost of 1 of the frame, in mesh units.
-    pub(super) fn cost_unit(&self) -> f64 {
+    pub(crate) fn cost_unit(&self) -> f64 {
         self.surface.price.cost_unit(self.surface.unit)
     }
 
@@ -243,7 +243,7 @@ impl Decimation {
     }
 
     /// Counts the reasons for which the remaining points cannot be removed.
-    pub(super) fn stopped(&mut self) -> Stopped {
+    pub(crate) fn stopped(&mut self) -> Stopped {
         let mut stopped = Stopped { triangle_count: self.triangle_count, ..Stopped::default() };
         for point in 0..self.surface.topology.point_count() as u32 {
             let topology = &self.surface.topology;
