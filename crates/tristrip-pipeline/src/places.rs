@@ -10,7 +10,7 @@ use tristrip::lod::{Camera, ViewCriteria};
 use tristrip_io::Model;
 
 /// The largest magnitude of a number of a transform: products with positions stay far from the limits of a float.
-const MOST: f64 = 1e30;
+const MAX_COORDINATE: f64 = 1e30;
 /// Scales that differ by less are the same: a rotation has a scale of 1 except for rounding.
 pub(crate) const SAME_SCALE: f64 = 1e-6;
 /// How far a transform may be from one that keeps angles, relative to the square of its scale.
@@ -26,7 +26,7 @@ impl Place {
 
     /// Takes a transform; one whose numbers are too large counts as none. Adding 0.0 turns −0.0 into 0.0.
     pub(crate) fn new(rows: [[f64; 4]; 3]) -> Self {
-        let usable = rows.as_flattened().iter().all(|x| x.abs() <= MOST);
+        let usable = rows.as_flattened().iter().all(|x| x.abs() <= MAX_COORDINATE);
         if usable { Self(rows.map(|row| row.map(|x| x + 0.0))) } else { Self::IDENTITY }
     }
 

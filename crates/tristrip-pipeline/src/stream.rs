@@ -14,7 +14,7 @@ use tristrip::stream::{EncodedStream, StreamOptions, encode, unsplittable};
 use crate::error::Error;
 
 /// How often collapses are found. The models need up to five times.
-const MOST_SEARCHES: usize = 8;
+const MAX_SEARCHES: usize = 8;
 
 /// A mesh as a stream, and what was found on the way.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,7 +109,7 @@ fn splittable_batches(
         let options = simplify.clone().with_locked(locked.to_vec());
         refinement_batches(mesh, triangles.to_vec(), &options)
     };
-    for _ in 1..MOST_SEARCHES {
+    for _ in 1..MAX_SEARCHES {
         let tree = batches(&locked)?;
         let found = unsplittable(&tree.sequence);
         if found.is_empty() {

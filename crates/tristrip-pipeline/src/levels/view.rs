@@ -21,8 +21,8 @@ use crate::text::{count, counted};
 type Seen = (Camera, ViewCriteria);
 
 /// The range of allowed errors in pixels in which that of a budget is searched, and the steps of the search after powers of two.
-const LEAST_PIXELS: f32 = 1e-3;
-const MOST_PIXELS: f32 = 1e9;
+const MIN_PIXELS: f32 = 1e-3;
+const MAX_PIXELS: f32 = 1e9;
 const HALVINGS: usize = 8;
 
 /// A view as it is drawn.
@@ -124,8 +124,8 @@ fn choose_detail(
     };
     // 1. A power of two of the allowed error that is enough, if one is.
     let (mut low, mut high) = (criteria.pixels(), criteria.pixels());
-    while drawn(high)? > budget && high < MOST_PIXELS {
-        (low, high) = (high, (2.0 * high).max(LEAST_PIXELS));
+    while drawn(high)? > budget && high < MAX_PIXELS {
+        (low, high) = (high, (2.0 * high).max(MIN_PIXELS));
     }
     // 2. The least one between it and half of it.
     for _ in 0..HALVINGS {

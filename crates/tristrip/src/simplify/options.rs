@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use crate::error::Error;
 use crate::names::names;
-use crate::simplify::surface::topology::MOST_TRIANGLES;
+use crate::simplify::surface::topology::MAX_TRIANGLES;
 
 /// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
 ///
@@ -453,8 +453,8 @@ impl SimplifyOptions {
     /// Checks the options for a mesh.
     pub(super) fn check(&self, vertex_count: usize, corner_count: usize) -> Result<(), Error> {
         self.check_limits()?;
-        if corner_count / 3 > MOST_TRIANGLES {
-            let (found, limit) = (corner_count as u64 / 3, MOST_TRIANGLES as u64);
+        if corner_count / 3 > MAX_TRIANGLES {
+            let (found, limit) = (corner_count as u64 / 3, MAX_TRIANGLES as u64);
             return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
         }
         if let Some(found) = self.error_factors.iter().find(|factor| !(**factor >= 0.0 && factor.is_finite()))

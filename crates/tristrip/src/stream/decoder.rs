@@ -1,6 +1,6 @@
 //! Decodes a stream as its bytes arrive.
 
-use super::chunk::{ChunkHead, MOST_HEAD_BYTES, checksum};
+use super::chunk::{ChunkHead, MAX_HEAD_BYTES, checksum};
 use super::fault::{Fault, StreamError};
 use super::part::StreamPart;
 
@@ -193,7 +193,7 @@ impl Decoder {
             let taken = if waiting.is_empty() {
                 self.next_chunk(bytes)
             } else {
-                let head = bytes.len().min(MOST_HEAD_BYTES);
+                let head = bytes.len().min(MAX_HEAD_BYTES);
                 let known = waiting.len();
                 waiting.extend(&bytes[..head]);
                 if let Some(Ok((chunk, _, length))) = ChunkHead::read(&waiting) {

@@ -1,7 +1,7 @@
 //! How a mesh is encoded as a stream.
 
 use super::grid::AttributeBits;
-use super::places::MOST_BITS;
+use super::places::MAX_BITS;
 use crate::error::Error;
 
 /// How a mesh is encoded.
@@ -42,7 +42,7 @@ impl StreamOptions {
     /// assert!(StreamOptions::default().with_position_bits(17).is_err());
     /// ```
     pub fn with_position_bits(mut self, bits: u32) -> Result<Self, Error> {
-        if !(4..=MOST_BITS).contains(&bits) {
+        if !(4..=MAX_BITS).contains(&bits) {
             let found = bits.to_string();
             return Err(Error::Parameter { name: "position-bits", found, expected: "4 to 16" });
         }

@@ -89,7 +89,7 @@ const TUNNEL_LIMIT: usize = 1 << 18;
 /// Steps per four triangles of a component at effort 0; each level doubles them.
 const STEPS_PER_FOUR_TRIANGLES: u64 = 5;
 /// Steps of even the smallest component.
-const LEAST_STEPS: u64 = 10_000;
+const MIN_STEPS: u64 = 10_000;
 
 /// Chooses a cover of as few paths as the effort finds.
 pub(super) fn plan<'a>(
@@ -130,7 +130,7 @@ fn reduce_paths(
 
 /// Returns the steps of a component.
 fn step_budget(triangle_count: usize, effort: Effort) -> u64 {
-    LEAST_STEPS + ((STEPS_PER_FOUR_TRIANGLES * triangle_count as u64) << effort.level()) / 4
+    MIN_STEPS + ((STEPS_PER_FOUR_TRIANGLES * triangle_count as u64) << effort.level()) / 4
 }
 
 /// Searches one component: tunnels first, then walks.

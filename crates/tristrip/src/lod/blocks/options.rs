@@ -9,7 +9,7 @@ use crate::strip::Strips;
 use super::records::FLAG_BITS;
 
 /// The most bytes per triangle that may be asked for.
-const MOST_MEMORY: u32 = 256;
+const MAX_MEMORY: u32 = 256;
 
 /// The slots written per collapse and the vertices of its record, on average over the test models.
 const SLOTS_PER_COLLAPSE: f64 = 3.0;
@@ -62,7 +62,7 @@ impl BlockOptions {
     /// ```
     #[must_use]
     pub fn with_memory(self, bytes_per_triangle: u32) -> Self {
-        Self { memory: bytes_per_triangle.min(MOST_MEMORY), ..self }
+        Self { memory: bytes_per_triangle.min(MAX_MEMORY), ..self }
     }
 
     /// Cuts the strips so that a move by a percent of the levels uploads a small part of the buffer in few ranges, instead of slots all over it. About a

@@ -37,7 +37,7 @@ const BACK_TOLERANCE: f64 = 4.0;
 const SILHOUETTE_TOLERANCE: f64 = 0.5;
 const DARK_TOLERANCE: f64 = 2.0;
 /// The least error in pixels with a budget of triangles: none at all would leave the budget nothing to raise.
-const LEAST_PIXELS: f64 = 1e-6;
+const MIN_PIXELS: f64 = 1e-6;
 /// The share of the distance from which on a travel is long enough to look no further.
 const SURE_SHARE: f64 = 0.02;
 
@@ -329,7 +329,7 @@ impl Criteria {
             unit(direction.map(|x| f64::from(x) / f64::from(largest)))
         });
         let pixels = f64::from(criteria.pixels);
-        let pixels = if criteria.budget.is_some() { pixels.max(LEAST_PIXELS) } else { pixels };
+        let pixels = if criteria.budget.is_some() { pixels.max(MIN_PIXELS) } else { pixels };
         let slope = scale * pixels / frame.pixels_per_slope;
         let share = f64::from(criteria.hysteresis.share());
         Self {

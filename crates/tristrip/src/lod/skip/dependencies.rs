@@ -20,7 +20,7 @@
 //! the neighbourhood of the simplification.
 //!
 //! # Departures
-//! - A kept vertex of more than [`MOST_TRIANGLES`] triangles counts without its neighbours, so that the time stays linear where thousands of collapses go
+//! - A kept vertex of more than [`MAX_TRIANGLES`] triangles counts without its neighbours, so that the time stays linear where thousands of collapses go
 //!   to one vertex. The collapses of `simplify` never keep such a vertex unless they break the topology.
 //! - Implicit dependencies (El-Sana, Varshney 1999) compare the numbers of vertices around a collapse, and find these by triangles that are stored and
 //!   tagged one by one. A display strip has no such triangles: what surrounds a vertex is only known by a scan of all strips
@@ -40,7 +40,7 @@ use crate::lod::level_mesh::LevelMesh;
 use crate::packed::PackedRows;
 
 /// The most triangles of a kept vertex whose neighbours count.
-const MOST_TRIANGLES: usize = 1024;
+const MAX_TRIANGLES: usize = 1024;
 
 /// The collapses that each collapse needs, and those that need it, by the nodes of their leaders.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +60,7 @@ impl Dependencies {
             leaders.push(numbers.of(first.removed));
             replay.around.clear();
             for rename in collapse.renames {
-                for (v, most) in [(rename.removed, usize::MAX), (rename.kept, MOST_TRIANGLES)] {
+                for (v, most) in [(rename.removed, usize::MAX), (rename.kept, MAX_TRIANGLES)] {
                     replay.around.push(numbers.of(v));
                     if mesh.around(v).nth(most).is_none() {
                         let triangles = mesh.around(v).map(|corner| mesh.triangle(corner / 3));
@@ -135,7 +135,7 @@ impl Dependencies {
 
 /// Checks whether a vertex has no triangle with a kept vertex.
 fn is_apart(mesh: &LevelMesh, vertex: u32, renames: &[Rename]) -> bool {
-    let mut triangles = mesh.around(vertex).take(MOST_TRIANGLES).map(|corner| mesh.triangle(corner / 3));
+    let mut triangles = mesh.around(vertex).take(MAX_TRIANGLES).map(|corner| mesh.triangle(corner / 3));
     triangles.all(|triangle| renames.iter().all(|rename| !triangle.contains(&rename.kept)))
 }
 

@@ -28,7 +28,7 @@ const STEEPEST_FALL: f64 = 0.5;
 const ROOM: f64 = 0.95;
 /// The factor by which the allowed error rises until a smaller budget is kept, and the largest one that is tried.
 const RISE: f64 = 1.25;
-const MOST_SCALE: f64 = 1e12;
+const MAX_SCALE: f64 = 1e12;
 
 /// What an update did.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -197,7 +197,7 @@ impl SkipView {
         self.work(frame, criteria, &mut update);
         if let Some(budget) = criteria.budget() {
             // The budget has become smaller, or the base mesh is larger.
-            while self.triangle_count > budget && self.scale < MOST_SCALE && update.is_complete {
+            while self.triangle_count > budget && self.scale < MAX_SCALE && update.is_complete {
                 self.scale *= RISE;
                 self.work(frame, criteria, &mut update);
             }

@@ -26,14 +26,14 @@ use crate::simplify::price::search::PriceSearch;
 use crate::simplify::surface::outcome::{Outcome, Outcomes};
 
 /// Prices are found ahead of a pass while at least so many points are undecided.
-const LEAST_POINTS: usize = 1024;
+const MIN_POINTS: usize = 1024;
 /// Points that a thread takes at a time.
 #[cfg(feature = "rayon")]
 const CHUNK: usize = 128;
 /// Rounds at most: the last ones decide few points.
 const ROUNDS: usize = 8;
 /// Threads at most that know the outcomes of collapses, which takes 4 bytes per point for each.
-const MOST_PRICERS: usize = 8;
+const MAX_PRICERS: usize = 8;
 /// Points that are priced at a time, so that their prices take little memory.
 const BLOCK: usize = 1 << 16;
 
@@ -85,7 +85,7 @@ impl PricesAhead {
         self.found.clear();
         self.next = 0;
         // A permissive collapse depends on the triangles of both points.
-        if thread_count() == 1 || points.len() < LEAST_POINTS || surface.is_permissive {
+        if thread_count() == 1 || points.len() < MIN_POINTS || surface.is_permissive {
             return;
         }
         let below: Vec<u32> =
@@ -94,7 +94,7 @@ impl PricesAhead {
         below.iter().for_each(|&point| self.fates[point as usize] = Fate::Undecided);
         let mut undecided = below.clone();
         for _ in 0..ROUNDS {
-            if undecided.len() < LEAST_POINTS {
+            if undecided.len() < MIN_POINTS {
                 break;
             }
             self.round(surface, waiting, &mut undecided, limit);
@@ -171,7 +171,7 @@ fn in_chunks<T: Send>(points: &[u32], find: impl Fn(&mut PriceSearch, u32) -> T 
         chunk.iter().map(|&point| find(search, point)).collect()
     };
     #[cfg(feature = "rayon")]
-    if points.len() >= LEAST_POINTS && thread_count() > 1 {
+    if points.len() >= MIN_POINTS && thread_count() > 1 {
         use rayon::prelude::*;
         let chunks = points.par_chunks(CHUNK).map_init(PriceSearch::default, of_chunk);
         return chunks.collect::<Vec<_>>().into_iter().flatten().collect();
@@ -194,7 +194,7 @@ impl Pricers {
     /// One for each thread of the current pool, up to eight; at least one.
     pub(crate) fn new(point_count: usize) -> Self {
         let pricer = || Pricer { search: PriceSearch::default(), outcomes: Outcomes::new(point_count) };
-        Self((0..thread_count().clamp(1, MOST_PRICERS)).map(|_| pricer()).collect())
+        Self((0..thread_count().clamp(1, MAX_PRICERS)).map(|_| pricer()).collect())
     }
 
     /// Finds the best collapses of points, and tells them in the order of the points.
@@ -220,7 +220,7 @@ impl Pricers {
         of_chunk: impl Fn(&mut Pricer, &[u32]) -> T + Sync,
     ) -> Vec<T> {
         #[cfg(feature = "rayon")]
-        if block.len() >= LEAST_POINTS && self.0.len() > 1 {
+        if block.len() >= MIN_POINTS && self.0.len() > 1 {
             use rayon::prelude::*;
             let chunks = block.par_chunks(block.len().div_ceil(self.0.len()));
             return self
@@ -362,6 +362,6 @@ mod tests {
             }
         }
         assert_eq!(found, ahead.found.len(), "none is in vain");
-        assert!(found > 1000 && missing < LEAST_POINTS, "{found} {missing}");
+        assert!(found > 1000 && missing < MIN_POINTS, "{found} {missing}");
     }
 }

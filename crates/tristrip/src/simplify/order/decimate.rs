@@ -15,7 +15,7 @@
 //! after those that it depends on (module `order`); they are cut off where the goal is reached.
 //!
 //! A collapse is refused if it would
-//! - rotate a remaining triangle by more than about 75 degrees (`LEAST_COSINE` of the module `neighbourhood`);
+//! - rotate a remaining triangle by more than about 75 degrees (`MIN_COSINE` of the module `neighbourhood`);
 //! - change the topology (the link condition): the two points must have no common neighbours except those of their common triangles, two or,
 //!   on a border, one; a border point moves only along the border. For points that are neither inner ones nor on a border see the
 //!   module `irregular`. Permissive simplification allows it: holes may close, handles vanish;
@@ -42,14 +42,14 @@ use crate::simplify::price::attributes::PricedAttributes;
 use crate::simplify::price::best_collapse::{PricedCollapse, Waiting, finite};
 use crate::simplify::price::priced_surface::{Surface, locked_points};
 use crate::simplify::price::search::PriceSearch;
-use crate::simplify::surface::outcome::{MOST_CORNERS, Outcome, Outcomes};
+use crate::simplify::surface::outcome::{MAX_CORNERS, Outcome, Outcomes};
 use crate::simplify::surface::topology::{PointKind, Topology};
 
 /// One in so many of the points that wait are below the limit of a pass. From one in 6 to one in 12 the mean of the distances over 37 models
 /// differs by one percent, and the time hardly.
 const SHARE: usize = 12;
 /// The limit of a pass is found among about so many of the costs.
-const MOST_SAMPLES: usize = 1024;
+const MAX_SAMPLES: usize = 1024;
 
 /// The reason for which a collapse is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -233,7 +233,7 @@ impl Decimation {
 
     /// Returns the cost below which a share of the points wait; `None` without any points.
     fn pass_limit(&self, points: &[u32]) -> Option<f32> {
-        let samples = points.iter().step_by(points.len().div_ceil(MOST_SAMPLES).max(1));
+        let samples = points.iter().step_by(points.len().div_ceil(MAX_SAMPLES).max(1));
         let mut costs: Vec<f32> = samples.map(|&p| self.waiting[p as usize].cost).collect();
         if costs.is_empty() {
             return None;
@@ -254,7 +254,7 @@ impl Decimation {
                 &mut stopped.locked
             } else if topology.kind(point) == PointKind::Degenerate {
                 &mut stopped.non_manifold
-            } else if topology.ring(point).len() > MOST_CORNERS {
+            } else if topology.ring(point).len() > MAX_CORNERS {
                 &mut stopped.topology
             } else {
                 self.search.collect_candidates(&self.surface, point);
@@ -285,7 +285,7 @@ impl Decimation {
         !self.locked[point as usize]
             && self.surface.topology.kind(point) != PointKind::Degenerate
             && !ring.is_empty()
-            && ring.len() <= MOST_CORNERS
+            && ring.len() <= MAX_CORNERS
     }
 
     /// Estimates the cost of a point, if it may be removed.
@@ -379,7 +379,7 @@ impl Decimation {
         let changes_kinds = self.may_break || is_irregular(point) || is_irregular(to);
         self.surface.collapse(point, to, &self.search.renames, &mut self.dropped);
         if changes_kinds {
-            self.surface.topology.classify(&self.around, MOST_CORNERS);
+            self.surface.topology.classify(&self.around, MAX_CORNERS);
         }
         let error = finite(f64::from(collapse.error) * self.surface.unit);
         sequence.push(&self.search.renames, &self.dropped, error);

@@ -33,7 +33,7 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use crate::simplify::price::priced_surface::Surface;
-use crate::simplify::surface::outcome::MOST_CORNERS;
+use crate::simplify::surface::outcome::MAX_CORNERS;
 
 /// A collapse that waits.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +47,7 @@ pub(crate) struct WaitingCollapse {
 }
 
 /// Void entries are not removed while there are fewer entries.
-const LEAST_ENTRIES: usize = 64;
+const MIN_ENTRIES: usize = 64;
 
 impl WaitingCollapse {
     /// Returns whether neither point has changed since; `changed` has the number of the last collapse that did.
@@ -111,7 +111,7 @@ impl CollapseQueue {
             entries.extend(queue.neighbours.iter().map(|&to| Reverse(queue.priced(surface, point, to))));
         }
         queue.heap = entries.into();
-        queue.most_entries = 2 * queue.heap.len().max(LEAST_ENTRIES);
+        queue.most_entries = 2 * queue.heap.len().max(MIN_ENTRIES);
         queue
     }
 
@@ -155,14 +155,14 @@ impl CollapseQueue {
         if self.heap.len() > self.most_entries {
             let changed = &self.changed;
             self.heap.retain(|Reverse(entry)| entry.is_current(changed));
-            self.most_entries = 2 * self.heap.len().max(LEAST_ENTRIES);
+            self.most_entries = 2 * self.heap.len().max(MIN_ENTRIES);
         }
     }
 }
 
 /// Returns whether a point has few enough triangles to collapse.
 fn may_collapse(surface: &Surface, point: u32) -> bool {
-    surface.topology.ring(point).len() <= MOST_CORNERS
+    surface.topology.ring(point).len() <= MAX_CORNERS
 }
 
 /// Returns the cost of a collapse in units of the frame: the sum of the quadrics of both points where the kept one is.

@@ -22,7 +22,7 @@ use crate::simplify::surface::topology::{CornerId, Topology};
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
 /// The smallest squared double area, in units of the frame, of a triangle whose gradient is known.
-const LEAST_SQUARE: f64 = 1e-24;
+const MIN_SQUARE: f64 = 1e-24;
 /// The numbers of a quadric before those of the values: weight, gradient × gradient (6), gradient × offset (3), offset².
 const SHARED: usize = 11;
 /// The numbers per value: gradient (3), offset.
@@ -120,7 +120,7 @@ fn deviation(quadric: &[f64], [x, y, z]: Point, values: &[f32]) -> f64 {
 fn set_triangle(quadric: &mut [f64], corners: [Point; 3], values: [&[f32]; 3]) -> bool {
     let normal = normal_of(corners);
     let square = dot(normal, normal);
-    if square < LEAST_SQUARE {
+    if square < MIN_SQUARE {
         return false;
     }
     let [a, b, c] = corners;

@@ -29,9 +29,9 @@ const SKIN_LENGTH: f64 = 0.1;
 /// worse normals.
 const TEXTURE_SHARE: f64 = 1.5;
 /// Most values per vertex that count: the time for a price is in proportion to their number.
-const MOST_VALUES: usize = 32;
+const MAX_VALUES: usize = 32;
 /// The largest length of a unit of a texture coordinate: an atlas that a model hardly uses does not outweigh its shape.
-const MOST_TEXTURE_LENGTH: f64 = 8.0;
+const MAX_TEXTURE_LENGTH: f64 = 8.0;
 
 /// The values of the attributes that have a price, as lengths in the local frame.
 #[derive(Debug)]
@@ -43,7 +43,7 @@ pub(crate) struct PricedAttributes {
 
 impl PricedAttributes {
     /// Collects the attributes of a mesh that have a weight; `None` if it has none. A value that is not finite counts as zero, and values
-    /// beyond [`MOST_VALUES`] per vertex do not count.
+    /// beyond [`MAX_VALUES`] per vertex do not count.
     pub(crate) fn new(mesh: &Mesh, triangles: &[u32], unit: f64, weights: AttributeWeights) -> Option<Self> {
         let length = |attribute: &&Attribute| length_of(mesh, attribute, triangles, unit, weights);
         let lengths = mesh.attributes().iter().map(|attribute| (attribute, length(&attribute)));
@@ -51,7 +51,7 @@ impl PricedAttributes {
         let of_skin = SKIN_LENGTH * f64::from(weights.skin);
         let skin = if of_skin > 0.0 { SkinValues::new(mesh, unit) } else { None };
         let width: usize = columns.iter().map(|(attribute, _)| usize::from(attribute.components)).sum();
-        let width = (width + skin.as_ref().map_or(0, |skin| skin.width)).min(MOST_VALUES);
+        let width = (width + skin.as_ref().map_or(0, |skin| skin.width)).min(MAX_VALUES);
         let mut values = Vec::with_capacity(width * mesh.vertex_count());
         for v in 0..mesh.vertex_count() {
             let of_skin = skin.iter().flat_map(|skin| skin.of(v).iter().map(|&x| f64::from(x) * of_skin));
@@ -147,7 +147,7 @@ fn texture_length(mesh: &Mesh, attribute: &Attribute, triangles: &[u32], unit: f
         on_surface += area(triangle.map(position));
         on_texture += area(triangle.map(texture));
     }
-    if on_texture > 0.0 { (on_surface / on_texture).sqrt().min(MOST_TEXTURE_LENGTH) } else { 0.0 }
+    if on_texture > 0.0 { (on_surface / on_texture).sqrt().min(MAX_TEXTURE_LENGTH) } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 //!
 //! # Complexity
 //! O(n log n) time to build; 14 bytes per triangle. O(log n) time for a search where triangles are of similar size, and at most
-//! [`MOST_GROUPS`] groups of boxes.
+//! [`MAX_GROUPS`] groups of boxes.
 
 use wide::f32x4;
 
@@ -20,7 +20,7 @@ use crate::vector::{Point, to_triangle};
 /// The boxes, or triangles, in a box.
 const ARITY: usize = 4;
 /// The groups of boxes that a search visits at most.
-const MOST_GROUPS: usize = 1024;
+const MAX_GROUPS: usize = 1024;
 /// Boxes are larger by this share of the longest side of the frame, which is more than 32-bit floats round.
 const MARGIN: f64 = 1e-6;
 
@@ -94,7 +94,7 @@ impl BoxTree {
     ) -> Option<f64> {
         let lanes = place.map(|x| f32x4::splat(x as f32));
         let mut search =
-            Search { tree: self, positions, triangles, place, lanes, most_square, left: MOST_GROUPS };
+            Search { tree: self, positions, triangles, place, lanes, most_square, left: MAX_GROUPS };
         search.group(self.levels.len() - 1, 0)
     }
 }

@@ -19,7 +19,7 @@ use crate::vector::{Point, dot, sub};
 
 const LANES: usize = 4;
 /// A triangle with a smaller normal, of unit edges, consists of its edges: rounding could turn the normal anywhere.
-const LEAST_NORMAL: f32 = 1e-5;
+const MIN_NORMAL: f32 = 1e-5;
 /// Added to divisors that may be zero.
 const TINY: f32 = 1e-30;
 
@@ -99,7 +99,7 @@ impl Block {
     /// Prepares distances from the old triangles.
     fn place(&mut self) {
         let tiny = f32x4::splat(TINY);
-        let has_area = self.square.simd_gt(f32x4::splat(LEAST_NORMAL * LEAST_NORMAL));
+        let has_area = self.square.simd_gt(f32x4::splat(MIN_NORMAL * MIN_NORMAL));
         let scale = has_area.select(f32x4::ONE / (self.square + tiny).sqrt(), f32x4::ZERO);
         let edge = subs(self.w, self.u);
         self.old = OldTriangles {
@@ -120,7 +120,7 @@ impl Block {
         let is_inside = positive(self.normal)
             & positive(first)
             & positive(last)
-            & square.simd_gt(f32x4::splat(LEAST_NORMAL * LEAST_NORMAL));
+            & square.simd_gt(f32x4::splat(MIN_NORMAL * MIN_NORMAL));
         let height = dots(at, self.normal);
         let from_plane = height * height / (square + f32x4::splat(TINY));
         let from_face = is_inside.select(from_plane, self.outer) + left_out;

@@ -15,7 +15,7 @@ use crate::simplify::surface::topology::{PointKind, Topology};
 use crate::vector::{Point, cross, dot, sub, to_segment, to_triangle};
 
 /// The cosine of the largest angle by which a triangle may rotate.
-const LEAST_COSINE: f64 = 0.25;
+const MIN_COSINE: f64 = 0.25;
 
 /// The shares of the corners of a new triangle at places that are compared with the full mesh.
 const NEW_PLACES: [[f64; 3]; 10] = [
@@ -167,7 +167,7 @@ impl Neighbourhood {
                 return dot(after, all()) < 0.0;
             }
             let cosine = dot(before, after);
-            cosine <= 0.0 || cosine * cosine < LEAST_COSINE * LEAST_COSINE * square * dot(after, after)
+            cosine <= 0.0 || cosine * cosine < MIN_COSINE * MIN_COSINE * square * dot(after, after)
         })
     }
 

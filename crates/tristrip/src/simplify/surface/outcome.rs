@@ -12,7 +12,7 @@ use super::irregular::Links;
 use super::topology::{LONG_RING, PointKind, Topology};
 
 /// A point with more triangles is not removed, so that the time for its price does not depend on the size of the mesh.
-pub(crate) const MOST_CORNERS: usize = 256;
+pub(crate) const MAX_CORNERS: usize = 256;
 
 /// What a collapse does to the surface around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl Outcomes {
             return Outcome::Ends;
         }
         let keeps = if topology.kind(point) == PointKind::Irregular {
-            topology.ring(to).len() <= MOST_CORNERS && self.links.allow(topology, point, to)
+            topology.ring(to).len() <= MAX_CORNERS && self.links.allow(topology, point, to)
         } else {
             let common = ring.iter().filter(|edge| edge.contains(&to)).count();
             let expected = if topology.kind(point) == PointKind::Border { 1 } else { 2 };
@@ -106,7 +106,7 @@ fn loses_triangle(topology: &Topology, point: u32, to: u32) -> bool {
         ring.iter().any(|edge| edge.contains(&third) && !edge.contains(&other))
     };
     let third = |&[u, w]: &[u32; 2]| (u == to || w == to).then_some(if u == to { w } else { u });
-    kept.len() > MOST_CORNERS
+    kept.len() > MAX_CORNERS
         || own
             .iter()
             .filter_map(third)

@@ -40,7 +40,7 @@ use points::{by_first_use, equal_vertices, lowest_vertices, picked};
 use rings::CornerRings;
 
 /// Most triangles of a mesh: rings that grow move to the end of their array, which about ten corners per triangle do not fill.
-pub(crate) const MOST_TRIANGLES: usize = 1 << 27;
+pub(crate) const MAX_TRIANGLES: usize = 1 << 27;
 
 /// Most corners of a ring that is searched if there is another way.
 pub(crate) const LONG_RING: usize = 64;

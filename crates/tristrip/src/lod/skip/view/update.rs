@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
 
-use super::{MOST_SCALE, SkipView, ViewUpdate};
+use super::{MAX_SCALE, SkipView, ViewUpdate};
 use crate::csr::Csr;
 use crate::lod::skip::bounds::{Bounds, NodeBounds};
 use crate::lod::skip::camera::CameraFrame;
@@ -12,7 +12,7 @@ use crate::lod::skip::criteria::{Choice, Criteria, ViewCriteria};
 use crate::lod::skip::schedule::Schedule;
 
 /// The largest factor by which a frame raises the allowed error to keep a budget.
-const MOST_RISE: f64 = 2.0;
+const MAX_RISE: f64 = 2.0;
 /// The groups of nodes by which collapses are read in the order of memory.
 const GROUPS: usize = 4096;
 /// Collapses that are read before the first of them is looked at.
@@ -168,7 +168,7 @@ impl SkipView {
                         continue;
                     }
                     // Of a view that was not looked at before, all ratios are known, and the largest that does not fit is the right one.
-                    let most = if frame.is_first { MOST_SCALE / self.scale } else { MOST_RISE };
+                    let most = if frame.is_first { MAX_SCALE / self.scale } else { MAX_RISE };
                     self.scale *= next.ratio.min(most).max(1.0 + 1e-6);
                     frame.splits.push(next);
                     break;

@@ -21,7 +21,7 @@ const LIMIT_SHARE_APART: [usize; 2] = [7, 10];
 
 /// The least cosine of the angle between a triangle and the full mesh at its corners: 78 degrees. Without one, triangles between three points of a straight
 /// border stand upright beside a terrain, and thin sheets fold over: one view of a plane had 96 in a thousand edges folded, and has 10.
-const LEAST_COSINE: f64 = 0.2;
+const MIN_COSINE: f64 = 0.2;
 
 /// What the levels know beyond the surface.
 struct Levels {
@@ -54,7 +54,7 @@ impl Levels {
         let mut kept = sum_at(to);
         add(&mut kept, sum_at(point));
         let turns = |before: [Point; 2], after: [Point; 2]| {
-            cosine(after[0], after[1]) < LEAST_COSINE.min(cosine(before[0], before[1]))
+            cosine(after[0], after[1]) < MIN_COSINE.min(cosine(before[0], before[1]))
         };
         let changed = surface.topology.opposite(point).iter().filter(|edge| !edge.contains(&to));
         let mut unchanged = surface.topology.opposite(to).iter().filter(|edge| !edge.contains(&point));
