@@ -493,7 +493,7 @@ fn of_mesh(
     proves: bool,
     watcher: &Watcher,
 ) -> Result<Strips, Failure> {
-    let prepared = PreparedFaces::new(mesh, options.weld());
+    let prepared = PreparedFaces::new(mesh, options.weld);
     let graph = DualGraph::new(prepared.faces());
     let watch: &dyn Watch = watcher;
     let strips = plan_watched(&prepared, &graph, options, watch)?.strips();

@@ -109,12 +109,13 @@ impl Place {
         let inward =
             inward.with_field_of_view(camera.field_of_view()).ok()?.with_image(columns, rows).ok()?;
         let mut criteria = *criteria;
-        if let Some(light) = criteria.light() {
-            criteria = criteria.with_light(turned(light.map(f64::from))).ok()?;
+        if let Some(light) = criteria.light {
+            criteria = criteria.with_light(turned(light.map(f64::from)));
+            criteria.check().ok()?;
         }
         let (right, own_right) = (turned(right), inward.axes()[0]);
         let is_mirrored = (0..3).map(|k| f64::from(right[k]) * own_right[k]).sum::<f64>() < 0.0;
-        if let Some(foveation) = criteria.foveation().filter(|_| is_mirrored) {
+        if let Some(foveation) = criteria.foveation.filter(|_| is_mirrored) {
             let [x, y] = foveation.attention();
             criteria = criteria.with_foveation(foveation.with_attention([1.0 - x, y]).ok()?);
         }
@@ -212,9 +213,9 @@ mod tests {
         let camera = Camera::new([7.0, 2.0, 0.0], [7.0, 0.0, 0.0]).unwrap().with_up([1.0, 0.0, 0.0]).unwrap();
         // Twice as large, turned by a quarter around z, and moved along x.
         let place = Place::new([[0.0, -2.0, 0.0, 7.0], [2.0, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);
-        let criteria = ViewCriteria::default().with_light([0.0, 3.0, 0.0]).unwrap();
+        let criteria = ViewCriteria::default().with_light([0.0, 3.0, 0.0]);
         let (inward, lit) = place.inward(&camera, &criteria).unwrap();
-        assert_eq!(lit.light(), Some([1.5, 0.0, 0.0]));
+        assert_eq!(lit.light, Some([1.5, 0.0, 0.0]));
         assert_eq!(
             (inward.eye(), inward.look_at(), inward.up()),
             ([1.0, 0.0, 0.0], [0.0; 3], [0.0, -0.5, 0.0])
@@ -225,7 +226,7 @@ mod tests {
         let criteria = criteria.with_foveation(left);
         let attention = |place: &Place| {
             let (_, criteria) = place.inward(&camera, &criteria)?;
-            criteria.foveation().map(|foveation| foveation.attention())
+            criteria.foveation.map(|foveation| foveation.attention())
         };
         assert_eq!(attention(&place), Some([0.25, 0.125]));
         let mirror = Place::new([[-2.0, 0.0, 0.0, 7.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);

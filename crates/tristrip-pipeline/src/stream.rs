@@ -103,7 +103,7 @@ fn splittable_batches(
     triangles: &[u32],
     simplify: &SimplifyOptions,
 ) -> Result<(MergeTree, Vec<bool>), Error> {
-    let mut locked = simplify.locked().to_vec();
+    let mut locked = simplify.locked.clone();
     locked.resize(mesh.vertex_count(), false);
     let batches = |locked: &[bool]| {
         let options = simplify.clone().with_locked(locked.to_vec());

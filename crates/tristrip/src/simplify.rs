@@ -120,7 +120,7 @@ pub fn simplify_triangles(
     options.check(mesh.vertex_count(), triangles.len())?;
     let sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
     let bits = |v| attribute_bits(mesh, v as usize);
-    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, *options.weights());
+    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, options.weights);
     Ok(run(sequence, mesh.positions(), bits, priced, options))
 }
 
@@ -162,8 +162,8 @@ fn run<P: Positions + ?Sized>(
 ) -> Simplification {
     let mut decimation =
         Decimation::new(positions, attribute_bits, sequence.triangles(), priced, options, &[]);
-    let is_reached = decimation.run(options.triangle_count(), &mut sequence);
+    let is_reached = decimation.run(options.triangle_count, &mut sequence);
     let stopped = (!is_reached).then(|| decimation.stopped());
-    decimation.finish(options.triangle_count(), &mut sequence);
+    decimation.finish(options.triangle_count, &mut sequence);
     Simplification { sequence, stopped }
 }

@@ -77,7 +77,7 @@ pub(super) fn displayed(
     });
     let mut views = views.into_iter().collect::<Result<Vec<SkipView>, Error>>()?;
     choose_detail(&mut views, &cameras, criteria)?;
-    if let Some(budget) = criteria.budget() {
+    if let Some(budget) = criteria.budget {
         let drawn: usize = views.iter().map(SkipView::triangle_count).sum();
         if drawn > budget {
             notes.push(format!("{} asked for: the view has {}", counted(budget, "triangle"), count(drawn)));
@@ -112,8 +112,8 @@ fn choose_detail(
     cameras: &[Option<Seen>],
     criteria: &ViewCriteria,
 ) -> Result<(), Error> {
-    let Some(budget) = criteria.budget().filter(|_| views.len() > 1) else {
-        return update_all(views, cameras, |criteria| Ok(*criteria)).map(|_| ());
+    let Some(budget) = criteria.budget.filter(|_| views.len() > 1) else {
+        return update_all(views, cameras, |criteria| *criteria).map(|_| ());
     };
     // What was tried before must not matter.
     let any = Hysteresis::new(1.0)?;
@@ -123,7 +123,7 @@ fn choose_detail(
         })
     };
     // 1. A power of two of the allowed error that is enough, if one is.
-    let (mut low, mut high) = (criteria.pixels(), criteria.pixels());
+    let (mut low, mut high) = (criteria.pixels, criteria.pixels);
     while drawn(high)? > budget && high < MAX_PIXELS {
         (low, high) = (high, (2.0 * high).max(MIN_PIXELS));
     }
@@ -139,12 +139,12 @@ fn choose_detail(
 fn update_all(
     views: &mut [SkipView],
     cameras: &[Option<Seen>],
-    criteria_of: impl Fn(&ViewCriteria) -> Result<ViewCriteria, tristrip::Error>,
+    criteria_of: impl Fn(&ViewCriteria) -> ViewCriteria,
 ) -> Result<usize, Error> {
     let mut sum = 0;
     for (view, seen) in views.iter_mut().zip(cameras) {
         if let Some((camera, criteria)) = seen {
-            view.update(camera, &criteria_of(criteria)?)?;
+            view.update(camera, &criteria_of(criteria))?;
         }
         sum += view.triangle_count();
     }

@@ -281,7 +281,7 @@ fn tiny_meshes_stay_whole() {
 #[test]
 fn more_position_bits_are_nearer_to_the_input() {
     let error = |bits: u32| {
-        let stream = StreamOptions::default().with_position_bits(bits).unwrap();
+        let stream = StreamOptions::default().with_position_bits(bits);
         let options = PackOptions::default().with_stream(stream);
         pack(&two_materials(16), &options, &()).unwrap().position_error
     };

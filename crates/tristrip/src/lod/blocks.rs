@@ -136,7 +136,7 @@ impl Blocks {
             // The level of the next key has strips of its own.
             let end = key_levels.get(i + 1).map_or(0, |next| next + 1);
             let mut map = of_keys.at(level)?;
-            if options.small_uploads() {
+            if options.small_uploads {
                 map = in_upload_order(map, &sequence, end..level, RenameLimit::new(strips))?;
             }
             let mut buffer = LiveBuffer::new(map, vertex_count);

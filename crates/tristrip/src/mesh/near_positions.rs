@@ -34,11 +34,11 @@ pub struct NearPositions {
     distance: f64,
     /// The latest position of each cell. A random seed protects against files with colliding cells; no result depends on it.
     latest: HashMap<[u64; 3], OptionalId>,
-    entries: Vec<Entry>,
+    entries: Vec<CellEntry>,
 }
 
 #[derive(Debug)]
-struct Entry {
+struct CellEntry {
     number: u32,
     position: [f32; 3],
     /// The one that entered the cell before.
@@ -78,7 +78,7 @@ impl NearPositions {
         check_count("positions", self.entries.len() + 1)?;
         let entry = OptionalId::some(self.entries.len() as u32);
         let before = self.latest.insert(position.map(|x| self.cell(x.into())), entry);
-        self.entries.push(Entry { number, position, before: before.unwrap_or(OptionalId::NONE) });
+        self.entries.push(CellEntry { number, position, before: before.unwrap_or(OptionalId::NONE) });
         Ok(())
     }
 
@@ -111,7 +111,7 @@ impl NearPositions {
     }
 
     /// Iterates over the latest positions of a cell.
-    fn entries_of(&self, cell: [u64; 3]) -> impl Iterator<Item = &Entry> {
+    fn entries_of(&self, cell: [u64; 3]) -> impl Iterator<Item = &CellEntry> {
         let entry = |id: OptionalId| Some(&self.entries[id.get()? as usize]);
         let latest = self.latest.get(&cell).copied().and_then(entry);
         std::iter::successors(latest, move |at| entry(at.before)).take(MAX_IN_CELL)

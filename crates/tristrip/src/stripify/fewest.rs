@@ -113,7 +113,8 @@ fn reduce_paths(
     watch: &dyn Watch,
 ) {
     let mut components = components::unfinished(graph, cover, lower_bounds);
-    let step_limit = components.iter().map(|c| step_budget(c.triangle_count(), options.effort())).sum();
+    let step_limit =
+        components.iter().map(|c| step_budget(c.triangle_count(), options.effort_or_default())).sum();
     let shared = SharedProgress::new(watch, step_limit, cover.path_count());
     let search = |component: &mut UnfinishedComponent| search_component(component, options, &shared);
     #[cfg(feature = "rayon")]
@@ -139,9 +140,9 @@ fn search_component(
     options: &StripifyOptions,
     shared: &SharedProgress<'_>,
 ) {
-    let seed = options.seed();
+    let seed = options.seed;
     let (first, lower_bound) = (u64::from(component.first_triangle()), component.lower_bound());
-    let mut budget = step_budget(component.triangle_count(), options.effort());
+    let mut budget = step_budget(component.triangle_count(), options.effort_or_default());
     let (graph, cover) = component.graph_and_cover();
     if cover.len() <= TUNNEL_LIMIT {
         let reported = Mutex::new((0, cover.path_count()));

@@ -25,7 +25,7 @@ use crate::strip::Strips;
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error> {
-    let prepared = PreparedFaces::new(mesh, options.weld());
+    let prepared = PreparedFaces::new(mesh, options.weld);
     let graph = DualGraph::new(prepared.faces());
     Ok(plan_known(&prepared, &graph, options, &())?.strips())
 }
@@ -140,7 +140,7 @@ fn strips_of(
 
 /// Checks that no vertices are to be welded, for which there is no mesh.
 fn check_no_weld(options: &StripifyOptions) -> Result<(), Error> {
-    if options.weld() {
+    if options.weld {
         let found = "true for vertices without attributes".into();
         return Err(Error::Parameter { name: "weld", found, expected: "false, or a mesh" });
     }

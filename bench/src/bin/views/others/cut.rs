@@ -39,7 +39,7 @@ impl<'a> CutAlternative<'a> {
         criteria: &ViewCriteria,
         detail: Detail,
     ) -> Self {
-        let allowed = f64::from(criteria.pixels());
+        let allowed = f64::from(criteria.pixels);
         Self { hierarchy, borders, detail, allowed, pixels: allowed, cut: Cut::default() }
     }
 }

@@ -20,10 +20,10 @@
 //! Blelloch, Fineman, Shun: *Greedy Sequential Maximal Independent Set and Matching are Parallel on Average*, 2012: rounds over the
 //! points without an undecided earlier neighbour give what one after the other gives.
 
-use crate::simplify::price::best_collapse::{PricedCollapse, Waiting};
-use crate::simplify::price::priced_surface::Surface;
+use crate::simplify::price::best_collapse::{BestCollapse, PricedCollapse};
+use crate::simplify::price::priced_surface::PricedSurface;
 use crate::simplify::price::search::PriceSearch;
-use crate::simplify::surface::outcome::{Outcome, Outcomes};
+use crate::simplify::surface::outcome::{CollapseOutcome, Outcomes};
 
 /// Prices are found ahead of a pass while at least so many points are undecided.
 const MIN_POINTS: usize = 1024;
@@ -81,7 +81,13 @@ pub(crate) struct PricesAhead {
 
 impl PricesAhead {
     /// Finds prices of points, which ascend, for a pass up to a limit; none if there is only one thread, or few points.
-    pub(crate) fn find(&mut self, surface: &Surface, waiting: &[Waiting], points: &[u32], limit: f32) {
+    pub(crate) fn find(
+        &mut self,
+        surface: &PricedSurface,
+        best_collapses: &[BestCollapse],
+        points: &[u32],
+        limit: f32,
+    ) {
         self.found.clear();
         self.next = 0;
         // A permissive collapse depends on the triangles of both points.
@@ -89,22 +95,28 @@ impl PricesAhead {
             return;
         }
         let below: Vec<u32> =
-            points.iter().copied().filter(|&point| waiting[point as usize].cost <= limit).collect();
-        self.fates.resize(waiting.len(), Fate::Outside);
+            points.iter().copied().filter(|&point| best_collapses[point as usize].cost <= limit).collect();
+        self.fates.resize(best_collapses.len(), Fate::Outside);
         below.iter().for_each(|&point| self.fates[point as usize] = Fate::Undecided);
         let mut undecided = below.clone();
         for _ in 0..ROUNDS {
             if undecided.len() < MIN_POINTS {
                 break;
             }
-            self.round(surface, waiting, &mut undecided, limit);
+            self.round(surface, best_collapses, &mut undecided, limit);
         }
         below.iter().for_each(|&point| self.fates[point as usize] = Fate::Outside);
         self.found.sort_unstable_by_key(|found| found.point);
     }
 
     /// Prices the points without an undecided earlier neighbour, and leaves those that are undecided after it.
-    fn round(&mut self, surface: &Surface, waiting: &[Waiting], undecided: &mut Vec<u32>, limit: f32) {
+    fn round(
+        &mut self,
+        surface: &PricedSurface,
+        best_collapses: &[BestCollapse],
+        undecided: &mut Vec<u32>,
+        limit: f32,
+    ) {
         let fates = &self.fates;
         let finding = |search: &mut PriceSearch, point: u32| {
             let edges = surface.topology.opposite(point);
@@ -113,10 +125,10 @@ impl PricesAhead {
                 Finding::PassedOver
             } else if earlier().any(|fate| fate == Fate::Undecided) {
                 Finding::Undecided
-            } else if waiting[point as usize].target.get().is_some() {
+            } else if best_collapses[point as usize].target.get().is_some() {
                 Finding::Known
             } else {
-                Finding::Priced(search.best(surface, point, |_| Outcome::Keeps))
+                Finding::Priced(search.best(surface, point, |_| CollapseOutcome::Keeps))
             }
         };
         let findings = in_chunks(undecided, finding);
@@ -153,7 +165,7 @@ impl PricesAhead {
 
 /// Returns the least estimate of each point that may be removed.
 pub(crate) fn least_estimates(
-    surface: &Surface,
+    surface: &PricedSurface,
     is_removable: impl Fn(u32) -> bool + Sync,
 ) -> Vec<Option<f64>> {
     let points: Vec<u32> = (0..surface.topology.point_count() as u32).collect();
@@ -327,28 +339,29 @@ mod tests {
         let triangles = mesh.faces().as_triangles().unwrap();
         let topology = Topology::new(mesh.positions(), |v| v.to_le_bytes().to_vec(), triangles, false, 0.0);
         let options = SimplifyOptions::default();
-        let surface = Surface::new(topology, mesh.positions(), |_| None, &options);
+        let surface = PricedSurface::new(topology, mesh.positions(), |_| None, &options);
         let points: Vec<u32> = (0..surface.topology.point_count() as u32).collect();
         let [one, more] = [1, 3].map(|threads| on_threads(threads, || least_estimates(&surface, |p| p != 5)));
         assert!(one == more && one[5].is_none() && one.iter().flatten().count() > 15_000);
         let estimates = one.iter().map(|estimate| estimate.map_or(f32::INFINITY, |x| x as f32));
-        let waiting: Vec<Waiting> = estimates.map(|cost| Waiting { cost, ..Waiting::NOT }).collect();
-        let mut costs: Vec<f32> = waiting.iter().map(|waiting| waiting.cost).collect();
+        let best_collapses: Vec<BestCollapse> =
+            estimates.map(|cost| BestCollapse { cost, ..BestCollapse::NONE }).collect();
+        let mut costs: Vec<f32> = best_collapses.iter().map(|known| known.cost).collect();
         costs.sort_unstable_by(f32::total_cmp);
         let limit = costs[costs.len() / 3];
 
         let mut ahead = PricesAhead::default();
-        on_threads(1, || ahead.find(&surface, &waiting, &points, limit));
+        on_threads(1, || ahead.find(&surface, &best_collapses, &points, limit));
         assert!(ahead.found.is_empty());
-        on_threads(3, || ahead.find(&surface, &waiting, &points, limit));
+        on_threads(3, || ahead.find(&surface, &best_collapses, &points, limit));
         assert!(ahead.fates.iter().all(|&fate| fate == Fate::Outside));
         let (mut search, mut removed, mut found) = (PriceSearch::default(), vec![false; points.len()], 0);
         let mut missing = 0;
-        for &point in points.iter().filter(|&&point| waiting[point as usize].cost <= limit) {
+        for &point in points.iter().filter(|&&point| best_collapses[point as usize].cost <= limit) {
             if surface.topology.opposite(point).iter().flatten().any(|&p| p < point && removed[p as usize]) {
                 continue;
             }
-            let best = search.best(&surface, point, |_| Outcome::Keeps);
+            let best = search.best(&surface, point, |_| CollapseOutcome::Keeps);
             removed[point as usize] = best.is_some_and(|best| best.cost <= limit);
             match ahead.of(point) {
                 None => missing += 1,

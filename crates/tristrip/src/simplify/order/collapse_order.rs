@@ -11,7 +11,7 @@ use crate::collapse::CollapseSequence;
 
 /// The place of a collapse: the pass, and the key within it.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct PassPosition {
     pass: u32,
     key: f32,
 }
@@ -19,16 +19,20 @@ struct Place {
 /// The order of the collapses of a sequence.
 #[derive(Debug)]
 pub(crate) struct CollapseOrder {
-    places: Vec<Place>,
+    places: Vec<PassPosition>,
     /// For each point the place of the last collapse that had it as a neighbour.
-    latest: Vec<Place>,
+    latest: Vec<PassPosition>,
     /// The largest key.
     greatest: f32,
 }
 
 impl CollapseOrder {
     pub(crate) fn new(point_count: usize) -> Self {
-        Self { places: Vec::new(), latest: vec![Place { pass: 0, key: 0.0 }; point_count], greatest: 0.0 }
+        Self {
+            places: Vec::new(),
+            latest: vec![PassPosition { pass: 0, key: 0.0 }; point_count],
+            greatest: 0.0,
+        }
     }
 
     /// Adds a collapse of a pass, counted from 1, with its price, at least 0; the neighbours include the point that it goes to.
@@ -36,7 +40,7 @@ impl CollapseOrder {
         let of_pass =
             neighbours.iter().map(|&p| self.latest[p as usize]).filter(|latest| latest.pass == pass);
         let key = of_pass.map(|latest| latest.key).fold(price, f32::max);
-        let place = Place { pass, key };
+        let place = PassPosition { pass, key };
         neighbours.iter().for_each(|&p| self.latest[p as usize] = place);
         self.greatest = self.greatest.max(key);
         self.places.push(place);
@@ -51,7 +55,7 @@ impl CollapseOrder {
     /// key so far for each of those that are left.
     pub(crate) fn apply(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
         // The bits of numbers from 0 on have the order of the numbers.
-        let rank = |place: &Place| u64::from(place.pass) << 32 | u64::from(place.key.to_bits());
+        let rank = |place: &PassPosition| u64::from(place.pass) << 32 | u64::from(place.key.to_bits());
         let mut order: Vec<(u64, u32)> = self.places.iter().map(rank).zip(0..).collect();
         order.sort_unstable();
         let numbers: Vec<u32> = order.into_iter().map(|(_, number)| number).collect();

@@ -31,7 +31,7 @@
 mod merge_levels;
 
 use super::ahead::{PricesAhead, least_estimates};
-use super::queue::{CollapseQueue, WaitingCollapse};
+use super::queue::{CollapseQueue, QueuedCollapse};
 use super::stopped::Stopped;
 use crate::collapse::CollapseSequence;
 use crate::ids::OptionalId;
@@ -39,10 +39,10 @@ use crate::mesh::{Positions, is_degenerate, triangles_of};
 use crate::simplify::options::{Price, SimplifyOptions};
 use crate::simplify::order::collapse_order::CollapseOrder;
 use crate::simplify::price::attributes::PricedAttributes;
-use crate::simplify::price::best_collapse::{PricedCollapse, Waiting, finite};
-use crate::simplify::price::priced_surface::{Surface, locked_points};
+use crate::simplify::price::best_collapse::{BestCollapse, PricedCollapse, finite};
+use crate::simplify::price::priced_surface::{PricedSurface, locked_points};
 use crate::simplify::price::search::PriceSearch;
-use crate::simplify::surface::outcome::{MAX_CORNERS, Outcome, Outcomes};
+use crate::simplify::surface::outcome::{CollapseOutcome, MAX_CORNERS, Outcomes};
 use crate::simplify::surface::topology::{PointKind, Topology};
 
 /// One in so many of the points that wait are below the limit of a pass. From one in 6 to one in 12 the mean of the distances over 37 models
@@ -53,7 +53,7 @@ const MAX_SAMPLES: usize = 1024;
 
 /// The reason for which a collapse is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Refusal {
+enum CollapseRefusal {
     FoldOver,
     Topology,
     Seam,
@@ -62,15 +62,15 @@ enum Refusal {
 /// A mesh while it is simplified.
 #[derive(Debug)]
 pub(crate) struct Decimation {
-    surface: Surface,
+    surface: PricedSurface,
     locked: Vec<bool>,
     /// Whether any collapse may change the topology.
     may_break: bool,
-    waiting: Vec<Waiting>,
-    /// The points that wait, ascending, with others that did so until the last pass.
+    best_collapses: Vec<BestCollapse>,
+    /// The points with a possible collapse, ascending, with others that had one until the last pass.
     points: Vec<u32>,
-    /// Points for which no collapse was possible, and which wait again since something changed around them.
-    revived: Vec<u32>,
+    /// Points for which no collapse was possible, and which are tried again since something changed around them.
+    requeued: Vec<u32>,
     /// The number of the pass, from 1.
     pass: u32,
     order: CollapseOrder,
@@ -82,7 +82,7 @@ pub(crate) struct Decimation {
     /// The neighbours of the point that was just removed.
     around: Vec<u32>,
     dropped: Vec<u32>,
-    /// The collapses that wait, if they are done one by one.
+    /// The queued collapses, if they are done one by one.
     queue: Option<CollapseQueue>,
 }
 
@@ -97,20 +97,20 @@ impl Decimation {
         options: &SimplifyOptions,
         meshes: &[u32],
     ) -> Self {
-        let (may_break, weld_distance) = (options.may_break(), options.weld_distance());
+        let (may_break, weld_distance) = (options.may_break(), options.weld_distance);
         let topology = Topology::new(positions, attribute_bits, vertices, may_break, weld_distance);
         let topology = topology.with_meshes(meshes);
         let count = topology.point_count();
         let locked = locked_points(&topology, options);
-        let surface = Surface::new(topology, positions, |unit| priced(vertices, unit), options);
+        let surface = PricedSurface::new(topology, positions, |unit| priced(vertices, unit), options);
         let mut decimation = Self {
             triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),
             surface,
             locked,
             may_break,
-            waiting: vec![Waiting::NOT; count],
+            best_collapses: vec![BestCollapse::NONE; count],
             points: (0..count as u32).collect(),
-            revived: Vec::new(),
+            requeued: Vec::new(),
             pass: 0,
             order: CollapseOrder::new(count),
             outcomes: Outcomes::new(count),
@@ -120,13 +120,13 @@ impl Decimation {
             dropped: Vec::new(),
             queue: None,
         };
-        if options.price() == Price::Quadric {
+        if options.price == Price::Quadric {
             decimation.queue = Some(CollapseQueue::new(&decimation.surface));
             return decimation;
         }
         let estimates = least_estimates(&decimation.surface, |point| decimation.is_removable(point));
         for (point, estimate) in (0..).zip(estimates) {
-            decimation.wait_estimated(point, estimate);
+            decimation.set_estimate(point, estimate);
         }
         decimation
     }
@@ -146,22 +146,22 @@ impl Decimation {
     fn run_passes(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) {
         let mut points = std::mem::take(&mut self.points);
         while self.triangle_count > triangle_count {
-            if !self.revived.is_empty() {
-                points.append(&mut self.revived);
+            if !self.requeued.is_empty() {
+                points.append(&mut self.requeued);
                 points.sort_unstable();
                 points.dedup();
             }
-            points.retain(|&point| self.waiting[point as usize].waits());
+            points.retain(|&point| self.best_collapses[point as usize].is_possible());
             let Some(limit) = self.pass_limit(&points) else { break };
             self.pass += 1;
-            self.ahead.find(&self.surface, &self.waiting, &points, limit);
+            self.ahead.find(&self.surface, &self.best_collapses, &points, limit);
             for &point in &points {
-                let waiting = &self.waiting[point as usize];
-                if waiting.changed == self.pass || waiting.cost > limit {
+                let known = &self.best_collapses[point as usize];
+                if known.changed == self.pass || known.cost > limit {
                     continue;
                 }
                 if let Some(found) = self.ahead.of(point) {
-                    self.wait_priced(point, found.best);
+                    self.set_price(point, found.best);
                 }
                 if let Some(collapse) = self.collapse_below(point, limit) {
                     self.surface.topology.neighbours(point, &mut self.around);
@@ -181,7 +181,7 @@ impl Decimation {
         sequence: &mut CollapseSequence,
     ) {
         while self.triangle_count > triangle_count {
-            let Some(WaitingCollapse { cost, point, to, .. }) = queue.next(&self.surface) else { break };
+            let Some(QueuedCollapse { cost, point, to, .. }) = queue.next(&self.surface) else { break };
             let Some(error) = self.error_if_allowed(cost, point, to) else { continue };
             let collapse = PricedCollapse { to, cost: finite(cost), error: finite(error) };
             self.pass += 1;
@@ -207,9 +207,11 @@ impl Decimation {
             return None;
         }
         let removal = match self.outcomes.of(&self.surface.topology, point, to) {
-            Outcome::Keeps => 0.0,
-            Outcome::Breaks if self.surface.is_permissive => 0.0,
-            Outcome::Breaks | Outcome::Loses | Outcome::Ends => self.surface.vanishing_error(point),
+            CollapseOutcome::Keeps => 0.0,
+            CollapseOutcome::Breaks if self.surface.is_permissive => 0.0,
+            CollapseOutcome::Breaks | CollapseOutcome::Loses | CollapseOutcome::Ends => {
+                self.surface.vanishing_error(point)
+            }
         };
         let error = cost.sqrt().max(removal);
         (error <= self.surface.error_limit).then_some(error)
@@ -234,7 +236,7 @@ impl Decimation {
     /// Returns the cost below which a share of the points wait; `None` without any points.
     fn pass_limit(&self, points: &[u32]) -> Option<f32> {
         let samples = points.iter().step_by(points.len().div_ceil(MAX_SAMPLES).max(1));
-        let mut costs: Vec<f32> = samples.map(|&p| self.waiting[p as usize].cost).collect();
+        let mut costs: Vec<f32> = samples.map(|&p| self.best_collapses[p as usize].cost).collect();
         if costs.is_empty() {
             return None;
         }
@@ -264,12 +266,14 @@ impl Decimation {
                 self.search.candidates = candidates;
                 let refusal = if refusals.contains(&None) { None } else { refusals[0] };
                 match refusal {
-                    Some(Refusal::FoldOver) => &mut stopped.fold_over,
-                    Some(Refusal::Seam) => &mut stopped.seam,
-                    Some(Refusal::Topology) if self.surface.topology.kind(point) == PointKind::Irregular => {
+                    Some(CollapseRefusal::FoldOver) => &mut stopped.fold_over,
+                    Some(CollapseRefusal::Seam) => &mut stopped.seam,
+                    Some(CollapseRefusal::Topology)
+                        if self.surface.topology.kind(point) == PointKind::Irregular =>
+                    {
                         &mut stopped.non_manifold
                     }
-                    Some(Refusal::Topology) => &mut stopped.topology,
+                    Some(CollapseRefusal::Topology) => &mut stopped.topology,
                     // Only the error limit holds it.
                     None => &mut stopped.error,
                 }
@@ -292,46 +296,46 @@ impl Decimation {
     fn estimate(&mut self, point: u32) {
         let is_removable = self.is_removable(point);
         let least = is_removable.then(|| self.search.least_estimate(&self.surface, point)).flatten();
-        self.wait_estimated(point, least);
+        self.set_estimate(point, least);
     }
 
-    /// Lets a point wait with the price to expect from its least estimate, if there is one.
-    fn wait_estimated(&mut self, point: u32, estimate: Option<f64>) {
+    /// Sets the cost of a point to the price that its least estimate predicts; without an estimate no collapse is possible.
+    fn set_estimate(&mut self, point: u32, estimate: Option<f64>) {
         match estimate {
-            None => self.wait_priced(point, None),
-            Some(estimate) => self.wait(point, self.surface.price.expected(estimate)),
+            None => self.set_price(point, None),
+            Some(estimate) => self.set_cost(point, self.surface.price.expected(estimate)),
         }
     }
 
-    /// Lets a point wait with a cost that is no price.
-    fn wait(&mut self, point: u32, cost: f64) {
-        let waiting = &mut self.waiting[point as usize];
-        (waiting.cost, waiting.target) = (finite(cost), OptionalId::NONE);
+    /// Sets a cost that is not a price.
+    fn set_cost(&mut self, point: u32, cost: f64) {
+        let known = &mut self.best_collapses[point as usize];
+        (known.cost, known.target) = (finite(cost), OptionalId::NONE);
     }
 
-    /// Lets a point wait with its best collapse; without any it waits no longer, until something changes around it.
-    fn wait_priced(&mut self, point: u32, best: Option<PricedCollapse>) {
-        self.waiting[point as usize].set_price(best);
+    /// Sets the best collapse of a point. Without any the point is skipped until something changes around it.
+    fn set_price(&mut self, point: u32, best: Option<PricedCollapse>) {
+        self.best_collapses[point as usize].set_price(best);
     }
 
     /// Returns the collapse of a point whose price still holds.
     fn priced(&mut self, point: u32) -> Option<PricedCollapse> {
-        let Waiting { cost, target, error, .. } = self.waiting[point as usize];
+        let BestCollapse { cost, target, error, .. } = self.best_collapses[point as usize];
         let to = target.get()?;
         // Something may have changed around the other point. The end of a component has a price of its own.
         let is_as_priced = match self.outcomes.of(&self.surface.topology, point, to) {
-            Outcome::Keeps => true,
-            Outcome::Breaks => self.surface.is_permissive,
-            Outcome::Loses | Outcome::Ends => false,
+            CollapseOutcome::Keeps => true,
+            CollapseOutcome::Breaks => self.surface.is_permissive,
+            CollapseOutcome::Loses | CollapseOutcome::Ends => false,
         };
         is_as_priced.then_some(PricedCollapse { to, cost, error })
     }
 
-    /// Prices a point: returns its best collapse, with which it waits.
+    /// Prices a point: returns its best collapse, and stores it.
     fn price(&mut self, point: u32) -> Option<PricedCollapse> {
         let Self { surface, outcomes, search, .. } = self;
         let best = search.best(surface, point, |to| outcomes.of(&surface.topology, point, to));
-        self.wait_priced(point, best);
+        self.set_price(point, best);
         best
     }
 
@@ -351,20 +355,20 @@ impl Decimation {
         None
     }
 
-    /// Does the collapse of a point, whose neighbours are known, and lets these wait for the next pass.
+    /// Does the collapse of a point, whose neighbours are known, and leaves these to the next pass.
     fn collapse(&mut self, point: u32, collapse: &PricedCollapse, sequence: &mut CollapseSequence) {
         self.apply(point, collapse, sequence);
         let around = std::mem::take(&mut self.around);
-        self.wait_priced(point, None);
+        self.set_price(point, None);
         for &p in &around {
-            let waiting = &mut self.waiting[p as usize];
-            (waiting.changed, waiting.target) = (self.pass, OptionalId::NONE);
-            if !waiting.waits() {
+            let known = &mut self.best_collapses[p as usize];
+            (known.changed, known.target) = (self.pass, OptionalId::NONE);
+            if !known.is_possible() {
                 self.estimate(p);
-                self.revived.push(p);
+                self.requeued.push(p);
             } else if p == collapse.to {
-                let cost = f64::from(waiting.cost) + f64::from(collapse.cost);
-                self.wait(p, cost);
+                let cost = f64::from(known.cost) + f64::from(collapse.cost);
+                self.set_cost(p, cost);
             }
         }
         self.around = around;
@@ -387,15 +391,15 @@ impl Decimation {
     }
 
     /// Returns the first reason for which the collapse of the current point is refused.
-    fn refusal(&mut self, point: u32, to: u32) -> Option<Refusal> {
+    fn refusal(&mut self, point: u32, to: u32) -> Option<CollapseRefusal> {
         if self.search.current.folds_over(to, self.surface.positions[to as usize]) {
-            return Some(Refusal::FoldOver);
+            return Some(CollapseRefusal::FoldOver);
         }
         if !self.is_allowed(point, to) {
-            return Some(Refusal::Topology);
+            return Some(CollapseRefusal::Topology);
         }
         if !self.surface.keeps_seams(point, to, &mut self.search.renames) {
-            return Some(Refusal::Seam);
+            return Some(CollapseRefusal::Seam);
         }
         None
     }
@@ -403,9 +407,9 @@ impl Decimation {
     /// Checks whether a collapse keeps the topology of the surface, or removes a component that may vanish.
     fn is_allowed(&mut self, point: u32, to: u32) -> bool {
         match self.outcomes.of(&self.surface.topology, point, to) {
-            Outcome::Keeps => true,
-            Outcome::Breaks if self.surface.is_permissive => true,
-            Outcome::Breaks | Outcome::Loses | Outcome::Ends => {
+            CollapseOutcome::Keeps => true,
+            CollapseOutcome::Breaks if self.surface.is_permissive => true,
+            CollapseOutcome::Breaks | CollapseOutcome::Loses | CollapseOutcome::Ends => {
                 self.surface.vanishing_error(point).is_finite()
             }
         }

@@ -75,9 +75,9 @@ pub fn simplify_joined(
     options: &SimplifyOptions,
 ) -> Result<JoinedSimplification, Error> {
     let mut surface = SurfaceSimplifier::new(parts.to_vec(), options)?;
-    surface.simplify_to(options.triangle_count());
-    let stopped = (surface.triangle_count() > options.triangle_count()).then(|| surface.stopped());
-    Ok(JoinedSimplification { stopped, ..surface.finish(options.triangle_count())? })
+    surface.simplify_to(options.triangle_count);
+    let stopped = (surface.triangle_count() > options.triangle_count).then(|| surface.stopped());
+    Ok(JoinedSimplification { stopped, ..surface.finish(options.triangle_count)? })
 }
 
 /// One or several meshes that are simplified as one surface, step by step: to share a number of triangles among several surfaces, the one
@@ -146,7 +146,7 @@ impl<'a> SurfaceSimplifier<'a> {
         };
         let priced = |_: &[u32], unit: f64| {
             let of_part = |(mesh, triangles): &(&Mesh, &[u32])| {
-                (PricedAttributes::new(mesh, triangles, unit, *options.weights()), mesh.vertex_count())
+                (PricedAttributes::new(mesh, triangles, unit, options.weights), mesh.vertex_count())
             };
             PricedAttributes::joined(&parts.iter().map(of_part).collect::<Vec<_>>())
         };
@@ -323,11 +323,11 @@ mod tests {
         (mesh.with_attribute(attribute).unwrap(), (0..width * height).flat_map(quad).collect())
     }
 
-    type Edge = [[u32; 3]; 2];
+    type BorderEdge = [[u32; 3]; 2];
 
     /// Returns the edges along the line x = 8 that one triangle has, in each mesh, by the bits of their positions.
-    fn border(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<Edge> {
-        let mut count: BTreeMap<Edge, usize> = BTreeMap::new();
+    fn border(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<BorderEdge> {
+        let mut count: BTreeMap<BorderEdge, usize> = BTreeMap::new();
         for [a, b, c] in triangles {
             for edge in [[a, b], [b, c], [c, a]] {
                 let mut edge = edge.map(|&v| mesh.positions()[v as usize].map(f32::to_bits));
@@ -335,7 +335,7 @@ mod tests {
                 *count.entry(edge).or_default() += 1;
             }
         }
-        let on_line = |edge: &Edge| edge.iter().all(|p| p[0] == 8.0_f32.to_bits());
+        let on_line = |edge: &BorderEdge| edge.iter().all(|p| p[0] == 8.0_f32.to_bits());
         count.into_iter().filter(|(edge, n)| *n == 1 && on_line(edge)).map(|(edge, _)| edge).collect()
     }
 

@@ -140,11 +140,11 @@ fn levels(
     let options = options.clone().with_price(Price::Planes);
     let mut sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
     let bits = |v| attribute_bits(mesh, v as usize);
-    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, *options.weights());
+    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, options.weights);
     let mut decimation = Decimation::new(mesh.positions(), bits, sequence.triangles(), priced, &options, &[]);
     let level_ends =
-        decimation.run_levels(levels, options.error_factors(), options.triangle_count(), &mut sequence);
-    let is_reached = sequence.triangle_count(0)? <= options.triangle_count();
+        decimation.run_levels(levels, &options.error_factors, options.triangle_count, &mut sequence);
+    let is_reached = sequence.triangle_count(0)? <= options.triangle_count;
     let stopped = (!is_reached).then(|| decimation.stopped());
     Ok(MergeTree { sequence, level_ends, stopped })
 }

@@ -2,9 +2,9 @@
 
 use crate::ids::OptionalId;
 
-/// A point that may be removed.
+/// The best collapse of a point, as far as known.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Waiting {
+pub(crate) struct BestCollapse {
     /// The cost of its best collapse, as far as known; infinite if none is possible.
     pub(crate) cost: f32,
     /// The point that it would go to, if it has a price.
@@ -15,12 +15,12 @@ pub(crate) struct Waiting {
     pub(crate) changed: u32,
 }
 
-impl Waiting {
-    /// A point that does not wait.
-    pub(crate) const NOT: Self =
+impl BestCollapse {
+    /// No collapse is possible.
+    pub(crate) const NONE: Self =
         Self { cost: f32::INFINITY, target: OptionalId::NONE, error: 0.0, changed: 0 };
 
-    /// Waits with the best collapse, or not at all if none is possible.
+    /// Sets the best collapse; `None` if none is possible.
     pub(crate) fn set_price(&mut self, best: Option<PricedCollapse>) {
         match best {
             None => (self.cost, self.target) = (f32::INFINITY, OptionalId::NONE),
@@ -30,8 +30,8 @@ impl Waiting {
         }
     }
 
-    /// Returns whether the point waits.
-    pub(crate) fn waits(&self) -> bool {
+    /// Returns whether a collapse is possible.
+    pub(crate) fn is_possible(&self) -> bool {
         self.cost < f32::INFINITY
     }
 }

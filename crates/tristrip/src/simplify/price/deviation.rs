@@ -15,7 +15,7 @@
 //! # Complexity
 //! 16 bytes per triangle, and 14 more for the tree of the module `box_tree` once it is needed.
 
-use super::box_tree::BoxTree;
+use super::box_tree::TriangleBoxTree;
 use super::neighbourhood::Neighbourhood;
 use crate::simplify::price::best_collapse::finite;
 use crate::simplify::surface::topology::Topology;
@@ -28,7 +28,7 @@ pub(crate) struct Deviations {
     of_triangles: Vec<f32>,
     /// The triangles of the full mesh.
     full: Vec<[u32; 3]>,
-    tree: Option<BoxTree>,
+    tree: Option<TriangleBoxTree>,
     /// The deviation after the collapse that was allowed last.
     after: f32,
 }
@@ -55,7 +55,7 @@ impl Deviations {
         let deviation = if bound <= limit {
             Some(bound)
         } else {
-            let tree = self.tree.get_or_insert_with(|| BoxTree::new(positions, &self.full));
+            let tree = self.tree.get_or_insert_with(|| TriangleBoxTree::new(positions, &self.full));
             let found = |place| tree.within(positions, &self.full, place, limit * limit);
             let mut places = around.new_places(to, kept);
             places.try_fold(0.0, |largest, place| Some(f64::max(largest, found(place)?))).map(f64::sqrt)

@@ -59,7 +59,7 @@ fn least(lanes: f32x4) -> f32 {
 
 /// Four triangles around the point.
 #[derive(Debug, Clone, Copy)]
-struct Block {
+struct TriangleBlock {
     u: Lanes,
     w: Lanes,
     /// The normals of the old triangles, of twice their areas as length.
@@ -86,7 +86,7 @@ struct OldTriangles {
     inverses: [f32x4; 3],
 }
 
-impl Block {
+impl TriangleBlock {
     fn new(u: Lanes, w: Lanes) -> Self {
         let normal = crosses(u, w);
         let edge = subs(w, u);
@@ -153,20 +153,20 @@ impl Block {
 
 /// The triangles around a point.
 #[derive(Debug, Default)]
-pub(crate) struct Fan {
+pub(crate) struct TriangleFan {
     origin: Point,
     /// The length of the longest edge at the point; positive.
     unit: f64,
     is_inner: bool,
     count: usize,
-    blocks: Vec<Block>,
+    blocks: Vec<TriangleBlock>,
     /// Whether the blocks are ready for distances from old triangles.
     is_placed: bool,
     /// Infinite for triangles that the neighbour `left_out_at` has, otherwise zero.
     left_out: Vec<f32x4>,
 }
 
-impl Fan {
+impl TriangleFan {
     /// Places the triangles (origin, u, w).
     pub(crate) fn place(
         &mut self,
@@ -198,7 +198,7 @@ impl Fan {
                 }
             }
             let [u, w] = lanes.map(|end| end.map(f32x4::from));
-            self.blocks.push(Block::new(u, w));
+            self.blocks.push(TriangleBlock::new(u, w));
         }
     }
 
@@ -262,7 +262,7 @@ impl Fan {
     /// Prepares distances from the old triangles, once.
     fn place_old(&mut self) {
         if !self.is_placed {
-            self.blocks.iter_mut().for_each(Block::place);
+            self.blocks.iter_mut().for_each(TriangleBlock::place);
             self.is_placed = true;
         }
     }
@@ -295,7 +295,7 @@ mod tests {
             let (origin, at, rim) = (place(origin), place(at), rim.into_iter().map(place).collect::<Vec<_>>());
             let count = if closed { rim.len() } else { rim.len() - 1 };
             let edges: Vec<[Point; 2]> = (0..count).map(|i| [rim[i], rim[(i + 1) % rim.len()]]).collect();
-            let mut fan = Fan::default();
+            let mut fan = TriangleFan::default();
             fan.place(origin, closed, edges.iter().copied());
             let is_near = |found: f64, oracle: f64| (found.sqrt() - oracle.sqrt()).abs() < 2e-3 * scale;
             let old = nearest(at, edges.iter().map(|&[u, w]| [origin, u, w]));

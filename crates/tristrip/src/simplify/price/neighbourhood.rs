@@ -9,7 +9,7 @@
 //! ```
 //! The second detects new triangles that bridge a valley beside b.
 
-use super::fan::Fan;
+use super::fan::TriangleFan;
 use super::removed_points::{RemovedPoint, RemovedPoints};
 use crate::simplify::surface::topology::{PointKind, Topology};
 use crate::vector::{Point, cross, dot, sub, to_segment, to_triangle};
@@ -55,12 +55,12 @@ pub(crate) struct Neighbourhood {
     /// The mesh of each triangle, if they are of several.
     meshes: Vec<u32>,
     /// The same triangles, for distances, once they are asked for.
-    fan: Fan,
+    fan: TriangleFan,
     is_placed: bool,
     /// The removed points that belong to the triangles.
     removed: Vec<RemovedPoint>,
     /// The triangles that would replace them, for distances from the removed points.
-    new_fan: Fan,
+    new_fan: TriangleFan,
     new_edges: Vec<[Point; 2]>,
 }
 

@@ -18,7 +18,7 @@ use crate::vector::Point;
 
 /// The triangles that are left, and what they stand for.
 #[derive(Debug)]
-pub(crate) struct Surface {
+pub(crate) struct PricedSurface {
     pub(crate) topology: Topology,
     /// The positions of the points, in the frame.
     pub(crate) positions: Vec<Point>,
@@ -39,7 +39,7 @@ pub(crate) struct Surface {
     pub(crate) is_permissive: bool,
 }
 
-impl Surface {
+impl PricedSurface {
     /// Places the points in a frame, and finds their quadrics. `priced` returns the attributes that have a price, given the unit of the frame.
     pub(crate) fn new<P: Positions + ?Sized>(
         topology: Topology,
@@ -50,10 +50,10 @@ impl Surface {
         let count = topology.point_count() as u32;
         let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();
         let (framed, unit) = frame((0..count).map(position));
-        let is_published = options.price() == Price::Quadric;
+        let is_published = options.price == Price::Quadric;
         let priced = if is_published { None } else { priced(unit) };
         let attributes = priced.map(|values| AttributeQuadrics::new(&topology, &framed, values));
-        let vanishing = match options.vanishing() {
+        let vanishing = match &options.vanishing[..] {
             [] => Vec::new(),
             errors => vanishing_errors(errors, &topology, unit),
         };
@@ -62,8 +62,8 @@ impl Surface {
         } else {
             quadrics(&topology, &framed, attributes.is_some())
         };
-        let error_limit = options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit);
-        let by_distance = options.price() == Price::Distance;
+        let error_limit = options.error.map_or(f64::INFINITY, |error| f64::from(error) / unit);
+        let by_distance = options.price == Price::Distance;
         let removed = by_distance.then(|| {
             let areas = quadrics.iter().map(|quadric| quadric.weight / 3.0);
             let removed = RemovedPoints::new(topology.triangles.len(), framed.iter().copied().zip(areas));
@@ -80,9 +80,9 @@ impl Surface {
             removed,
             deviations,
             vanishing,
-            price: options.price(),
+            price: options.price,
             error_limit,
-            is_permissive: options.is_permissive(),
+            is_permissive: options.permissive,
         }
     }
 
@@ -140,14 +140,14 @@ fn vanishing_errors(errors: &[f32], topology: &Topology, unit: f64) -> Vec<f32> 
 /// Returns which points are locked: those of locked vertices, and those on borders if borders are locked.
 pub(crate) fn locked_points(topology: &Topology, options: &SimplifyOptions) -> Vec<bool> {
     let mut is_locked = vec![false; topology.point_count()];
-    let locked = options.locked();
+    let locked = &options.locked;
     if !locked.is_empty() {
         for corner in topology.corners() {
             is_locked[topology.point(corner) as usize] |=
                 locked.get(topology.wedge(corner) as usize).copied().unwrap_or(false);
         }
     }
-    if options.locks_borders() {
+    if options.locked_borders {
         for (corner, _) in topology.open_edges().filter(|&(_, is_border)| is_border) {
             let [to, _] = topology.others(corner);
             [topology.point(corner), to].iter().for_each(|&p| is_locked[p as usize] = true);

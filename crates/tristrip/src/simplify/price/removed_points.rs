@@ -18,7 +18,7 @@
 //! Ciampalini, Cignoni, Montani, Scopigno: *Multiresolution Decimation Based on Global Error*, 1997, keep removed vertices with the faces
 //! that are nearest, and bound the largest distance by them. The sum by area as the price of a collapse is our own.
 
-use super::fan::Fan;
+use super::fan::TriangleFan;
 use crate::ids::OptionalId;
 use crate::simplify::price::best_collapse::finite;
 use crate::simplify::surface::topology::{CornerId, Topology};
@@ -49,7 +49,7 @@ pub(crate) struct RemovedPoints {
     /// The triangles that they move to, and the edge of each that is opposite to the kept point.
     triangles: Vec<usize>,
     edges: Vec<[Point; 2]>,
-    fan: Fan,
+    fan: TriangleFan,
 }
 
 impl RemovedPoints {
@@ -62,7 +62,7 @@ impl RemovedPoints {
             moving: Vec::new(),
             triangles: Vec::new(),
             edges: Vec::new(),
-            fan: Fan::default(),
+            fan: TriangleFan::default(),
         }
     }
 
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
     use crate::simplify::SimplifyOptions;
     use crate::simplify::price::neighbourhood::Neighbourhood;
-    use crate::simplify::price::priced_surface::Surface;
+    use crate::simplify::price::priced_surface::PricedSurface;
     use crate::vector::to_triangle;
 
     /// Positions on a paraboloid, over a square grid of `side` by `side`, and the triangles.
@@ -201,7 +201,7 @@ mod tests {
         assert!((1..2 * FEW_SAMPLES).contains(&places(0.0).len()), "bounded");
         let points_of = |options: SimplifyOptions| {
             let topology = Topology::new(&corners[..], |_| Vec::new(), &[0, 1, 2, 2, 1, 3], false, 0.0);
-            Surface::new(topology, &corners[..], |_| None, &options).removed.unwrap().points.len()
+            PricedSurface::new(topology, &corners[..], |_| None, &options).removed.unwrap().points.len()
         };
         assert_eq!(points_of(SimplifyOptions::default()), 4);
         assert_eq!(points_of(SimplifyOptions::default().with_error(0.25)), 10, "twice the error limit apart");

@@ -24,9 +24,9 @@ use super::quadric::Quadric;
 use crate::collapse::Rename;
 use crate::simplify::options::Price;
 use crate::simplify::price::best_collapse::{PricedCollapse, finite};
-use crate::simplify::price::priced_surface::Surface;
+use crate::simplify::price::priced_surface::PricedSurface;
 use crate::simplify::surface::irregular::Links;
-use crate::simplify::surface::outcome::Outcome;
+use crate::simplify::surface::outcome::CollapseOutcome;
 use crate::simplify::surface::topology::PointKind;
 use crate::vector::{Point, dot, sub};
 
@@ -75,12 +75,12 @@ pub(crate) struct PriceSearch {
 
 impl PriceSearch {
     /// Makes a point the current one.
-    pub(crate) fn set_current(&mut self, surface: &Surface, point: u32) {
+    pub(crate) fn set_current(&mut self, surface: &PricedSurface, point: u32) {
         self.current.collect(&surface.topology, &surface.positions, point);
     }
 
     /// Collects the neighbours that a point may go to, with their estimates: for a border point those along the border.
-    pub(crate) fn collect_candidates(&mut self, surface: &Surface, point: u32) {
+    pub(crate) fn collect_candidates(&mut self, surface: &PricedSurface, point: u32) {
         let kind = surface.topology.kind(point);
         match kind {
             PointKind::Irregular => self.links.neighbours(&surface.topology, point, &mut self.neighbours),
@@ -99,7 +99,7 @@ impl PriceSearch {
     }
 
     /// Returns the least estimate of a point.
-    pub(crate) fn least_estimate(&mut self, surface: &Surface, point: u32) -> Option<f64> {
+    pub(crate) fn least_estimate(&mut self, surface: &PricedSurface, point: u32) -> Option<f64> {
         self.collect_candidates(surface, point);
         self.candidates.iter().map(|&(estimate, _)| estimate).min_by(f64::total_cmp)
     }
@@ -107,9 +107,9 @@ impl PriceSearch {
     /// Returns the best collapse of a point; `outcome` tells what that to a neighbour does to the topology.
     pub(crate) fn best(
         &mut self,
-        surface: &Surface,
+        surface: &PricedSurface,
         point: u32,
-        mut outcome: impl FnMut(u32) -> Outcome,
+        mut outcome: impl FnMut(u32) -> CollapseOutcome,
     ) -> Option<PricedCollapse> {
         self.collect_candidates(surface, point);
         self.set_current(surface, point);
@@ -139,8 +139,8 @@ impl PriceSearch {
     /// Returns the collapse of a point along its shortest edge that is possible; its cost is the length of the edge.
     pub(crate) fn nearest(
         &mut self,
-        (surface, point): (&Surface, u32),
-        mut outcome: impl FnMut(u32) -> Outcome,
+        (surface, point): (&PricedSurface, u32),
+        mut outcome: impl FnMut(u32) -> CollapseOutcome,
     ) -> Option<PricedCollapse> {
         self.set_current(surface, point);
         self.collect_candidates(surface, point);
@@ -165,12 +165,12 @@ impl PriceSearch {
     /// Returns the price of a collapse of the current point and its error, if it is possible and its price below `most`.
     fn price_of(
         &mut self,
-        surface: &Surface,
+        surface: &PricedSurface,
         point: u32,
         to: u32,
         estimate: f64,
         most: f64,
-        outcome: &mut impl FnMut(u32) -> Outcome,
+        outcome: &mut impl FnMut(u32) -> CollapseOutcome,
     ) -> Option<(f64, f64)> {
         let kept = surface.positions[to as usize];
         let quadric = &surface.quadrics[point as usize];
@@ -217,10 +217,10 @@ impl PriceSearch {
         // 5. What it does to the topology.
         let mut error = square.sqrt();
         match outcome(to) {
-            Outcome::Keeps => {}
-            Outcome::Breaks if surface.is_permissive => {}
+            CollapseOutcome::Keeps => {}
+            CollapseOutcome::Breaks if surface.is_permissive => {}
             // A component that may vanish may also break on the way.
-            Outcome::Breaks | Outcome::Loses | Outcome::Ends => {
+            CollapseOutcome::Breaks | CollapseOutcome::Loses | CollapseOutcome::Ends => {
                 let removal = surface.vanishing_error(point);
                 cost += VANISHING_WEIGHT * weight * removal * removal;
                 error = error.max(removal);
@@ -231,7 +231,7 @@ impl PriceSearch {
     }
 
     /// Returns the sum of the squared deviations of the attributes if a point goes to a neighbour; `None` if a seam would open.
-    fn attribute_change(&mut self, surface: &Surface, point: u32, to: u32) -> Option<f64> {
+    fn attribute_change(&mut self, surface: &PricedSurface, point: u32, to: u32) -> Option<f64> {
         if !surface.keeps_seams(point, to, &mut self.renames) {
             return None;
         }

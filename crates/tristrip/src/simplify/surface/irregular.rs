@@ -22,14 +22,14 @@ use super::topology::Topology;
 
 /// The link of a point.
 #[derive(Debug, Default)]
-struct Link {
+struct PointLink {
     /// The arcs, each as its lower and its higher point, ascending.
     arcs: Vec<[u32; 2]>,
     /// The points and their numbers of arcs, ascending.
     nodes: Vec<(u32, u32)>,
 }
 
-impl Link {
+impl PointLink {
     /// Collects the link of a point.
     fn collect(&mut self, topology: &Topology, point: u32) {
         self.arcs.clear();
@@ -61,8 +61,8 @@ impl Link {
 /// The links of two points.
 #[derive(Debug, Default)]
 pub(crate) struct Links {
-    removed: Link,
-    kept: Link,
+    removed: PointLink,
+    kept: PointLink,
 }
 
 impl Links {
@@ -92,7 +92,7 @@ impl Links {
             return false;
         }
         // 3. A triangle remains at each edge that others become.
-        let in_more = |link: &Link, node: u32| link.arcs_of(node).is_some_and(|arcs| arcs > 1);
+        let in_more = |link: &PointLink, node: u32| link.arcs_of(node).is_some_and(|arcs| arcs > 1);
         let mut ends =
             from.arcs.iter().filter(|arc| arc.contains(&kept)).map(|&[u, w]| if u == kept { w } else { u });
         ends.all(|node| in_more(from, node) || in_more(to, node))

@@ -16,7 +16,7 @@ pub(crate) const MAX_CORNERS: usize = 256;
 
 /// What a collapse does to the surface around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub(crate) enum CollapseOutcome {
     /// Everything stays as it is arranged.
     Keeps,
     /// The last triangles of a component or of a mesh disappear, or two back to back are left of it.
@@ -43,10 +43,10 @@ impl Outcomes {
     }
 
     /// Returns what a collapse does to the surface.
-    pub(crate) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> Outcome {
+    pub(crate) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> CollapseOutcome {
         let ring = topology.opposite(point);
         if is_end(topology, point, to) || topology.ends_mesh(point, to) {
-            return Outcome::Ends;
+            return CollapseOutcome::Ends;
         }
         let keeps = if topology.kind(point) == PointKind::Irregular {
             topology.ring(to).len() <= MAX_CORNERS && self.links.allow(topology, point, to)
@@ -58,11 +58,11 @@ impl Outcomes {
                 && self.common_neighbours(topology, point, to) == common
         };
         if keeps {
-            Outcome::Keeps
+            CollapseOutcome::Keeps
         } else if loses_triangle(topology, point, to) {
-            Outcome::Loses
+            CollapseOutcome::Loses
         } else {
-            Outcome::Breaks
+            CollapseOutcome::Breaks
         }
     }
 
@@ -150,7 +150,7 @@ fn component_remains(topology: &Topology, point: u32, to: u32) -> bool {
 mod tests {
     use super::*;
 
-    fn outcome(vertices: &[u32], point: u32, to: u32) -> Outcome {
+    fn outcome(vertices: &[u32], point: u32, to: u32) -> CollapseOutcome {
         let positions: Vec<[f32; 3]> = (0..9).map(|i| [i as f32, (i * i) as f32, 0.0]).collect();
         let topology = Topology::new(&positions[..], |_| Vec::new(), vertices, false, 0.0);
         let at = |v: u32| (0..topology.point_count() as u32).find(|&p| topology.vertex_of(p) == v).unwrap();
@@ -160,14 +160,18 @@ mod tests {
     #[test]
     fn outcomes_of_small_surfaces() {
         let tetrahedron = [0, 1, 2, 0, 2, 3, 0, 3, 1, 3, 2, 1];
-        assert_eq!(outcome(&tetrahedron, 0, 1), Outcome::Ends);
-        assert_eq!(outcome(&[0, 1, 2, 0, 2, 1], 0, 1), Outcome::Ends, "two triangles back to back");
-        assert_eq!(outcome(&[0, 1, 2], 0, 1), Outcome::Ends);
-        assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 0, 1), Outcome::Keeps);
-        assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 2, 1), Outcome::Ends, "both triangles");
+        assert_eq!(outcome(&tetrahedron, 0, 1), CollapseOutcome::Ends);
+        assert_eq!(outcome(&[0, 1, 2, 0, 2, 1], 0, 1), CollapseOutcome::Ends, "two triangles back to back");
+        assert_eq!(outcome(&[0, 1, 2], 0, 1), CollapseOutcome::Ends);
+        assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 0, 1), CollapseOutcome::Keeps);
+        assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 2, 1), CollapseOutcome::Ends, "both triangles");
         // The sides of a prism: its three corners at each end are a hole.
         let sides = [0, 1, 3, 3, 1, 4, 1, 2, 4, 4, 2, 5, 2, 0, 5, 5, 0, 3];
-        assert_eq!(outcome(&sides, 0, 1), Outcome::Breaks);
-        assert_eq!(outcome(&[0, 1, 2, 0, 3, 4, 1, 5, 6], 0, 1), Outcome::Loses, "three triangles in a row");
+        assert_eq!(outcome(&sides, 0, 1), CollapseOutcome::Breaks);
+        assert_eq!(
+            outcome(&[0, 1, 2, 0, 3, 4, 1, 5, 6], 0, 1),
+            CollapseOutcome::Loses,
+            "three triangles in a row"
+        );
     }
 }

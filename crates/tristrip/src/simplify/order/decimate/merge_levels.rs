@@ -5,9 +5,9 @@ use crate::collapse::CollapseSequence;
 use crate::simplify::order::ahead::Pricers;
 use crate::simplify::order::merge_tree::{MergeOrder, Spacing};
 use crate::simplify::price::best_collapse::PricedCollapse;
-use crate::simplify::price::priced_surface::Surface;
+use crate::simplify::price::priced_surface::PricedSurface;
 use crate::simplify::price::search::PriceSearch;
-use crate::simplify::surface::outcome::{Outcome, Outcomes};
+use crate::simplify::surface::outcome::{CollapseOutcome, Outcomes};
 use crate::simplify::surface::topology::PointKind;
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
@@ -24,7 +24,7 @@ const LIMIT_SHARE_APART: [usize; 2] = [7, 10];
 const MIN_COSINE: f64 = 0.2;
 
 /// What the levels know beyond the surface.
-struct Levels {
+struct MergeLevels {
     order: MergeOrder,
     spacing: Spacing,
     /// For each point the sum of the normals of the full mesh at the points that it stands for, weighted by area.
@@ -33,8 +33,8 @@ struct Levels {
     factors: Vec<f32>,
 }
 
-impl Levels {
-    fn new(surface: &Surface, order: MergeOrder, spacing: Spacing) -> Self {
+impl MergeLevels {
+    fn new(surface: &PricedSurface, order: MergeOrder, spacing: Spacing) -> Self {
         let mut normals = vec![[0.0; 3]; surface.topology.point_count()];
         for triangle in &surface.topology.triangles {
             let normal = normal_of(triangle.map(|p| surface.positions[p as usize]));
@@ -47,7 +47,7 @@ impl Levels {
 
     /// Checks whether a triangle would turn farther than allowed from the full mesh at one of its corners, and farther than before. Each collapse turns triangles by
     /// little, but many of them may turn one over.
-    fn turns_over(&self, surface: &Surface, point: u32, to: u32) -> bool {
+    fn turns_over(&self, surface: &PricedSurface, point: u32, to: u32) -> bool {
         let at = |p: u32| surface.positions[p as usize];
         let sum_at = |p: u32| self.normals[p as usize];
         // What the kept point stands for afterwards.
@@ -72,7 +72,7 @@ impl Levels {
     /// Returns the best collapse of a point.
     fn best(
         &self,
-        surface: &Surface,
+        surface: &PricedSurface,
         (search, outcomes): (&mut PriceSearch, &mut Outcomes),
         point: u32,
     ) -> Option<PricedCollapse> {
@@ -80,7 +80,7 @@ impl Levels {
             return None;
         }
         let outcome = |to| match outcomes.of(&surface.topology, point, to) {
-            Outcome::Keeps if self.turns_over(surface, point, to) => Outcome::Loses,
+            CollapseOutcome::Keeps if self.turns_over(surface, point, to) => CollapseOutcome::Loses,
             outcome => outcome,
         };
         match self.order {
@@ -121,7 +121,7 @@ impl Decimation {
         sequence: &mut CollapseSequence,
     ) -> Vec<u32> {
         let count = self.surface.topology.point_count();
-        let mut levels = Levels::new(&self.surface, order, spacing);
+        let mut levels = MergeLevels::new(&self.surface, order, spacing);
         levels.factors = self.cost_factors(error_factors);
         let mut pricers = Pricers::new(count);
         let mut level_ends = Vec::new();
@@ -182,11 +182,12 @@ impl Decimation {
     }
 
     /// Collects the vertices that a level may remove, with their costs, the cheapest first. Returns the largest cost that a collapse of the level may have.
-    fn cheapest(&self, levels: &Levels, points: &[u32], chosen: &mut Vec<(f32, u32)>) -> f32 {
+    fn cheapest(&self, levels: &MergeLevels, points: &[u32], chosen: &mut Vec<(f32, u32)>) -> f32 {
         chosen.clear();
-        let Levels { order, spacing, .. } = *levels;
-        let priced =
-            points.iter().map(|&point| (levels.counted(point, self.waiting[point as usize].cost), point));
+        let MergeLevels { order, spacing, .. } = *levels;
+        let priced = points
+            .iter()
+            .map(|&point| (levels.counted(point, self.best_collapses[point as usize].cost), point));
         chosen.extend(priced.filter(|(cost, _)| *cost < f32::INFINITY));
         let by_cost = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         if order == MergeOrder::Quadric {
@@ -210,7 +211,7 @@ impl Decimation {
     /// Returns the best collapse of a vertex to one that is not taken.
     fn collapse_beside(
         &mut self,
-        levels: &Levels,
+        levels: &MergeLevels,
         point: u32,
         is_taken: impl Fn(u32) -> bool,
     ) -> Option<PricedCollapse> {
@@ -226,13 +227,13 @@ impl Decimation {
     }
 
     /// Prices vertices, each of which waits with its best collapse, if there is one.
-    fn price_for_level(&mut self, levels: &Levels, pricers: &mut Pricers, points: &[u32]) {
-        let mut waiting = std::mem::take(&mut self.waiting);
+    fn price_for_level(&mut self, levels: &MergeLevels, pricers: &mut Pricers, points: &[u32]) {
+        let mut best_collapses = std::mem::take(&mut self.best_collapses);
         let (this, surface) = (&*self, &self.surface);
         let best = |search: &mut PriceSearch, outcomes: &mut Outcomes, point| {
             this.is_removable(point).then(|| levels.best(surface, (search, outcomes), point)).flatten()
         };
-        pricers.price(points, best, |point, best| waiting[point as usize].set_price(best));
-        self.waiting = waiting;
+        pricers.price(points, best, |point, best| best_collapses[point as usize].set_price(best));
+        self.best_collapses = best_collapses;
     }
 }
