@@ -81,7 +81,6 @@ pub use view::View;
 /// version.
 #[doc(hidden)]
 pub mod strip_graphs {
-    pub use super::index_map::check_strips;
     pub use super::multiresolution::{
         Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists,
     };

@@ -18,7 +18,7 @@
 
 use std::sync::Arc;
 
-use tristrip::lod::strip_graphs::{Csr, NONE, StripState, check_strips, edits_of};
+use tristrip::lod::strip_graphs::{Csr, NONE, StripState, edits_of};
 use tristrip::lod::{LevelCursor, LevelModel, LevelTable};
 use tristrip::{CollapseSequence, Error, Rename, Strips};
 
@@ -91,7 +91,7 @@ impl LodStrips {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn new(strips: &Strips, sequence: &CollapseSequence) -> Result<Self, Error> {
-        check_strips(strips, sequence.vertex_count())?;
+        strips.check_vertices(sequence.vertex_count())?;
         if strips.vertices_sent() >= REMOVED as usize {
             let (found, limit) = (strips.vertices_sent() as u64, u64::from(REMOVED));
             return Err(Error::LimitExceeded {
