@@ -22,9 +22,9 @@ import { Textures } from './textures.js';
  */
 
 /** The most instances of all nodes together. */
-const MOST_INSTANCES = 10000;
+const MAX_INSTANCES = 10000;
 /** The most texels of the morph targets of all primitives together: 16 bytes each. Targets beyond are left out. */
-const MOST_MORPH_TEXELS = 2 ** 23;
+const MAX_MORPH_TEXELS = 2 ** 23;
 const REQUIRED = new Set([EXTENSION, 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_mesh_quantization', 'KHR_materials_emissive_strength', 'EXT_mesh_gpu_instancing', 'EXT_texture_webp']);
 
 /**
@@ -61,8 +61,8 @@ export class ShownModel {
   #vertices = new Map();
   /** @type {Map<string, IndexData>} */
   #indices = new Map();
-  #instancesLeft = MOST_INSTANCES;
-  #morphTexelsLeft = MOST_MORPH_TEXELS;
+  #instancesLeft = MAX_INSTANCES;
+  #morphTexelsLeft = MAX_MORPH_TEXELS;
   #areBoundsOld = false;
   /** What is made of the binary chunk, and how many bytes that needs.
    * @type {{ end: number, run: (bytes: Uint8Array) => void }[]} */
@@ -194,14 +194,16 @@ export class ShownModel {
     const used = [...Object.values(attributes), indices, ...targets.flatMap(Object.values)];
     this.#later(Math.max(...used.map((accessor) => accessorEnd(json, accessor))), (bytes) => {
       let count = 0;
+      /** @type {Map<string, VertexData>} */
+      const vertices = new Map();
       for (const [name, accessor] of Object.entries(attributes)) {
         if (!Object.hasOwn(LOCATIONS, name)) continue;
         const index = /** @type {number} */ (accessor);
         if (name === 'POSITION') count = this.#accessors.read(index, bytes).count;
-        own.attributes.set(name, this.#vertexData(index, bytes));
+        vertices.set(name, this.#vertexData(index, bytes));
       }
-      own.morphs = this.#morphs(targets, count, bytes);
-      own.parts.set(part, indices === undefined ? new IndexData(null, count, mode) : this.#indexData(indices, mode, bytes));
+      const faces = indices === undefined ? new IndexData(null, count, mode) : this.#indexData(indices, mode, bytes);
+      own.fill(vertices, part, faces, this.#morphs(targets, count, bytes));
       this.#changed.add(own);
     });
     return { own, stream, part, material };

@@ -1,7 +1,7 @@
 //! Measures every default method, and levels of detail, on the hostile shapes at two sizes: time per triangle, and growth.
 //!
 //! ```sh
-//! cargo run --release -p tristrip-bench --bin hostile -- --triangles 1000000
+//! cargo run --profile dist -p tristrip-bench --bin hostile -- --triangles 1000000
 //! ```
 //!
 //! Every run is a process of its own with a time limit; its result is proven before its time is printed. A run *violates* the bar if it
@@ -21,7 +21,7 @@ use tristrip_bench::text::Table;
 
 /// The factor by which the larger size is larger, and the most by which its time may be longer.
 const SIZES: u32 = 4;
-const MOST_GROWTH: f64 = 5.0;
+const MAX_GROWTH: f64 = 5.0;
 /// The shortest time of which growth is compared, in seconds.
 const SHORT: f64 = 0.25;
 
@@ -149,7 +149,7 @@ fn violation(method: &HostileMethod, small: Option<Figures>, large: Option<Figur
     if large.seconds > 1.0 + 1e-6 * method.microseconds * large.triangles {
         return Some("time");
     }
-    let grows = small.is_none_or(|small| large.seconds > MOST_GROWTH * small.seconds);
+    let grows = small.is_none_or(|small| large.seconds > MAX_GROWTH * small.seconds);
     (grows && large.seconds > SHORT).then_some("growth")
 }
 

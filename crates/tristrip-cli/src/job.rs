@@ -44,12 +44,6 @@ impl Input {
     pub(crate) fn name(&self) -> String {
         display_name(self.path.as_deref())
     }
-
-    /// Checks whether it is a file of `build-lod`, by its extension.
-    pub(crate) fn is_tlod(&self) -> bool {
-        let extension = self.path.as_ref().and_then(|path| path.extension());
-        extension.is_some_and(|extension| extension.eq_ignore_ascii_case("tlod"))
-    }
 }
 
 impl Output {
@@ -60,6 +54,7 @@ impl Output {
     }
 
     /// Chooses bytes in memory instead of a file.
+    #[cfg(feature = "serve")]
     pub(crate) fn in_memory(format: Format) -> Self {
         Self { path: None, in_directory: false, format, separate: false, layout: Layout::List }
     }

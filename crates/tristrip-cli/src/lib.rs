@@ -4,6 +4,8 @@
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab, tristrip-serve ─▶ output ─▶ figures ─▶ console
 //!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ serve │ view │ repro
 //! ```
+//! `serve` and `view` need the feature `serve`, and HTTPS the feature `tls`.
+//!
 //! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
 
 #![forbid(unsafe_code)]
@@ -20,18 +22,18 @@ mod console;
 mod convert;
 mod failure;
 mod figures;
-mod fly;
 mod input;
 mod inspect;
 mod job;
 mod lod;
+#[cfg(feature = "serve")]
 mod logs;
 mod method;
 mod output;
 mod pack;
 mod reorder;
-mod repro;
 mod search;
+#[cfg(feature = "serve")]
 mod serve;
 mod shell;
 mod simplify;
@@ -41,8 +43,8 @@ mod task;
 mod unpack;
 mod values;
 mod verify;
+#[cfg(feature = "serve")]
 mod view;
-mod view_model;
 
 use std::ffi::OsString;
 
@@ -90,8 +92,7 @@ where
 /// Does what [`run`] says.
 fn run_command(arguments: Vec<OsString>) -> u8 {
     search::forget_interrupt();
-    let papers: Vec<&str> = tristrip_lab::repro::keys().collect();
-    let (task, shared) = match task::parse(arguments, &papers) {
+    let (task, shared) = match task::parse(arguments) {
         Ok(parsed) => parsed,
         Err(message) => {
             console::print_usage(&message);
@@ -136,13 +137,13 @@ fn run_task(task: &Task, console: &mut Console) -> bool {
         Task::Lod(task) => lod::run(task, console),
         Task::Chain(task) => chain::run(task, console),
         Task::BuildLod(task) => build_lod::run(task, console),
-        Task::Fly(task) => fly::run(task, console),
         Task::Pack(task) => pack::run(task, console),
         Task::Unpack(task) => unpack::run(task, console),
         Task::Inspect(task) => inspect::run(task, console),
+        #[cfg(feature = "serve")]
         Task::Serve(task) => serve::run(task, console),
+        #[cfg(feature = "serve")]
         Task::View(task) => view::run(task, console),
-        Task::Repro(task) => repro::run(task, console),
         Task::Print(text) => {
             console.write_stdout(text);
             true

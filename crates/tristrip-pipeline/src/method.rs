@@ -56,10 +56,10 @@ impl MethodReport {
     /// assert_eq!(MethodReport::of(&tristrip::StripifyOptions::default()).label(), "best restart 2");
     /// ```
     pub fn of(options: &StripifyOptions) -> Self {
-        let plain = Self { method: options.method().to_string(), ..Self::default() };
-        let seeded = Self { seed: Some(options.seed()), ..plain.clone() };
-        let search = Self { effort: Some(options.effort().level()), ..seeded.clone() };
-        match options.method() {
+        let plain = Self { method: options.method.to_string(), ..Self::default() };
+        let seeded = Self { seed: Some(options.seed), ..plain.clone() };
+        let search = Self { effort: Some(options.effort_or_default().level()), ..seeded.clone() };
+        match options.method {
             Method::StripeLocal { triangulation, ties } => Self {
                 triangulation: Some(triangulation.to_string()),
                 ties: Some(ties.to_string()),
@@ -73,11 +73,11 @@ impl MethodReport {
             },
             Method::QuadRows { cutoff } => Self { cutoff: Some(cutoff), ..seeded },
             Method::Sgi { last_tie } => Self { last_tie: Some(last_tie.to_string()), ..plain },
-            Method::Best => Self { cost: Some(options.cost().to_string()), ..search },
+            Method::Best => Self { cost: Some(options.cost.to_string()), ..search },
             Method::Fewest => search,
             Method::Cache => Self {
-                vertex_cache: Some(options.vertex_cache().to_string()),
-                objective: Some(options.objective().to_string()),
+                vertex_cache: Some(options.vertex_cache.to_string()),
+                objective: Some(options.objective.to_string()),
                 ..search
             },
             Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain },
@@ -93,9 +93,9 @@ impl MethodReport {
 
     fn with_tunnels(self, tunnels: TunnelOptions) -> Self {
         Self {
-            tunnel_length: Some(tunnels.length()),
-            threshold: Some(tunnels.threshold()),
-            start: Some(tunnels.start().to_string()),
+            tunnel_length: Some(tunnels.length),
+            threshold: Some(tunnels.threshold),
+            start: Some(tunnels.start.to_string()),
             ..self
         }
     }
@@ -268,7 +268,7 @@ pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
 /// let default = StripifyOptions::default();
 /// let count = |effort| tristrip_pipeline::compared_methods(default, effort, true).len();
 /// // `best` has a second row at an effort other than its default.
-/// assert_eq!((count(default.effort()), count(Effort::default())), (45, 46));
+/// assert_eq!((count(default.effort_or_default()), count(Effort::default())), (45, 46));
 /// ```
 pub fn compared_methods(
     options: StripifyOptions,
@@ -278,8 +278,9 @@ pub fn compared_methods(
     let default = options.with_method(Method::Best);
     let all = methods_to_compare(every_variant).into_iter();
     let all = all.map(|method| options.with_method(method).with_effort(effort));
-    let is_default =
-        |options: &StripifyOptions| options.method() == Method::Best && options.effort() == default.effort();
+    let is_default = |options: &StripifyOptions| {
+        options.method == Method::Best && options.effort_or_default() == default.effort_or_default()
+    };
     std::iter::once(default).chain(all.filter(|options| !is_default(options))).collect()
 }
 

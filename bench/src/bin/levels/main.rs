@@ -1,7 +1,7 @@
 //! Measures simplification, compared with meshoptimizer's, and levels of detail: filters, vertex splits, traffic, repaired strips.
 //!
 //! ```sh
-//! cargo run --release -p tristrip-bench --bin levels -- --docs docs
+//! cargo run --profile dist -p tristrip-bench --bin levels -- --docs docs
 //! ```
 //!
 //! All representations of levels of detail, over STRIPE's strips, are compared with the oracle before anything is timed. Times are medians
@@ -24,8 +24,8 @@ use simplification::{
     POINTS, SimplificationFigures, SimplificationGoal, measure, simplification_table, summary,
 };
 use tristrip::Effort;
+use tristrip::lod::Filter;
 use tristrip::lod::{Encoding, ProgressiveStrips};
-use tristrip::lod::{Filter, traffic};
 use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 use tristrip::simplify::{self, Price, simplify_triangles};
 use tristrip::{CollapseSequence, Method, StripifyOptions, Strips, stripify};
@@ -36,12 +36,13 @@ use tristrip_bench::memory::CountingAllocator;
 use tristrip_bench::models::{ModelArgs, Source, load};
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::{self, Table};
+use tristrip_lab::traffic;
 
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// The command that generates the page.
-const COMMAND: &str = "cargo run --release -p tristrip-bench --bin levels -- --docs docs";
+const COMMAND: &str = "cargo run --profile dist -p tristrip-bench --bin levels -- --docs docs";
 /// Models whose quality has a target relative to meshoptimizer's.
 const QUALITY: [&str; 3] = ["bunny", "horse", "armadillo_43k"];
 const QUALITY_TARGET: f64 = 0.95;

@@ -4,20 +4,19 @@
 
 mod analyze;
 mod build_lod;
+mod camera;
 mod chain;
 mod compare;
 mod convert;
 mod documents;
-mod fly;
 mod library;
 mod lod;
 mod materials;
-mod pareto;
 mod picture;
 mod progressive;
 mod reorder;
-mod repro;
 mod search;
+#[cfg(feature = "serve")]
 mod serve;
 mod simplify;
 mod strip;

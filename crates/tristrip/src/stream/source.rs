@@ -13,7 +13,7 @@ const EXACT_BATCHES: usize = 2;
 const PRECISION: f64 = 0.5;
 
 /// What is encoded.
-pub(super) struct Source<'a> {
+pub(super) struct StreamSource<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) sequence: &'a CollapseSequence,
     pub(super) plan: Plan,
@@ -26,13 +26,14 @@ pub(super) struct Source<'a> {
     pub(super) batches: Vec<[usize; 2]>,
 }
 
-impl<'a> Source<'a> {
+impl<'a> StreamSource<'a> {
     pub(super) fn new(
         mesh: &'a Mesh,
         sequence: &'a CollapseSequence,
         level_ends: &[u32],
         options: &StreamOptions,
     ) -> Result<Self, Error> {
+        options.check()?;
         if sequence.vertex_count() != mesh.vertex_count() {
             let found = format!("collapses over {} vertices", sequence.vertex_count());
             return Err(Error::Parameter { name: "sequence", found, expected: "the vertices of the mesh" });
@@ -72,7 +73,7 @@ impl<'a> Source<'a> {
                 expected: "at most 64, with names of at most 256 bytes",
             });
         }
-        let &StreamOptions { position_bits, is_exact, .. } = options;
+        let &StreamOptions { position_bits, exact_positions: is_exact, .. } = options;
         Ok(Self { mesh, sequence, plan, grid, position_bits, is_exact, channels, batches })
     }
 

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::join::Run;
+use super::join::StripRun;
 use super::{Strips, join, strip_triangles};
 use crate::error::Error;
 use crate::ids::vertices_of;
@@ -68,7 +68,8 @@ impl Strips {
     /// which [`Strips::index_count`] tells how many there will be.
     ///
     /// # Errors
-    /// As [`Strips::to_indices`], or the slice is too short; nothing is written then.
+    /// A vertex does not fit the type of the indices, or is the restart value in a buffer with restarts; the slice is too short. Nothing is
+    /// written then.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -100,7 +101,7 @@ impl Strips {
     /// only these have to be sent to a graphics processor. Ranges with fewer than 16 equal indices between them are one.
     ///
     /// # Errors
-    /// As [`Strips::to_indices`]; the buffer is unchanged then.
+    /// A vertex does not fit the type of the indices, or is the restart value in a buffer with restarts. The buffer is unchanged then.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -243,8 +244,8 @@ impl Strips {
     }
 
     /// Sends the strips joined by degenerate triangles.
-    fn join(&self, send: impl FnMut(Run<'_>)) {
-        let mut joined = join::Joined::new(send);
+    fn join(&self, send: impl FnMut(StripRun<'_>)) {
+        let mut joined = join::JoinedStrips::new(send);
         if self.keeps_order {
             join::in_order(self).for_each(|strip| strip.join_to(&mut joined));
         } else {
@@ -389,7 +390,7 @@ mod tests {
         );
         assert_eq!(short, [7; 5]);
         let error = Strips::from_indices(&[1_u8, 2], Layout::List).unwrap_err().to_string();
-        assert_eq!(error, "faces: found 2 corners, expected a multiple of 3");
+        assert_eq!(error, "faces: number of corners: found 2, expected a multiple of 3");
     }
 
     proptest! {

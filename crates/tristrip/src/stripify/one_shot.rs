@@ -25,7 +25,7 @@ use crate::strip::Strips;
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error> {
-    let prepared = PreparedFaces::new(mesh, options.weld());
+    let prepared = PreparedFaces::new(mesh, options.weld);
     let graph = DualGraph::new(prepared.faces());
     Ok(plan_known(&prepared, &graph, options, &())?.strips())
 }
@@ -51,7 +51,8 @@ pub fn stripify_indices<I: Index>(indices: &[I], vertex_count: usize) -> Result<
 /// Computes triangle strips for the triangles of an index buffer as [`stripify_indices`] does, with options.
 ///
 /// # Errors
-/// As [`stripify_indices`]; or an option is invalid for the method, or vertices are to be welded, for which there are no positions.
+/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`; an option is invalid for the method;
+/// vertices are to be welded, for which there are no positions.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions, stripify_indices_with};
@@ -73,7 +74,8 @@ pub fn stripify_indices_with<I: Index>(
 /// which may be stopped.
 ///
 /// # Errors
-/// As [`stripify_indices_with`].
+/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`; an option is invalid for the method;
+/// vertices are to be welded, for which there are no positions.
 ///
 /// ```
 /// use tristrip::stripify::Progress;
@@ -140,7 +142,7 @@ fn strips_of(
 
 /// Checks that no vertices are to be welded, for which there is no mesh.
 fn check_no_weld(options: &StripifyOptions) -> Result<(), Error> {
-    if options.weld() {
+    if options.weld {
         let found = "true for vertices without attributes".into();
         return Err(Error::Parameter { name: "weld", found, expected: "false, or a mesh" });
     }
@@ -192,7 +194,7 @@ mod tests {
         );
         assert_eq!(
             message(stripify_indices(&[0_u16, 1], 9)),
-            "faces: found 2 corners, expected a multiple of 3"
+            "faces: number of corners: found 2, expected a multiple of 3"
         );
         let weld = StripifyOptions::default().with_weld(true);
         assert!(message(stripify_indices_with(&[0_u16, 1, 2], 3, &weld)).starts_with("parameter `weld`"));

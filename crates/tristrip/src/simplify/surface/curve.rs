@@ -1,0 +1,96 @@
+//! Triangles in the order of a curve through space, so that what lies together is stored together.
+//!
+//! Points are numbered as the triangles use them. If the triangles of a file come in no order, or in one that jumps, the points around a
+//! triangle are anywhere in memory, and every collapse waits for them. Then the triangles are sorted by the number of the cell that their first corner
+//! lies in, of 1024³ cells along Morton's curve: x, y and z bit by bit.
+//!
+//! # References
+//! Morton: *A Computer Oriented Geodetic Data Base and a New Technique in File Sequencing*, IBM, 1966.
+
+use crate::mesh::{Positions, triangles_of};
+
+/// Points of a triangle whose numbers differ by more are not stored together.
+const FAR: u32 = 1024;
+/// If more than one in so many triangles has such points, all are sorted.
+const FEW: usize = 8;
+const CELL_BITS: u32 = 10;
+
+/// Returns the triangles in the order of a curve; `None` if the points of most lie together already. `points` are those of the corners,
+/// numbered in the order of their first use.
+pub(crate) fn along_curve<P: Positions + ?Sized>(
+    positions: &P,
+    vertices: &[u32],
+    points: &[u32],
+) -> Option<Vec<u32>> {
+    let is_far = |[a, b, c]: &[u32; 3]| a.abs_diff(*b).max(b.abs_diff(*c)) > FAR;
+    if triangles_of(points).filter(is_far).count() <= points.len() / 3 / FEW {
+        return None;
+    }
+    let first = |[v, ..]: [u32; 3]| positions.position(v as usize).unwrap_or_default();
+    Some(order_along_curve(triangles_of(vertices).map(first)))
+}
+
+/// Returns the numbers of places in the order of the curve through their bounding box; those in one cell keep their order.
+pub(crate) fn order_along_curve(places: impl Iterator<Item = [f32; 3]> + Clone) -> Vec<u32> {
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for p in places.clone() {
+        for k in 0..3 {
+            low[k] = low[k].min(p[k]);
+            high[k] = high[k].max(p[k]);
+        }
+    }
+    let side = (0..3).map(|k| f64::from(high[k]) - f64::from(low[k])).fold(0.0, f64::max);
+    let scale = if side > 0.0 { f64::from((1 << CELL_BITS) - 1) / side } else { 0.0 };
+    let along = |x: f32, low: f32| spread((((f64::from(x) - f64::from(low)) * scale) as i32).unsigned_abs());
+    let cell = |[x, y, z]: [f32; 3]| along(x, low[0]) | along(y, low[1]) << 1 | along(z, low[2]) << 2;
+    let mut cells: Vec<(u32, u32)> = places.map(cell).zip(0..).collect();
+    cells.sort_unstable();
+    cells.into_iter().map(|(_, place)| place).collect()
+}
+
+/// Returns the ten lowest bits with two zeros between neighbours.
+fn spread(x: u32) -> u32 {
+    let x = (x | x << 16) & 0x0300_00ff;
+    let x = (x | x << 8) & 0x0300_f00f;
+    let x = (x | x << 4) & 0x030c_30c3;
+    (x | x << 2) & 0x0924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_spread_by_two() {
+        for x in 0..1024_u32 {
+            let expected = (0..10).map(|bit| (x >> bit & 1) << (3 * bit)).sum::<u32>();
+            assert_eq!(spread(x), expected, "{x}");
+        }
+    }
+
+    #[test]
+    fn triangles_far_apart_are_sorted_and_others_left() {
+        // Triangles on a line, in an order that jumps; each has its own points.
+        let count = 4096_u32;
+        let jump = |t: u32| t * 1031 % count;
+        let vertices: Vec<u32> = (0..count).map(jump).flat_map(|t| [t, t + 1, t + 2]).collect();
+        let positions: Vec<[f32; 3]> = (0..count + 2).map(|i| [i as f32, 0.0, 0.0]).collect();
+        let order = along_curve(&positions[..], &vertices, &vertices);
+        assert_eq!(order, None, "the numbers themselves lie together");
+        let mut numbers = std::collections::HashMap::new();
+        let points: Vec<u32> = vertices
+            .iter()
+            .map(|&v| {
+                let next = numbers.len() as u32;
+                *numbers.entry(v).or_insert(next)
+            })
+            .collect();
+        let order = along_curve(&positions[..], &vertices, &points).unwrap();
+        let firsts: Vec<u32> = order.iter().map(|&t| jump(t)).collect();
+        // Four positions share a cell, in their old order.
+        assert!(firsts.windows(2).all(|pair| pair[0] < pair[1] + 5), "along the line");
+        let mut sorted = order;
+        sorted.sort_unstable();
+        assert!(sorted.into_iter().eq(0..count));
+    }
+}

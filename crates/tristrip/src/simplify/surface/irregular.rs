@@ -1,0 +1,162 @@
+//! Collapses at points whose triangles are arranged neither like a disk nor like half of one.
+//!
+//! ```text
+//!        u ───── w        The link of the point b: its neighbours as nodes, the edges opposite to b, such as u–w, as arcs. It is a circle
+//!       ╱ ╲     ╱ ╲       around an inner point, and a path on a border. An edge from b to a node with other than two arcs is *singular*:
+//!      ╱   ╲   ╱   ╲      a border, or an edge where three or more sheets meet. A point with two singular edges of equally many sheets
+//!     ·────── b ──────·   is on a line; one with others is where lines meet or end.
+//! ```
+//! Triangles of the same three points, such as the two sides of a doubled face, count once.
+//!
+//! A collapse is allowed if
+//! - the common neighbours of both points are those of their common triangles, and no edge is opposite to both (the link condition). No hole
+//!   opens or closes then, and no parts join; but a fin may vanish, a triangle that only one edge attaches;
+//! - a point on singular edges moves along one of them;
+//! - a triangle remains at each edge that two edges become: a last triangle stays, and so does one that alone connects two others.
+//!
+//! # References
+//! Dey, Edelsbrunner, Guha, Nekhayev: *Topology Preserving Edge Contraction*, 1999. Attali, Lieutier, Salinas: *Efficient Data Structure for
+//! Representing and Simplifying Simplicial Complexes in High Dimensions*, 2012: under the link condition the homotopy type stays.
+
+use super::topology::Topology;
+
+/// The link of a point.
+#[derive(Debug, Default)]
+struct PointLink {
+    /// The arcs, each as its lower and its higher point, ascending.
+    arcs: Vec<[u32; 2]>,
+    /// The points and their numbers of arcs, ascending.
+    nodes: Vec<(u32, u32)>,
+}
+
+impl PointLink {
+    /// Collects the link of a point.
+    fn collect(&mut self, topology: &Topology, point: u32) {
+        self.arcs.clear();
+        let ordered = |[u, w]: [u32; 2]| [u.min(w), u.max(w)];
+        self.arcs.extend(topology.opposite(point).iter().map(|&edge| ordered(edge)));
+        self.arcs.sort_unstable();
+        self.arcs.dedup();
+        self.nodes.clear();
+        self.nodes.extend(self.arcs.iter().flatten().map(|&node| (node, 1)));
+        self.nodes.sort_unstable();
+        self.nodes.dedup_by(|node, before| {
+            let is_same = node.0 == before.0;
+            before.1 += u32::from(is_same);
+            is_same
+        });
+    }
+
+    /// Returns the number of arcs of a point.
+    fn arcs_of(&self, point: u32) -> Option<u32> {
+        self.nodes.binary_search_by_key(&point, |node| node.0).ok().map(|i| self.nodes[i].1)
+    }
+
+    /// Iterates over the points with other than two arcs, and their numbers of arcs.
+    fn singular(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.nodes.iter().copied().filter(|&(_, arcs)| arcs != 2)
+    }
+}
+
+/// The links of two points.
+#[derive(Debug, Default)]
+pub(crate) struct Links {
+    removed: PointLink,
+    kept: PointLink,
+}
+
+impl Links {
+    /// Collects the neighbours that a point may move to: along its singular edges, if it has any, otherwise all, ascending.
+    pub(crate) fn neighbours(&mut self, topology: &Topology, point: u32, found: &mut Vec<u32>) {
+        self.removed.collect(topology, point);
+        found.clear();
+        found.extend(self.removed.singular().map(|(node, _)| node));
+        if found.is_empty() {
+            found.extend(self.removed.nodes.iter().map(|&(node, _)| node));
+        }
+    }
+
+    /// Checks whether a collapse keeps the arrangement of the sheets, and leaves a triangle.
+    pub(crate) fn allow(&mut self, topology: &Topology, removed: u32, kept: u32) -> bool {
+        self.removed.collect(topology, removed);
+        self.kept.collect(topology, kept);
+        let Self { removed: from, kept: to } = self;
+        let Some(sheets) = from.arcs_of(kept) else { return false };
+        // 1. Common neighbours are those of common triangles, whose number is that of the sheets.
+        let common = from.nodes.iter().filter(|&&(node, _)| to.arcs_of(node).is_some()).count();
+        if common != sheets as usize || from.arcs.iter().any(|arc| to.arcs.binary_search(arc).is_ok()) {
+            return false;
+        }
+        // 2. Lines move along themselves.
+        if sheets == 2 && from.singular().next().is_some() {
+            return false;
+        }
+        // 3. A triangle remains at each edge that others become.
+        let in_more = |link: &PointLink, node: u32| link.arcs_of(node).is_some_and(|arcs| arcs > 1);
+        let mut ends =
+            from.arcs.iter().filter(|arc| arc.contains(&kept)).map(|&[u, w]| if u == kept { w } else { u });
+        ends.all(|node| in_more(from, node) || in_more(to, node))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn topology(vertices: &[u32]) -> Topology {
+        let positions: Vec<[f32; 3]> = (0..20).map(|i| [i as f32, (i * i) as f32, 0.0]).collect();
+        Topology::new(&positions[..], |_| Vec::new(), vertices, false, 0.0)
+    }
+
+    /// Returns the points of vertices below 20.
+    fn points(topology: &Topology) -> impl Fn(u32) -> u32 {
+        let vertices: Vec<u32> = (0..topology.point_count() as u32).map(|p| topology.vertex_of(p)).collect();
+        move |v| vertices.iter().position(|&vertex| vertex == v).unwrap() as u32
+    }
+
+    fn allows(vertices: &[u32], removed: u32, kept: u32) -> bool {
+        let topology = topology(vertices);
+        let at = points(&topology);
+        Links::default().allow(&topology, at(removed), at(kept))
+    }
+
+    /// Three sheets along the line 0–1–2, each of two triangles.
+    const BOOK: [u32; 18] = [0, 1, 3, 1, 2, 3, 0, 1, 4, 1, 2, 4, 0, 1, 5, 1, 2, 5];
+
+    #[test]
+    fn a_point_on_a_line_moves_along_it() {
+        assert!(allows(&BOOK, 1, 0) && allows(&BOOK, 1, 2));
+        assert!(!allows(&BOOK, 1, 3), "off the line");
+        assert!(allows(&BOOK, 0, 1), "the end of the line moves along it");
+        let topology = topology(&BOOK);
+        let (at, mut found) = (points(&topology), Vec::new());
+        Links::default().neighbours(&topology, at(1), &mut found);
+        found.sort_unstable();
+        assert_eq!(found, [at(0).min(at(2)), at(0).max(at(2))]);
+    }
+
+    #[test]
+    fn the_last_triangles_of_each_sheet_stay() {
+        // One triangle per sheet: both ends of the line are corners, and no other edge is common to all sheets.
+        assert!(!allows(&[0, 1, 2, 0, 1, 3, 0, 1, 4], 0, 1));
+        assert!(!allows(&[0, 1, 2], 0, 1), "a single triangle");
+    }
+
+    #[test]
+    fn doubled_faces_count_once() {
+        // A closed fan around point 0, and the same triangles from the other side: the common neighbours are two.
+        let side = (1..=5_u32).flat_map(|i| [0, i, i % 5 + 1]);
+        let both: Vec<u32> = side.clone().chain((1..=5).flat_map(|i| [0, i % 5 + 1, i])).collect();
+        assert!((1..6).all(|v| allows(&both, 0, v)));
+    }
+
+    #[test]
+    fn two_fans_that_touch_are_no_reason_to_stay() {
+        let vertices: Vec<u32> = (1..=4_u32)
+            .flat_map(|i| [0, i, i % 4 + 1])
+            .chain((5..=8).flat_map(|i| [0, i, (i - 4) % 4 + 5]))
+            .collect();
+        assert!(allows(&vertices, 0, 1));
+        assert!(!allows(&vertices, 1, 5), "no common triangle");
+    }
+}
