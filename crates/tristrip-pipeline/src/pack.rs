@@ -37,7 +37,7 @@ use self::group::{Group, groups, touching_vertices};
 use self::order::{Queue, in_order};
 pub use self::report::PackedReport;
 pub(crate) use self::report::bits_per_vertex;
-use crate::encode::{EncodeOptions, encode, kept_vertices};
+use crate::encode::{self, kept_vertices};
 use crate::error::Error;
 use crate::observer::{Observer, Stage, begin};
 use crate::parts::map;
@@ -303,7 +303,7 @@ fn as_scene(model: &Model) -> Result<Model, Error> {
 /// Writes what is drawn before the first chunk, as strips where that takes fewer indices, in few bytes.
 fn coarse_glb(model: &Model, drawn: Vec<Vec<u32>>, notes: &mut Vec<String>) -> Result<Vec<u8>, Error> {
     let redrawn = tristrip_io::with_triangles(model, drawn, Format::Glb)?;
-    notes.extend(kept_vertices(&redrawn, &()));
+    notes.extend(kept_vertices(&redrawn));
     let strips: Vec<Strips> =
         map(&redrawn.model.parts, |part| stripify(&part.mesh, &StripifyOptions::default()))
             .into_iter()
@@ -312,8 +312,8 @@ fn coarse_glb(model: &Model, drawn: Vec<Vec<u32>>, notes: &mut Vec<String>) -> R
         let is_shorter = strips.to_degenerate().len() < part.mesh.faces().corner_count();
         if is_shorter { Drawing::Strips(strips) } else { Drawing::Faces }
     });
-    let options = EncodeOptions::new(Format::Glb).with_pack(Some(Rounding::None));
-    Ok(encode(&redrawn.model, &drawings.collect::<Vec<_>>(), &options)?.bytes)
+    let options = encode::Options::new(Format::Glb).with_pack(Some(Rounding::None));
+    Ok(encode::run(&redrawn.model, &drawings.collect::<Vec<_>>(), &options, &())?.bytes)
 }
 
 /// Returns the triangles that are drawn before the first chunk: those of the base mesh, or where these would take more than a small share of the file, those of a simplification of its own: streams
@@ -346,18 +346,18 @@ fn pays(group: &Group, streamed: &StreamedMesh, coarse: &[u32]) -> bool {
 
 /// Reads the bytes back, and proves that each part has exactly the triangles of the model, at the positions that the stream keeps of them.
 fn prove(model: &Model, bytes: &[u8], expected: &HashMap<usize, Mesh>) -> Result<usize, Error> {
-    let unproven = |error: tristrip_io::Error| Error::Unproven(error.to_string());
+    let unproven = |error: tristrip_io::Error| Error::unproven(error.to_string());
     let again = tristrip_io::read(bytes, Format::Glb).map_err(unproven)?;
     if again.parts.len() != model.parts.len() {
         let (found, expected) = (again.parts.len(), model.parts.len());
-        return Err(Error::Unproven(format!("found {found} parts, expected {expected}")));
+        return Err(Error::unproven(format!("found {found} parts, expected {expected}")));
     }
     let mut triangles = 0;
     for (number, part) in model.parts.iter().enumerate() {
         let source = expected.get(&number).unwrap_or(&part.mesh);
         match verify_models(&[source], &[&again.parts[number].mesh])? {
             Ok(proof) => triangles += proof.triangles,
-            Err(difference) => return Err(Error::Unproven(format!("part {number}: {difference}"))),
+            Err(difference) => return Err(Error::unproven(format!("part {number}: {difference}"))),
         }
     }
     Ok(triangles)

@@ -75,7 +75,7 @@ pub fn pack_as_published(
     let model = Model { parts: vec![Part { mesh: mesh.clone(), ..Part::default() }], ..Model::default() };
     let levels = levels_observed(&model, options, observer)?;
     let Some(part) = levels.parts.first() else {
-        return Err(Error::Unproven("found no strips, expected those of one mesh".into()));
+        return Err(Error::unproven("found no strips, expected those of one mesh"));
     };
     begin(observer, Stage::Encode)?;
     let encoded = part.encode_as_published(mesh.positions(), tristrip::lod::Encoding::Offsets)?;
@@ -95,7 +95,7 @@ pub fn pack_as_published(
         let again = &full.model.parts[0].mesh;
         match verify_models(&[mesh], &[again])? {
             Ok(proof) => published.proven = Some(proof.triangles),
-            Err(difference) => return Err(Error::Unproven(difference.to_string())),
+            Err(difference) => return Err(Error::unproven(difference.to_string())),
         }
     }
     Ok(published)

@@ -8,7 +8,7 @@ use tristrip_bench::targets::Target;
 use tristrip_bench::text::Table;
 use tristrip_io::{Model, read_path};
 use tristrip_lab::recovery::{ModelRecovery, SHARES, Sweep, measure};
-use tristrip_pipeline::{Amount, Deviation, Goal, LevelsOptions, Ratio, SimplifyOptions, levels, simplify};
+use tristrip_pipeline::{Amount, Deviation, Goal, LevelsOptions, Ratio, levels, simplify};
 
 /// What the paper prints of a model, in its table 2: strips, and megabytes of SETS and of MTS.
 const PUBLISHED: [(&str, usize, [f64; 2]); 2] =
@@ -40,7 +40,8 @@ pub(super) fn measure_all(sources: &[Source], rounds: usize) -> Result<Vec<Recov
             continue;
         };
         let goal = Goal { amount: Some(Amount::Triangles(triangles)), deviation: Deviation::default() };
-        let simplified = simplify(&model, &SimplifyOptions::new(goal))?.redrawn.model;
+        let simplified =
+            simplify::run(&model, &simplify::Options::default().with_goal(goal), &())?.redrawn.model;
         figures.push(of_model(&format!("{} of {triangles} triangles", source.name), &simplified, rounds)?);
     }
     Ok(figures)

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use tristrip_lab::recovery::ModelRecovery;
 use tristrip_lab::traffic::{FilterTotal, LevelRow};
-use tristrip_pipeline::{Figures, MethodReport, Stopped};
+use tristrip_pipeline::{MethodReport, Stopped, StripMetrics};
 
 use crate::batch::{InputReport, Outcome};
 use crate::task::LodTask;
@@ -43,9 +43,9 @@ pub(crate) struct LodReport {
     pub(crate) diagonal: Option<f64>,
     /// The surface error in pixels of the view, if there is one.
     pub(crate) pixels: Option<f64>,
-    /// Figures of the display strips.
+    /// The metrics of the display strips.
     #[serde(flatten)]
-    pub(crate) figures: Option<Figures>,
+    pub(crate) figures: Option<StripMetrics>,
     pub(crate) table: Option<Vec<LevelRow>>,
     /// Sums over all levels.
     pub(crate) compare: Option<Vec<FilterTotal>>,

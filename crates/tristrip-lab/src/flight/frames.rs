@@ -183,14 +183,14 @@ pub fn prove_drawing(view: &SkipView, strips: &Strips) -> Result<usize, Error> {
 }
 
 fn unproven(why: String) -> Error {
-    tristrip_pipeline::Error::Unproven(why).into()
+    tristrip_pipeline::Error::unproven(why).into()
 }
 
 /// Proves the display strips of a frame.
 fn prove(frame: usize, view: &SkipView) -> Result<(), Error> {
     let Err(error) = prove_view(view) else { return Ok(()) };
     match error {
-        Error::Pipeline(tristrip_pipeline::Error::Unproven(why)) => {
+        Error::Pipeline(tristrip_pipeline::Error::Unproven { why, .. }) => {
             Err(unproven(format!("frame {frame}: {why}")))
         }
         other => Err(other),
