@@ -4,7 +4,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use tristrip::Mesh;
-use tristrip_pipeline::simplify::{self, CollapseRules};
+use tristrip_pipeline::simplify::{CollapseRules, Options};
 use tristrip_pipeline::{Amount, Deviation, Goal, Ratio};
 
 use crate::arrays::indices_of;
@@ -256,7 +256,7 @@ pub(crate) fn simplify<'py>(
     if let Some(distance) = weld_distance {
         rules.weld_distance = deviation("weld_distance", distance)?;
     }
-    let options = simplify::Options::default().with_goal(goal).with_rules(rules).with_verify(verify);
+    let options = Options::default().with_goal(goal).with_rules(rules).with_verify(verify);
     let options = options
         .with_normals(normals_mode.parse().map_err(|why| Failure::Parameter(format!("normals_mode: {why}")))?)
         .with_fit(fit)
@@ -265,7 +265,7 @@ pub(crate) fn simplify<'py>(
     let given = GivenAttributes { normals, uv, colors, others: attributes };
     let model = one_part(given.add_to(mesh_of(vertices, faces)?)?);
     let ended = watching.run(py, move |watcher| {
-        let done = simplify::run(&model, &options, watcher)?;
+        let done = tristrip_pipeline::simplify::run(&model, &options, watcher)?;
         let sources = done.source_vertices(0)?;
         let mesh = done.redrawn.model.parts.into_iter().next().map(|part| part.mesh).unwrap_or_default();
         let figures = Figures {

@@ -4,11 +4,11 @@ use std::cell::RefCell;
 
 use serde::Serialize;
 use tristrip::vertex_cache::FlushPolicy;
-use tristrip_lab::analysis::{self, Curve};
-use tristrip_lab::text::table;
 use tristrip_pipeline::Stage;
 use tristrip_pipeline::analyze::{self, CacheMisses, DrawMode, LengthBin, StoredIndices, StoredPart};
 use tristrip_pipeline::text::{count, counted};
+use tristrip_render::analysis::{self, Curve};
+use tristrip_render::text::table;
 
 use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;

@@ -1,8 +1,8 @@
 //! `tristrip bound`: lower bounds on strips, vertices and indices, and how they were found.
 
-use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{BoundGap, Stage, bound};
+use tristrip_render::text::table;
 
 use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;

@@ -3,9 +3,9 @@
 use std::sync::{Mutex, PoisonError};
 
 use tristrip::StripifyOptions;
-use tristrip_lab::text::{markdown, table};
 use tristrip_pipeline::text::{counted, grouped};
 use tristrip_pipeline::{MethodReport, Observer, Search, Stage, StripMetrics, compare};
+use tristrip_render::text::{markdown, table};
 
 use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;

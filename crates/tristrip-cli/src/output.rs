@@ -1,8 +1,8 @@
 //! Writes results. The bytes are read back and verified before a file is replaced.
 
-use tristrip_lab::text;
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Error, Observer, Stage, encode};
+use tristrip_render::text;
 
 use crate::clock::StageClock;
 use crate::console::Console;
@@ -116,9 +116,8 @@ mod tests {
         let mut write = |strips: &Strips| {
             let (drawings, options) = ([Drawing::Strips(strips)], encode::Options::new(Format::Ply));
             let clock = StageClock::new(&console, None);
-            let encoded = encode(&output, &clock, |observer| {
-                encode::run(&model, &drawings, &options, observer)
-            })?;
+            let encoded =
+                encode(&output, &clock, |observer| encode::run(&model, &drawings, &options, observer))?;
             write(&output, "restart", &encoded, &mut Vec::new(), &clock, &mut console)
         };
         let Err(Failure::Unproven { why, .. }) = write(&strips) else { panic!("half a square was written") };

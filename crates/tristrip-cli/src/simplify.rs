@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde::Serialize;
 use tristrip_io::{Format, Model};
-use tristrip_lab::render::{Mode, TexturedModel, rows_of_sides};
-use tristrip_lab::text::table;
 use tristrip_pipeline::simplify::Deviations;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{Stage, simplify};
+use tristrip_render::images::{Mode, TexturedModel, rows_of_sides};
+use tristrip_render::text::table;
 
 use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;

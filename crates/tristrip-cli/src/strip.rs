@@ -6,10 +6,10 @@ use serde::Serialize;
 use tristrip::StripifyOptions;
 use tristrip_io::Model;
 use tristrip_lab::pareto::{self, ParetoObserver, ParetoPoint};
-use tristrip_lab::render::{self, RenderOptions};
-use tristrip_lab::text as lab_text;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{DrawnParts, FileCost, Observer, PreparedModel, Search, Stage, encode, strip};
+use tristrip_render::images::{self, RenderOptions};
+use tristrip_render::text as render_text;
 
 use crate::bound::gap_line;
 use crate::clock::{STRIP_SECONDS, StageClock};
@@ -49,7 +49,7 @@ struct Stripped {
 
 /// Returns the row of a file in a table.
 fn file_row(name: &str, cost: &FileCost) -> Vec<String> {
-    let bytes = cost.bytes.map_or_else(|| "unknown".into(), |bytes| lab_text::bytes(bytes as usize));
+    let bytes = cost.bytes.map_or_else(|| "unknown".into(), |bytes| render_text::bytes(bytes as usize));
     vec![format!("  {name}"), count(cost.indices), format!("{:.3}", cost.acmr_fifo_16), bytes]
 }
 
@@ -57,7 +57,7 @@ fn file_row(name: &str, cost: &FileCost) -> Vec<String> {
 fn before_and_after(stripped: &Stripped) -> String {
     let (Some(before), Some(after)) = (&stripped.before, &stripped.after) else { return String::new() };
     let head = ["", "indices", "ACMR, FIFO 16", "file"].map(str::to_owned).to_vec();
-    lab_text::table(&[head, file_row("before", before), file_row("after", after)], 1..4)
+    render_text::table(&[head, file_row("before", before), file_row("after", after)], 1..4)
 }
 
 /// Processes all inputs in order; returns whether all succeeded.
@@ -181,7 +181,7 @@ fn draw(path: &Path, model: &Model, strips: &strip::Outcome, console: &Console) 
     let options = RenderOptions::default();
     let positions = model.parts.iter().map(|part| part.mesh.positions());
     let parts: Vec<_> = positions.zip(&strips.strips).collect();
-    let (picture, seconds) = timed(|| render::strips(&parts, &options));
+    let (picture, seconds) = timed(|| images::strips(&parts, &options));
     tristrip_io::replace_file(path, &picture?).map_err(|error| Failure::writing(&error))?;
     let what = format!("{}, {} × {} pixels", path.display(), options.width, options.height);
     console.stage("picture", &what, Some(seconds));

@@ -125,8 +125,9 @@ fn fitted_faces_have_their_own_normals() {
 #[test]
 fn smooth_models_keep_their_normals() {
     let source = model(&triangles(wavy), |_, axis| axis);
-    let [auto, keep] = [Normals::Auto, Normals::Keep]
-        .map(|normals| simplified(&source, normals, Format::Glb).encode(Format::Glb, true, &()).unwrap().bytes);
+    let [auto, keep] = [Normals::Auto, Normals::Keep].map(|normals| {
+        simplified(&source, normals, Format::Glb).encode(Format::Glb, true, &()).unwrap().bytes
+    });
     assert!(auto == keep);
 }
 
