@@ -53,7 +53,7 @@ pub(crate) struct MethodArgs {
     /// Strips with the least restart cost are nearly the cheapest for degenerate joins, too.
     #[arg(long, value_parser = named(Cost::ALL, Cost::name, Cost::summary), value_name = "COST")]
     cost: Option<Cost>,
-    /// The vertex cache that cache optimizes for, and --pareto measures with: fifo:N or lru:N, N entries [default: fifo:16]
+    /// The vertex cache that cache optimizes for: fifo:N or lru:N, N entries [default: fifo:16]
     ///
     /// The cache is kept from one strip to the next, as graphics processors do. Desktop processors behave like 16 to 32 entries.
     #[arg(long, value_name = "CACHE")]
@@ -107,11 +107,11 @@ impl MethodArgs {
         Self { method: self.method.or(Some(Method::Cache)), ..self }
     }
 
-    /// Builds the options. With `all_methods`, the flags of searches fit any method, because all methods run.
+    /// Builds the options.
     ///
     /// # Errors
     /// A flag belongs to another method.
-    pub(crate) fn validate(&self, all_methods: bool) -> Result<StripifyOptions, String> {
+    pub(crate) fn validate(&self) -> Result<StripifyOptions, String> {
         let chosen = self.method.unwrap_or(Method::Best);
         let local = matches!(chosen, Method::StripeLocal { .. });
         let global = matches!(chosen, Method::StripeGlobal { .. });
@@ -131,11 +131,11 @@ impl MethodArgs {
         check("--cutoff", self.cutoff.is_some(), global || rows, "stripe-global or quad-rows")?;
         let best = matches!(chosen, Method::Best);
         let cache = chosen == Method::Cache;
-        let search = best || cache || chosen == Method::Fewest || all_methods;
+        let search = best || cache || chosen == Method::Fewest;
         let tunnels = tunnel || long;
         check("--cost", self.cost.is_some(), best, "best")?;
         check("--effort", self.effort.is_some(), search, "best, fewest or cache")?;
-        check("--vertex-cache", self.vertex_cache.is_some(), cache || all_methods, "cache")?;
+        check("--vertex-cache", self.vertex_cache.is_some(), cache, "cache")?;
         check("--objective", self.objective.is_some(), cache, "cache")?;
         let stoppable = "best, fewest, cache, tunnel, eta or guided-tunnels";
         check("--budget", self.budget.is_some(), search || tunnels, stoppable)?;
@@ -198,11 +198,6 @@ impl MethodArgs {
         tunnels
     }
 
-    /// Returns the requested effort.
-    pub(crate) fn effort(&self) -> Option<Effort> {
-        self.effort
-    }
-
     /// Returns the time after which a search stops.
     pub(crate) fn budget(&self) -> Option<Duration> {
         self.budget
@@ -224,7 +219,7 @@ mod tests {
     fn typed(flags: &str) -> Result<StripifyOptions, String> {
         let words = std::iter::once("tristrip").chain(flags.split_whitespace());
         let flags = MethodFlags::try_parse_from(words).map_err(|error| error.to_string())?;
-        flags.method.validate(false)
+        flags.method.validate()
     }
 
     /// Returns the flags of every value of a flag.

@@ -3,11 +3,9 @@
 use std::path::Path;
 
 use serde::Serialize;
-use tristrip::StripifyOptions;
 use tristrip_io::Model;
-use tristrip_lab::pareto::{self, ParetoObserver, ParetoPoint};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{DrawnParts, FileCost, Observer, PreparedModel, Search, Stage, encode, strip};
+use tristrip_pipeline::{DrawnParts, FileCost, Stage, encode, strip};
 use tristrip_render::images::{self, RenderOptions};
 use tristrip_render::text as render_text;
 
@@ -16,14 +14,14 @@ use crate::clock::{STRIP_SECONDS, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::summary;
-use crate::input::{file_bytes, short_name};
+use crate::input::file_bytes;
 use crate::job::{Job, Output};
 use crate::output::{self, drawn_as};
 use crate::reorder::GroupReport;
 use crate::report::{self, Batch};
-use crate::search::{SearchWatch, interrupted};
+use crate::search::interrupted;
 use crate::stage::{load_job, show_mesh, timed};
-use crate::task::{ParetoTask, StripTask};
+use crate::task::StripTask;
 
 /// What was done with one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
@@ -40,8 +38,6 @@ struct Stripped {
     after: Option<FileCost>,
     /// The new vertex order; `null` unless requested.
     vertex_order: Option<Vec<GroupReport>>,
-    /// The costs of all methods; `null` unless requested.
-    pareto: Option<Vec<ParetoPoint>>,
     /// The picture of the strips, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<String>,
@@ -64,23 +60,12 @@ fn before_and_after(stripped: &Stripped) -> String {
 pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
     let show = |job: &Job, stripped: &Stripped, title: &str, console: &mut Console| {
         let metrics = summary(&stripped.strips.metrics);
-        let methods = stripped.pareto.as_deref().map(pareto::as_text).unwrap_or_default();
         let files = before_and_after(stripped);
-        console.result(&format!("{title}{metrics}{files}{methods}"), job.output.is_none());
+        console.result(&format!("{title}{metrics}{files}"), job.output.is_none());
     };
     let process = |job: &Job, console: &mut Console, clock: &StageClock| strip(job, task, console, clock);
     let batch = Batch { budget: task.budget, ..Batch::new(STRIP_SECONDS) };
-    let mut reports = batch.process(&task.jobs, console, |job| job.input.name(), process, show);
-    if let Some(ParetoTask { path, .. }) = &task.pareto {
-        let points = reports.iter().filter_map(|report| {
-            Some((short_name(&report.file), report.outcome.as_ref()?.pareto.as_deref()?))
-        });
-        let points: Vec<_> = points.collect();
-        if !points.is_empty() {
-            let chart = pareto::draw(&points).map_err(Failure::from);
-            report::write_chart(path, chart, &mut reports, console);
-        }
-    }
+    let reports = batch.process(&task.jobs, console, |job| job.input.name(), process, show);
     report::finish(&reports, console)
 }
 
@@ -107,7 +92,6 @@ fn strip(
         before: None,
         after: None,
         vertex_order: None,
-        pareto: None,
         picture: None,
     };
     if let Some(target) = &job.output {
@@ -119,16 +103,6 @@ fn strip(
     }
     // The report does not need the strips.
     stripped.strips.strips = Vec::new();
-    let Some(wanted) = &task.pareto else { return Ok(stripped) };
-    let stripify = stripped.strips.stripify;
-    let prepared = PreparedModel::new(&model, stripify.weld());
-    let searches = Searches { console, task };
-    let (points, seconds) = timed(|| pareto::measure(&prepared, &stripify, wanted.effort, &searches));
-    let (points, notes) = points?;
-    console.stage("pareto", &pareto::line(&points), Some(seconds));
-    notes.iter().for_each(|note| console.note(note));
-    stripped.strips.notes.extend(notes);
-    stripped.pareto = Some(points);
     Ok(stripped)
 }
 
@@ -186,28 +160,6 @@ fn draw(path: &Path, model: &Model, strips: &strip::Outcome, console: &Console) 
     let what = format!("{}, {} × {} pixels", path.display(), options.width, options.height);
     console.stage("picture", &what, Some(seconds));
     Ok(())
-}
-
-/// Watches the methods of a chart.
-struct Searches<'a> {
-    console: &'a Console,
-    task: &'a StripTask,
-}
-
-impl Observer for Searches<'_> {
-    fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
-        Box::new(SearchWatch::new(self.console.progress(), self.task.budget, options))
-    }
-
-    fn is_cancelled(&self) -> bool {
-        interrupted()
-    }
-}
-
-impl ParetoObserver for Searches<'_> {
-    fn method(&self, label: &str) {
-        self.console.doing(label);
-    }
 }
 
 /// Returns a line on what was proven.

@@ -88,4 +88,6 @@ pub use unpack::{
     ChunkFigures, ComponentBits, StreamFigures, StreamGoal, StreamReport, Unpacked, UnpackedReport,
     stream_figures, unpack,
 };
-pub use view_model::{EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, view_model};
+pub use view_model::{
+    EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, prove_view, view_model,
+};
