@@ -79,7 +79,7 @@ fn points_equal_the_results_of_the_methods() {
         ("cache misses 2", "--method cache --objective misses"),
     ] {
         let options = strip::Options::default().with_stripify(parse_method(flags).unwrap());
-        let alone = serde_json::to_value(strip(&source, &options).unwrap().metrics).unwrap();
+        let alone = serde_json::to_value(strip::run(&source, &options, &()).unwrap().metrics).unwrap();
         let point = point(&report, label);
         assert_eq!(point["indices_restart_per_triangle"], alone["indices_restart_per_triangle"], "{label}");
         assert_eq!(point["acmr"], alone["acmr_fifo_16"], "{label}");
