@@ -51,7 +51,7 @@ fn bound(
 ) -> Result<bound::Outcome, Failure> {
     let (model, load) = load_timed(input, console)?;
     clock.add_seconds(Stage::Load, load);
-    let options = bound::Options::default().with_weld(task.options.weld());
+    let options = bound::Options::default().with_weld(task.options.weld);
     let found = clock.observe(|observer| bound::run(&model, &options, observer))?;
     show_mesh(&found.mesh, found.parts, &found.notes, clock, console);
     let what = counted(found.components.len(), "component");

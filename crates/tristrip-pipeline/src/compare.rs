@@ -57,7 +57,7 @@ impl Options {
     /// use tristrip::StripifyOptions;
     /// use tristrip_pipeline::compare::Options;
     /// let every = Options::default().with_every_variant(true);
-    /// let default = every.with_effort(StripifyOptions::default().effort());
+    /// let default = every.with_effort(StripifyOptions::default().effort_or_default());
     /// // `best` has a second row at an effort other than its default.
     /// assert_eq!((default.methods().len(), every.methods().len()), (45, 46));
     /// ```
@@ -66,7 +66,7 @@ impl Options {
         let all = methods_to_compare(self.every_variant).into_iter();
         let all = all.map(|method| self.stripify.with_method(method).with_effort(self.effort));
         let is_default = |options: &StripifyOptions| {
-            options.method() == Method::Best && options.effort() == default.effort()
+            options.method == Method::Best && options.effort_or_default() == default.effort_or_default()
         };
         std::iter::once(default).chain(all.filter(|options| !is_default(options))).collect()
     }
@@ -133,7 +133,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     let Survey { prepared, options: adapted, mesh, notes } = Survey::new(model, options.stripify, observer)?;
     let mut methods = Vec::new();
     for stripify in options.methods() {
-        let row = row(&prepared, &stripify.with_weld(adapted.weld()), observer)?;
+        let row = row(&prepared, &stripify.with_weld(adapted.weld), observer)?;
         let is_interrupted = row.stopped == Some(Stopped::Interrupt);
         methods.push(row);
         if is_interrupted {

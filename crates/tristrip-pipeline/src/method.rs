@@ -53,10 +53,10 @@ impl MethodReport {
     /// assert_eq!(MethodReport::of(&tristrip::StripifyOptions::default()).label(), "best restart 2");
     /// ```
     pub fn of(options: &StripifyOptions) -> Self {
-        let plain = Self { method: options.method().to_string(), ..Self::default() };
-        let seeded = Self { seed: Some(options.seed()), ..plain.clone() };
-        let search = Self { effort: Some(options.effort().level()), ..seeded.clone() };
-        match options.method() {
+        let plain = Self { method: options.method.to_string(), ..Self::default() };
+        let seeded = Self { seed: Some(options.seed), ..plain.clone() };
+        let search = Self { effort: Some(options.effort_or_default().level()), ..seeded.clone() };
+        match options.method {
             Method::StripeLocal { triangulation, ties } => Self {
                 triangulation: Some(triangulation.to_string()),
                 ties: Some(ties.to_string()),
@@ -70,11 +70,11 @@ impl MethodReport {
             },
             Method::QuadRows { cutoff } => Self { cutoff: Some(cutoff), ..seeded },
             Method::Sgi { last_tie } => Self { last_tie: Some(last_tie.to_string()), ..plain },
-            Method::Best => Self { cost: Some(options.cost().to_string()), ..search },
+            Method::Best => Self { cost: Some(options.cost.to_string()), ..search },
             Method::Fewest => search,
             Method::Cache => Self {
-                vertex_cache: Some(options.vertex_cache().to_string()),
-                objective: Some(options.objective().to_string()),
+                vertex_cache: Some(options.vertex_cache.to_string()),
+                objective: Some(options.objective.to_string()),
                 ..search
             },
             Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain },
@@ -90,9 +90,9 @@ impl MethodReport {
 
     fn with_tunnels(self, tunnels: TunnelOptions) -> Self {
         Self {
-            tunnel_length: Some(tunnels.length()),
-            threshold: Some(tunnels.threshold()),
-            start: Some(tunnels.start().to_string()),
+            tunnel_length: Some(tunnels.length),
+            threshold: Some(tunnels.threshold),
+            start: Some(tunnels.start.to_string()),
             ..self
         }
     }

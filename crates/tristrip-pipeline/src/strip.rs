@@ -131,7 +131,7 @@ impl Outcome {
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     pub fn draw<'a>(&'a self, model: &'a Model, options: &encode::Options) -> Drawn<'a> {
-        choose(model, (&self.strips, &self.of_parts), *options, self.stripify.method() == Method::Cache)
+        choose(model, (&self.strips, &self.of_parts), *options, self.stripify.method == Method::Cache)
     }
 
     fn unproven(&self) -> UnprovenMetrics {
@@ -237,8 +237,8 @@ fn measured(
 
 /// Returns whether the options ask for a search that takes longer than the bound of its result.
 fn is_long_search(options: &StripifyOptions) -> bool {
-    match options.method() {
-        Method::Best => options.effort() > StripifyOptions::default().effort(),
+    match options.method {
+        Method::Best => options.effort_or_default() > StripifyOptions::default().effort_or_default(),
         Method::Fewest => true,
         _ => false,
     }

@@ -44,7 +44,7 @@ pub(super) fn pack_task(args: PackArgs) -> Result<PackTask, String> {
     let output = OutputArgs { target, layout: Some(Layout::List) };
     let jobs = jobs_of(args.general, &output)?;
     let stream = StreamOptions::default().with_position_bits(args.position_bits.unwrap_or(14));
-    let stream = stream.map_err(|error| error.to_string())?;
+    stream.check().map_err(|error| error.to_string())?;
     let options = PackOptions::default().with_stream(stream).with_verify(!args.no_verify);
     let options = options.with_eye(args.eye.map(|Vector(eye)| eye));
     Ok(PackTask { jobs, options })
