@@ -4,6 +4,8 @@
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab, tristrip-serve ─▶ output ─▶ figures ─▶ console
 //!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ serve │ view │ repro
 //! ```
+//! `serve` and `view` need the feature `serve`, and HTTPS the feature `tls`.
+//!
 //! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
 
 #![forbid(unsafe_code)]
@@ -25,6 +27,7 @@ mod input;
 mod inspect;
 mod job;
 mod lod;
+#[cfg(feature = "serve")]
 mod logs;
 mod method;
 mod output;
@@ -32,6 +35,7 @@ mod pack;
 mod reorder;
 mod report;
 mod search;
+#[cfg(feature = "serve")]
 mod serve;
 mod shell;
 mod simplify;
@@ -41,6 +45,7 @@ mod task;
 mod unpack;
 mod values;
 mod verify;
+#[cfg(feature = "serve")]
 mod view;
 
 use std::ffi::OsString;
@@ -137,7 +142,9 @@ fn run_task(task: &Task, console: &mut Console) -> bool {
         Task::Pack(task) => pack::run(task, console),
         Task::Unpack(task) => unpack::run(task, console),
         Task::Inspect(task) => inspect::run(task, console),
+        #[cfg(feature = "serve")]
         Task::Serve(task) => serve::run(task, console),
+        #[cfg(feature = "serve")]
         Task::View(task) => view::run(task, console),
         Task::Print(text) => {
             console.write_stdout(text);

@@ -107,7 +107,7 @@ fn check_stream(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 2))]
 
     #[test]
     fn any_mesh_is_restored_level_by_level(mesh in meshes(), has_small_chunks in any::<bool>()) {
