@@ -16,7 +16,7 @@ use tristrip_bench::scenes;
 use tristrip_bench::text::Table;
 use tristrip_io::gltf::Rounding;
 use tristrip_io::{Format, Model, embed_images, read, read_path};
-use tristrip_pipeline::{Amount, Goal, Ratio, SimplifyOptions, simplify};
+use tristrip_pipeline::{Amount, Goal, Ratio, simplify};
 
 /// Measure the bytes of simplified scenes, images aside
 #[derive(Debug, Parser)]
@@ -65,8 +65,9 @@ fn measure(source: &Path, args: &Args) -> Result<Vec<String>, Failure> {
 fn simplified(model: &Model, share: f64, rounding: Rounding) -> Result<Vec<u8>, Failure> {
     let ratio = Ratio::new(share).ok_or_else(|| format!("found a share of {share}, expected 0 to 1"))?;
     let goal = Goal { amount: Some(Amount::Ratio(ratio)), ..Goal::default() };
-    let options = SimplifyOptions::new(goal).with_format(Format::Glb).with_rounding(rounding);
-    Ok(simplify(model, &options)?.encode(&())?.bytes)
+    let options =
+        simplify::Options::default().with_goal(goal).with_format(Format::Glb).with_rounding(rounding);
+    Ok(simplify::run(model, &options, &())?.encode(Format::Glb, true, &())?.bytes)
 }
 
 /// A GLB.

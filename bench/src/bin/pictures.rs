@@ -19,9 +19,7 @@ use tristrip_bench::failure::Failure;
 use tristrip_bench::scenes::{self, name, packed};
 use tristrip_bench::text::Table;
 use tristrip_io::{Format, Model, read, read_path, replace_file};
-use tristrip_pipeline::{
-    Amount, CollapseRules, Deviation, Goal, Normals, Ratio, SimplifyOptions, simplify, simplify_parts,
-};
+use tristrip_pipeline::{Amount, CollapseRules, Deviation, Goal, Normals, Ratio, simplify};
 use tristrip_render::images::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 
 /// The shares of the triangles that are kept.
@@ -158,7 +156,8 @@ fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<Figures>, Failu
     let ours = match (&packed, &theirs) {
         (Some(packed), _) if args.by_part => {
             let triangles = packed.parts.iter().map(|part| part.mesh.faces().triangle_count());
-            let done = simplify_parts(&model, &triangles.collect::<Vec<_>>(), &options(args, None))?;
+            let done =
+                simplify::run_parts(&model, &triangles.collect::<Vec<_>>(), &options(args, None), &())?;
             TexturedModel::new(&done.redrawn.model)?
         }
         (_, Some(theirs)) => simplified_to(&model, theirs.triangle_count(), args)?,
@@ -177,8 +176,9 @@ fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<Figures>, Failu
 }
 
 /// Returns the options of a simplification without a limit to its error.
-fn options(args: &Args, amount: Option<Amount>) -> SimplifyOptions {
-    let options = SimplifyOptions::new(Goal { amount, deviation: Deviation::Percent(100.0) });
+fn options(args: &Args, amount: Option<Amount>) -> simplify::Options {
+    let options =
+        simplify::Options::default().with_goal(Goal { amount, deviation: Deviation::Percent(100.0) });
     let rules = CollapseRules { weights: args.weight, ..CollapseRules::default() };
     options.with_normals(args.normals).with_rules(rules).with_format(Format::Glb)
 }
@@ -186,7 +186,7 @@ fn options(args: &Args, amount: Option<Amount>) -> SimplifyOptions {
 /// Simplifies to a share of the triangles.
 fn simplified(model: &Model, share: f64, args: &Args) -> Result<TexturedModel, Failure> {
     let ratio = Ratio::new(share).ok_or_else(|| format!("found a share of {share}, expected 0 to 1"))?;
-    let done = simplify(model, &options(args, Some(Amount::Ratio(ratio))))?;
+    let done = simplify::run(model, &options(args, Some(Amount::Ratio(ratio))), &())?;
     Ok(TexturedModel::new(&done.redrawn.model)?)
 }
 

@@ -57,7 +57,7 @@ impl From<tristrip_pipeline::Error> for Failure {
         match error {
             Error::Input(error) => error.into(),
             Error::Format(error) => error.into(),
-            Error::Unproven(why) => Self::Unproven(why),
+            Error::Unproven { why, .. } => Self::Unproven(why),
             other => Self::Parameter(other.to_string()),
         }
     }

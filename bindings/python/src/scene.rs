@@ -29,7 +29,6 @@ use std::sync::Arc;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyRange, PyType};
-use tristrip_pipeline::StripOptions;
 use tristrip_pipeline::text::counted;
 
 use crate::arguments::{Arguments, Keywords};
@@ -173,7 +172,8 @@ impl Scene {
         let watching = arguments.interruptible_search()?;
         let verify = arguments.extract("verify")?.unwrap_or(true);
         let stripify = method::taken(&arguments, "best")?;
-        let options = StripOptions::default().with_stripify(stripify).with_verify(verify);
+        let options =
+            tristrip_pipeline::strip::Options::default().with_stripify(stripify).with_verify(verify);
         let found = strip::strip(py, &self.data, options, watching)?;
         found.object(py, |stripped| StrippedScene::new(Arc::clone(&self.data), stripped))
     }
@@ -342,7 +342,7 @@ impl Scene {
         flush: bool,
     ) -> PyResult<Bound<'py, PyDict>> {
         let options = checks::analyze_options(vertex_caches, flush)?;
-        checks::statistics(py, &self.data, &options, flush)
+        checks::statistics(py, &self.data, &options)
     }
 
     /// Compare all methods. Each result is proven.

@@ -4,7 +4,8 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use tristrip::Mesh;
-use tristrip_pipeline::{Amount, CollapseRules, Deviation, Goal, Ratio, SimplifyOptions, simplify_observed};
+use tristrip_pipeline::simplify::{CollapseRules, Options};
+use tristrip_pipeline::{Amount, Deviation, Goal, Ratio};
 
 use crate::arrays::indices_of;
 use crate::attributes::{COLOUR, GivenAttributes, NORMAL, UV, all, named, positions_of, triangles_of};
@@ -255,7 +256,7 @@ pub(crate) fn simplify<'py>(
     if let Some(distance) = weld_distance {
         rules.weld_distance = deviation("weld_distance", distance)?;
     }
-    let options = SimplifyOptions::new(goal).with_rules(rules).with_verify(verify);
+    let options = Options::default().with_goal(goal).with_rules(rules).with_verify(verify);
     let options = options
         .with_normals(normals_mode.parse().map_err(|why| Failure::Parameter(format!("normals_mode: {why}")))?)
         .with_fit(fit)
@@ -264,13 +265,13 @@ pub(crate) fn simplify<'py>(
     let given = GivenAttributes { normals, uv, colors, others: attributes };
     let model = one_part(given.add_to(mesh_of(vertices, faces)?)?);
     let ended = watching.run(py, move |watcher| {
-        let done = simplify_observed(&model, &options, watcher)?;
+        let done = tristrip_pipeline::simplify::run(&model, &options, watcher)?;
         let sources = done.source_vertices(0)?;
         let mesh = done.redrawn.model.parts.into_iter().next().map(|part| part.mesh).unwrap_or_default();
         let figures = Figures {
             triangles_before: done.collapses.triangles_before,
             surface_error: done.collapses.surface_error,
-            deviations: done.change.map(|change| (change.rms, change.largest)),
+            deviations: done.deviations.map(|found| (found.change.rms, found.change.largest)),
             diagonal: done.collapses.diagonal,
             warning: done.warning,
             notes: done.notes,

@@ -11,8 +11,8 @@ use tristrip::stream::StreamOptions;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Error as FileError, Format, Model};
 use tristrip_pipeline::{
-    EncodeOptions, Level, PackOptions, PackedReport, StreamGoal, StreamReport, Target, UnpackedReport,
-    encode_observed, join, stream_figures, unpack as unpack_stream,
+    Level, PackOptions, PackedReport, StreamGoal, StreamReport, Target, UnpackedReport, encode, join,
+    stream_figures, unpack as unpack_stream,
 };
 
 use crate::arguments::{Arguments, Keywords};
@@ -23,7 +23,7 @@ use crate::numbers::Count;
 use crate::reports::report;
 use crate::scene::class::Scene;
 use crate::scene::data::SceneData;
-use crate::scene::output::{Destination, Noting};
+use crate::scene::output::Destination;
 use crate::work::{Watcher, Watching};
 
 /// The bits of a coordinate that the encoder takes.
@@ -187,13 +187,12 @@ fn unpack_source(
         UnpackReport { proven: None, unpacked: counts, notes: model.notes.clone(), output: None };
     report.notes.extend(unpacked.problem);
     if let Some(destination) = destination {
-        let noting = Noting::new(watcher);
-        let options = EncodeOptions::new(destination.target.format).with_layout(Layout::List);
+        let options = encode::Options::new(destination.target.format).with_layout(Layout::List);
         let drawings = vec![Drawing::Faces; model.parts.len()];
-        let encoded = encode_observed(&model, &drawings, &options.with_verify(verify), &noting);
+        let encoded = encode::run(&model, &drawings, &options.with_verify(verify), watcher);
         let encoded = encoded.map_err(|error| destination.unproven(error.into()))?;
         let written = destination.write(&encoded)?;
-        report.notes.extend(noting.into_notes(encoded.losses));
+        report.notes.extend(encoded.all_notes());
         report.notes.extend(written.warnings);
         report.output = destination.target.path.map(|path| path.display().to_string());
         report.proven = verify.then_some(true);

@@ -11,7 +11,7 @@ use tristrip::stripify::{Watch, plan_watched};
 use tristrip::verify::{verify, verify_drawing};
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{DualGraph, Layout, Mesh, PreparedFaces, StripifyOptions, stripify_indices_watched};
-use tristrip_pipeline::{Figures, MethodReport, Stopped};
+use tristrip_pipeline::{MethodReport, Stopped, StripMetrics};
 
 use crate::arrays::{GivenFaces, indices_of, indices_to_array, positions};
 use crate::errors::Failure;
@@ -259,7 +259,7 @@ impl Strips {
         let options = self.options.unwrap_or_default();
         let (strips, vertex_count) = (&*self.inner, self.vertex_count());
         let figures =
-            py.detach(|| Figures::of(&[(strips, vertex_count)], &options)).map_err(Failure::from)?;
+            py.detach(|| StripMetrics::of(&[(strips, vertex_count)], &options)).map_err(Failure::from)?;
         report(py, &figures)
     }
 

@@ -19,7 +19,7 @@ use pyo3::prelude::*;
 use pyo3::pyclass_init::PyClassInitializer;
 use tristrip::StripifyOptions;
 use tristrip::stripify::{Progress, Watch};
-use tristrip_pipeline::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
+use tristrip_pipeline::{Observer, Search, SimplifyProgress, Stage, Stopped};
 
 use crate::errors::{Failure, with_best};
 use crate::pool::threads;
@@ -258,10 +258,8 @@ impl Search for Searches<'_> {
 }
 
 impl Observer for Watcher {
-    fn event(&self, event: Event<'_>) {
-        if let Event::Begin(stage) = event {
-            self.set(stage, Progress::default());
-        }
+    fn stage(&self, stage: Stage) {
+        self.set(stage, Progress::default());
     }
 
     fn search(&self, _: &StripifyOptions) -> Box<dyn Search + '_> {

@@ -4,17 +4,19 @@ use std::cell::RefCell;
 
 use serde::Serialize;
 use tristrip::vertex_cache::FlushPolicy;
+use tristrip_pipeline::Stage;
+use tristrip_pipeline::analyze::{self, CacheMisses, DrawMode, LengthBin, StoredIndices, StoredPart};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{DrawMode, LengthBin, PartReport, StoredFigures, VertexCacheReport};
 use tristrip_render::analysis::{self, Curve};
 use tristrip_render::text::table;
 
-use crate::batch::{self, InputReport, Outcome};
+use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::short_name;
 use crate::job::Input;
-use crate::stage::{load_timed, timed};
+use crate::report::{self, Batch};
+use crate::stage::load_timed;
 use crate::task::AnalyzeTask;
 
 /// The maximum number of parts listed in the text.
@@ -23,65 +25,39 @@ const MAX_LISTED_PARTS: usize = 24;
 /// The length of the longest bar of the text, in characters.
 const MAX_BAR: usize = 40;
 
-/// The report of one input; the keys are those of the JSON output.
-#[derive(Debug, Default, Serialize)]
-struct AnalyzeReport {
-    file: String,
-    seconds: AnalyzeSeconds,
+/// The keys of `seconds`.
+const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("analyze", &[Stage::Analyze])];
+
+/// What was found in one input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Analyzed {
     #[serde(flatten)]
-    figures: Option<StoredFigures>,
-    indices_per_triangle: Option<f64>,
-    lengths: Vec<LengthBin>,
-    flushed: bool,
-    vertex_caches: Vec<VertexCacheReport>,
-    parts: Option<usize>,
-    by_part: Vec<PartReport>,
-    notes: Vec<String>,
+    outcome: analyze::Outcome,
     plot: Option<String>,
-    error: Option<String>,
-}
-
-/// The time of each stage in seconds; `null` for a stage that did not run.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-struct AnalyzeSeconds {
-    load: Option<f64>,
-    analyze: Option<f64>,
-}
-
-impl InputReport for AnalyzeReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: None, error: &mut self.error }
-    }
 }
 
 /// Analyzes all inputs in order, and draws the chart; returns whether all succeeded.
 pub(crate) fn run(task: &AnalyzeTask, console: &mut Console) -> bool {
     let flushed = task.options.flush_policy == FlushPolicy::Flush;
-    let new_report =
-        |input: &Input| AnalyzeReport { file: input.name(), flushed, ..AnalyzeReport::default() };
     let curves = RefCell::new(Vec::new());
-    let process = |input: &Input, console: &mut Console, report: &mut AnalyzeReport| {
-        curves.borrow_mut().extend(analyze(input, task, console, report)?);
-        Ok(())
+    let process = |input: &Input, console: &mut Console, clock: &StageClock| {
+        let (outcome, curve) = analyze(input, task, console, clock)?;
+        curves.borrow_mut().extend(curve);
+        Ok(Analyzed { outcome, plot: None })
     };
-    let show = |_: &Input, report: &AnalyzeReport, title: &str, console: &mut Console| {
-        console.result(&format!("{title}{}", report.as_text()), true);
+    let show = |_: &Input, analyzed: &Analyzed, title: &str, console: &mut Console| {
+        console.result(&format!("{title}{}", as_text(&analyzed.outcome)), true);
     };
-    let mut reports = batch::process_all(&task.inputs, None, console, new_report, process, show);
+    let mut reports = Batch::new(SECONDS).process(&task.inputs, console, Input::name, process, show);
     let curves = curves.into_inner();
-    if let Some(path) = task.plot.as_ref().filter(|_| !curves.is_empty())
-        && batch::write_chart(
-            path,
-            analysis::draw(&curves, flushed).map_err(Failure::from),
-            &mut reports,
-            console,
-        )
-    {
-        for report in reports.iter_mut().filter(|report| report.error.is_none()) {
-            report.plot = Some(path.display().to_string());
+    if let Some(path) = task.plot.as_ref().filter(|_| !curves.is_empty()) {
+        let chart = analysis::draw(&curves, flushed).map_err(Failure::from);
+        if report::write_chart(path, chart, &mut reports, console) {
+            let analyzed = reports.iter_mut().filter_map(|report| report.outcome.as_mut());
+            analyzed.for_each(|analyzed| analyzed.plot = Some(path.display().to_string()));
         }
     }
-    batch::finish(reports, console)
+    report::finish(&reports, console)
 }
 
 /// Analyzes one input; returns its curve if a chart was requested.
@@ -89,108 +65,92 @@ fn analyze(
     input: &Input,
     task: &AnalyzeTask,
     console: &mut Console,
-    report: &mut AnalyzeReport,
-) -> Result<Option<Curve>, Failure> {
-    let (model, seconds) = load_timed(input, console)?;
-    report.seconds.load = Some(seconds);
-    report.parts = Some(model.parts.len());
-    report.notes.clone_from(&model.notes);
-    console.stage("load", &counted(model.parts.len(), "part"), Some(seconds));
+    clock: &StageClock,
+) -> Result<(analyze::Outcome, Option<Curve>), Failure> {
+    let (model, load) = load_timed(input, console)?;
+    clock.add_seconds(Stage::Load, load);
+    console.stage("load", &counted(model.parts.len(), "part"), Some(load));
     model.notes.iter().for_each(|note| console.note(note));
-
-    console.doing("analyze");
+    let found = clock.observe(|observer| analyze::run(&model, &task.options, observer))?;
     let for_curve = task.curve.clone().map(|list| task.options.clone().with_vertex_caches(list));
-    let (analysis, seconds) = timed(|| tristrip_pipeline::analyze(&model, &task.options));
-    let (curve, curve_seconds) =
-        timed(|| for_curve.map(|options| tristrip_pipeline::analyze(&model, &options).vertex_caches));
-    report.seconds.analyze = Some(seconds + curve_seconds);
-    let caches = counted(analysis.vertex_caches.len(), "vertex cache");
-    console.stage("analyze", &caches, report.seconds.analyze);
-
-    report.by_part = analysis.part_reports(&model);
-    report.vertex_caches = analysis.cache_reports();
-    report.indices_per_triangle = Some(analysis.indices_per_triangle());
-    report.lengths = analysis.lengths.bins().to_vec();
-    report.figures = Some(analysis.figures);
-    let lengths = analysis.lengths;
-    Ok(curve.map(|each| Curve { file: short_name(&report.file), each, lengths }))
+    let curve = for_curve.map(|options| clock.observe(|observer| analyze::run(&model, &options, observer)));
+    let caches = counted(found.vertex_caches.len(), "vertex cache");
+    console.stage("analyze", &caches, clock.seconds(&[Stage::Analyze]));
+    let curve = curve.transpose()?.map(|analysis| Curve { file: short_name(&input.name()), analysis });
+    Ok((found, curve))
 }
 
-impl AnalyzeReport {
-    fn as_text(&self) -> String {
-        let Some(figures) = &self.figures else { return String::new() };
-        let mut text = table(&figure_rows(figures), 1..2);
+fn as_text(found: &analyze::Outcome) -> String {
+    let mut text = table(&stored_rows(&found.stored), 1..2);
+    text.push('\n');
+    text.push_str(&table(&cache_rows(found), 1..4));
+    if !found.lengths.is_empty() {
+        text.push_str("\n  strips by number of triangles\n");
+        text.push_str(&table(&length_rows(&found.lengths), 1..2));
+    }
+    if found.by_part.len() > 1 {
         text.push('\n');
-        text.push_str(&table(&self.cache_rows(), 1..4));
-        if !self.lengths.is_empty() {
-            text.push_str("\n  strips by number of triangles\n");
-            text.push_str(&table(&length_rows(&self.lengths), 1..2));
+        text.push_str(&table(&part_rows(found), 3..7));
+        let more = found.by_part.len().saturating_sub(MAX_LISTED_PARTS);
+        if more > 0 {
+            text.push_str("  and ");
+            text.push_str(&counted(more, "part"));
+            text.push_str(" more; --json lists all\n");
         }
-        if self.by_part.len() > 1 {
-            text.push('\n');
-            text.push_str(&table(&self.part_rows(), 3..7));
-            let more = self.by_part.len().saturating_sub(MAX_LISTED_PARTS);
-            if more > 0 {
-                text.push_str("  and ");
-                text.push_str(&counted(more, "part"));
-                text.push_str(" more; --json lists all\n");
-            }
-        }
-        text
     }
-
-    fn cache_rows(&self) -> Vec<Vec<String>> {
-        let name = if self.flushed { "  vertex cache, flushed between strips" } else { "  vertex cache" };
-        let head = [name, "misses", "ACMR", "ATVR"].map(String::from).to_vec();
-        let row = |row: &VertexCacheReport| {
-            vec![
-                format!("  {}", row.vertex_cache),
-                count(row.misses),
-                format!("{:.3}", row.acmr),
-                format!("{:.3}", row.atvr),
-            ]
-        };
-        std::iter::once(head).chain(self.vertex_caches.iter().map(row)).collect()
-    }
-
-    fn part_rows(&self) -> Vec<Vec<String>> {
-        let acmr =
-            self.vertex_caches.first().map_or(String::new(), |row| format!("ACMR {}", row.vertex_cache));
-        let head = ["  part", "name", "drawn as", "triangles", "strips", "indices", &acmr];
-        let row = |(number, part): (usize, &PartReport)| {
-            let figures = &part.figures;
-            let names = [&part.name, &part.material].map(Option::as_deref).into_iter().flatten();
-            let misses = part.misses.first().copied().unwrap_or(0);
-            vec![
-                format!("  {number}"),
-                names.collect::<Vec<_>>().join(" / ").chars().filter(|c| !c.is_control()).take(32).collect(),
-                figures.drawn.name().into(),
-                count(figures.triangles),
-                figures.strips.map(count).unwrap_or_default(),
-                count(figures.indices),
-                format!("{:.3}", misses as f64 / figures.triangles.max(1) as f64),
-            ]
-        };
-        let rows = self.by_part.iter().enumerate().take(MAX_LISTED_PARTS).map(row);
-        std::iter::once(head.map(String::from).to_vec()).chain(rows).collect()
-    }
+    text
 }
 
-fn figure_rows(figures: &StoredFigures) -> Vec<Vec<String>> {
-    let triangles = figures.triangles.max(1) as f64;
+fn cache_rows(found: &analyze::Outcome) -> Vec<Vec<String>> {
+    let name = if found.flushed { "  vertex cache, flushed between strips" } else { "  vertex cache" };
+    let head = [name, "misses", "ACMR", "ATVR"].map(String::from).to_vec();
+    let row = |row: &CacheMisses| {
+        vec![
+            format!("  {}", row.vertex_cache),
+            count(row.misses),
+            format!("{:.3}", row.acmr),
+            format!("{:.3}", row.atvr),
+        ]
+    };
+    std::iter::once(head).chain(found.vertex_caches.iter().map(row)).collect()
+}
+
+fn part_rows(found: &analyze::Outcome) -> Vec<Vec<String>> {
+    let acmr = found.vertex_caches.first().map_or(String::new(), |row| format!("ACMR {}", row.vertex_cache));
+    let head = ["  part", "name", "drawn as", "triangles", "strips", "indices", &acmr];
+    let row = |(number, part): (usize, &StoredPart)| {
+        let stored = &part.stored;
+        let names = [&part.name, &part.material].map(Option::as_deref).into_iter().flatten();
+        let misses = part.misses.first().copied().unwrap_or(0);
+        vec![
+            format!("  {number}"),
+            names.collect::<Vec<_>>().join(" / ").chars().filter(|c| !c.is_control()).take(32).collect(),
+            stored.drawn.name().into(),
+            count(stored.triangles),
+            stored.strips.map(count).unwrap_or_default(),
+            count(stored.indices),
+            format!("{:.3}", misses as f64 / stored.triangles.max(1) as f64),
+        ]
+    };
+    let rows = found.by_part.iter().enumerate().take(MAX_LISTED_PARTS).map(row);
+    std::iter::once(head.map(String::from).to_vec()).chain(rows).collect()
+}
+
+fn stored_rows(stored: &StoredIndices) -> Vec<Vec<String>> {
+    let triangles = stored.triangles.max(1) as f64;
     let mut rows = Vec::new();
     let mut row =
         |name: &str, n: usize, remark: String| rows.push(vec![format!("  {name}"), count(n), remark]);
-    row("triangles", figures.triangles, format!("drawn as {}", drawn_as(figures.drawn)));
-    row("used vertices", figures.vertices, String::new());
-    row("indices", figures.indices, format!("{:.3} per triangle", figures.indices as f64 / triangles));
-    row("restarts", figures.restarts, String::new());
-    row("degenerate triangles", figures.degenerate, String::new());
-    if let Some(strips) = figures.strips {
-        let sent = figures.vertices_sent.unwrap_or(0);
+    row("triangles", stored.triangles, format!("drawn as {}", drawn_as(stored.drawn)));
+    row("used vertices", stored.vertices, String::new());
+    row("indices", stored.indices, format!("{:.3} per triangle", stored.indices as f64 / triangles));
+    row("restarts", stored.restarts, String::new());
+    row("degenerate triangles", stored.degenerate, String::new());
+    if let Some(strips) = stored.strips {
+        let sent = stored.vertices_sent.unwrap_or(0);
         row("strips", strips, String::new());
-        row("isolated triangles", figures.isolated.unwrap_or(0), String::new());
-        row("swaps", figures.swaps.unwrap_or(0), String::new());
+        row("isolated triangles", stored.isolated.unwrap_or(0), String::new());
+        row("swaps", stored.swaps.unwrap_or(0), String::new());
         row("vertices sent (OpenGL)", sent, String::new());
     }
     rows

@@ -17,7 +17,7 @@ use clap::{Args, CommandFactory, Error, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use tristrip::Cost;
 use tristrip::Effort;
-use tristrip_pipeline::VertexCacheList;
+use tristrip_pipeline::analyze::VertexCacheList;
 
 use crate::method::{MethodArgs, WeldArgs};
 use crate::values::{effort_parser, named};

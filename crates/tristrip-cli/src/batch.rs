@@ -62,7 +62,7 @@ pub(crate) fn process_all<T, R: InputReport>(
 
 fn record(report: &mut impl InputReport, failure: &Failure) {
     let outcome = report.outcome();
-    if let (Some(proven), Failure::Unproven(_)) = (outcome.proven, failure) {
+    if let (Some(proven), Failure::Unproven { .. }) = (outcome.proven, failure) {
         *proven = Some(false);
     }
     *outcome.error = Some(failure.to_string());

@@ -4,14 +4,15 @@ mod report;
 
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{Chain, EncodeOptions, Event, MethodReport, chain_observed};
+use tristrip_pipeline::{Chain, Event, MethodReport, Stage, chain_observed, encode};
 
 use crate::batch;
+use crate::clock::StageClock;
 use crate::collapses::collapse_fields;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::{Job, Output};
-use crate::output::{self, SearchReport, WriteReport};
+use crate::output;
 use crate::search::interrupted;
 use crate::stage::{Stages, load_job};
 use crate::task::ChainTask;
@@ -92,15 +93,10 @@ fn write_scene(
     console: &mut Console,
     report: &mut ChainReport,
 ) -> Result<Vec<usize>, Failure> {
-    let options = encode_options(target, task);
-    let mut level_bytes = Vec::new();
-    let (fields, search) = fields(report, task);
-    output::write_searched(target, true, console, fields, search, |observer| {
-        let file = chain.encode(model, &options, observer)?;
-        level_bytes = file.level_bytes;
-        Ok(file.encoded)
-    })?;
-    Ok(level_bytes)
+    let (options, clock) = (encode_options(target, task), StageClock::new(console, task.budget));
+    let file = output::encode(target, &clock, |observer| chain.encode(model, &options, observer))?;
+    write(&file.encoded, target, &clock, console, report)?;
+    Ok(file.level_bytes)
 }
 
 /// Writes a level as a file of its own; returns the size of the file.
@@ -113,26 +109,31 @@ fn write_level(
     console: &mut Console,
     report: &mut ChainReport,
 ) -> Result<usize, Failure> {
-    let options = encode_options(target, task);
-    let (fields, search) = fields(report, task);
-    output::write_searched(target, true, console, fields, search, |observer| {
-        chain.encode_level(model, level, &options, observer)
-    })
+    let (options, clock) = (encode_options(target, task), StageClock::new(console, task.budget));
+    let encoded =
+        output::encode(target, &clock, |observer| chain.encode_level(model, level, &options, observer))?;
+    write(&encoded, target, &clock, console, report)
 }
 
-fn encode_options(target: &Output, task: &ChainTask) -> EncodeOptions {
-    let options = EncodeOptions::new(target.format).with_layout(target.layout);
+fn encode_options(target: &Output, task: &ChainTask) -> encode::Options {
+    let options = encode::Options::new(target.format).with_layout(target.layout);
     options.with_list(task.list).with_verify(task.options.verify)
 }
 
-/// Returns the fields of a report that a write fills in.
-fn fields<'a>(report: &'a mut ChainReport, task: &ChainTask) -> (WriteReport<'a>, SearchReport<'a>) {
-    let seconds = &mut report.seconds;
-    let write = WriteReport {
-        write: &mut seconds.write,
-        verify: &mut seconds.verify,
-        notes: &mut report.notes,
-        vertex_order: None,
+/// Writes a file, and adds its times to the report.
+fn write(
+    encoded: &encode::Outcome,
+    target: &Output,
+    clock: &StageClock,
+    console: &mut Console,
+    report: &mut ChainReport,
+) -> Result<usize, Failure> {
+    let size = output::write(target, target.layout.name(), encoded, &mut report.notes, clock, console)?;
+    let add = |sum: &mut Option<f64>, stages: &[Stage]| {
+        *sum = sum.iter().copied().chain(clock.seconds(stages)).reduce(|a, b| a + b);
     };
-    (write, SearchReport { budget: task.budget, stripify: &mut seconds.stripify })
+    add(&mut report.seconds.stripify, &[Stage::Stripify]);
+    add(&mut report.seconds.verify, &[Stage::ReadBack]);
+    add(&mut report.seconds.write, &[Stage::Encode, Stage::Write]);
+    Ok(size)
 }

@@ -1,44 +1,26 @@
 //! `tristrip compare`: all methods on the same model side by side, each result proven.
 
-use serde::Serialize;
+use std::sync::{Mutex, PoisonError};
+
 use tristrip::StripifyOptions;
 use tristrip_pipeline::text::{counted, grouped};
-use tristrip_pipeline::{
-    Event, Figures, MeshFigures, MethodReport, PreparedModel, Search, Survey, compared_methods,
-};
+use tristrip_pipeline::{MethodReport, Observer, Search, Stage, StripMetrics, compare};
 use tristrip_render::text::{markdown, table};
 
-use crate::batch::{self, InputReport, Outcome};
+use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Input;
-use crate::search::{SearchWatch, interrupted};
-use crate::stage::{Seconds, Stages, load_timed, timed};
+use crate::report::{self, Batch};
+use crate::search::interrupted;
+use crate::stage::{load_timed, show_mesh};
 use crate::task::CompareTask;
 
-/// The report of one input; the keys are those of the JSON output.
-#[derive(Debug, Serialize)]
-struct CompareReport {
-    file: String,
-    seconds: Seconds,
-    mesh: Option<MeshFigures>,
-    parts: Option<usize>,
-    notes: Vec<String>,
-    methods: Vec<MethodRow>,
-    error: Option<String>,
-}
-
-/// The result of one method.
-type MethodRow = tristrip_pipeline::MethodRow<Seconds>;
-
-impl InputReport for CompareReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: None, error: &mut self.error }
-    }
-}
+/// The keys of `seconds`: each method has its own.
+const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("dual", &[Stage::Prepare])];
 
 /// A column of the table: head, format, and figure, of which less is better.
-type FigureColumn = (&'static str, fn(f64) -> String, fn(&MethodRow, &Figures) -> Option<f64>);
+type FigureColumn = (&'static str, fn(f64) -> String, fn(&compare::Row, &StripMetrics) -> Option<f64>);
 
 const COLUMNS: [FigureColumn; 10] = [
     ("strips", whole, |_, f| Some(f.strips as f64)),
@@ -63,88 +45,95 @@ fn ratio(x: f64) -> String {
 
 /// Compares the methods on all inputs in order; returns whether all results are proven.
 pub(crate) fn run(task: &CompareTask, console: &mut Console) -> bool {
-    let methods = compared_methods(task.options, task.effort, task.every_variant);
-    let new_report = |input: &Input| CompareReport {
-        file: input.name(),
-        seconds: Seconds::default(),
-        mesh: None,
-        parts: None,
-        notes: Vec::new(),
-        methods: Vec::new(),
-        error: None,
+    let options = compare::Options::default()
+        .with_stripify(task.options)
+        .with_effort(task.effort)
+        .with_every_variant(task.every_variant);
+    let method_count = options.methods().len();
+    let process = |input: &Input, console: &mut Console, clock: &StageClock| {
+        let compared = compare(input, &options, console, clock)?;
+        let dual = clock.seconds(&[Stage::Prepare]).unwrap_or_default();
+        console.result(&as_text(&input.name(), &compared, dual, task.markdown), true);
+        Ok(compared)
     };
-    let process = |input: &Input, console: &mut Console, report: &mut CompareReport| {
-        let result = compare(input, task, &methods, console, report);
-        for row in report.methods.iter().filter(|row| !row.proven) {
-            let why = row.error.as_deref().unwrap_or("not proven");
-            console.error(&format!("{}: {}: {why}", report.file, row.method.label()));
+    let batch = Batch { steps: Some(method_count), budget: task.budget, ..Batch::new(SECONDS) };
+    let mut reports = batch.process(&task.inputs, console, Input::name, process, |_, _, _, _| ());
+    let mut proven = true;
+    for report in &mut reports {
+        let Some(compared) = &report.outcome else { continue };
+        proven &= compared.methods.iter().all(|row| row.proven);
+        if compared.methods.len() < method_count {
+            let error = format!("interrupted: {} of {method_count} methods compared", compared.methods.len());
+            console.error(&format!("{}: {error}", report.file));
+            report.error = Some(error);
         }
-        result
-    };
-    let show = |_: &Input, report: &CompareReport, _: &str, console: &mut Console| {
-        console.result(&as_text(report, task.markdown), true);
-    };
-    let reports = batch::process_all(&task.inputs, Some(methods.len()), console, new_report, process, show);
-    let proven = reports.iter().flat_map(|report| &report.methods).all(|row| row.proven);
-    batch::finish(reports, console) && proven
+    }
+    report::finish(&reports, console) && proven
 }
 
 fn compare(
     input: &Input,
-    task: &CompareTask,
-    methods: &[StripifyOptions],
+    options: &compare::Options,
     console: &Console,
-    report: &mut CompareReport,
-) -> Result<(), Failure> {
-    let (model, load) = load_timed(input, console)?;
-    report.seconds.load = Some(load);
-    let show = |event: Event<'_>, seconds: f64| {
-        if let Event::Prepared = event {
-            report.seconds.dual = Some(seconds);
-        }
-    };
-    let survey = Survey::new(&model, task.options, &Stages::new(console, load, show))?;
-    report.notes = survey.notes;
-    (report.parts, report.mesh) = (Some(survey.prepared.parts().len()), Some(survey.mesh));
-    for options in methods {
-        if interrupted() {
-            return Err(Failure::Input("not processed: interrupted".into()));
-        }
-        let options = options.with_weld(survey.options.weld);
-        console.doing(&MethodReport::of(&options).label());
-        let watch = SearchWatch::new(console.progress(), task.budget, &options);
-        report.methods.push(row(&survey.prepared, &options, &watch));
-        console.step();
+    clock: &StageClock,
+) -> Result<compare::Outcome, Failure> {
+    if interrupted() {
+        return Err(Failure::Input("not processed: interrupted".into()));
     }
-    Ok(())
+    let (model, load) = load_timed(input, console)?;
+    clock.add_seconds(Stage::Load, load);
+    let methods = MethodClocks { clock, console, of_methods: Mutex::default() };
+    let mut compared = clock.observe(|_| compare::run(&model, options, &methods))?;
+    show_mesh(&compared.mesh, compared.parts, &compared.notes, clock, console);
+    let clocks = methods.of_methods.into_inner().unwrap_or_else(PoisonError::into_inner);
+    for (row, clock) in compared.methods.iter_mut().zip(clocks) {
+        row.seconds.stripify = clock.seconds(&[Stage::Stripify]);
+        row.seconds.verify = clock.seconds(&[Stage::Prove]);
+        if !row.proven {
+            let why = row.error.as_deref().unwrap_or("not proven");
+            console.error(&format!("{}: {}: {why}", input.name(), row.method.label()));
+        }
+    }
+    Ok(compared)
 }
 
-/// Runs one method; its row has figures only if the result is proven.
-fn row(prepared: &PreparedModel<'_>, options: &StripifyOptions, watch: &SearchWatch) -> MethodRow {
-    let mut times = Seconds::default();
-    let (found, seconds) = timed(|| prepared.find_strips(options, watch));
-    times.stripify = Some(seconds);
-    let figures = found.and_then(|strips| {
-        let (proof, seconds) = timed(|| prepared.prove(&strips));
-        times.verify = Some(seconds);
-        proof?;
-        prepared.figures(&strips, options)
-    });
-    let figures = figures.map_err(|error| Failure::from(error).to_string());
-    MethodRow::new(options, times, watch.stopped(), figures)
+/// Measures the stages before the methods with a clock, and those of each method with one of its own.
+struct MethodClocks<'a> {
+    clock: &'a StageClock,
+    console: &'a Console,
+    of_methods: Mutex<Vec<StageClock>>,
+}
+
+impl Observer for MethodClocks<'_> {
+    fn stage(&self, stage: Stage) {
+        let mut clocks = self.of_methods.lock().unwrap_or_else(PoisonError::into_inner);
+        if stage == Stage::Stripify {
+            clocks.last().inspect(|before| before.end());
+            self.clock.end();
+            clocks.push(self.clock.fresh());
+            self.console.step();
+        }
+        clocks.last().unwrap_or(self.clock).stage(stage);
+    }
+
+    fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
+        self.console.doing(&MethodReport::of(options).label());
+        self.clock.search(options)
+    }
 }
 
 /// Returns the table of one model; the best figure of each column is marked.
-fn as_text(report: &CompareReport, as_markdown: bool) -> String {
+fn as_text(file: &str, compared: &compare::Outcome, dual: f64, as_markdown: bool) -> String {
     let mut head = vec!["method".to_owned()];
     head.extend(COLUMNS.iter().map(|(name, ..)| (*name).to_owned()));
     let mut rows = vec![head];
-    let figure = |row: &MethodRow, column: &FigureColumn| row.figures.as_ref().and_then(|f| column.2(row, f));
+    let figure =
+        |row: &compare::Row, column: &FigureColumn| row.metrics.as_ref().and_then(|f| column.2(row, f));
     let best = COLUMNS.map(|column| {
-        let figures = report.methods.iter().filter_map(|row| figure(row, &column));
+        let figures = compared.methods.iter().filter_map(|row| figure(row, &column));
         figures.min_by(f64::total_cmp)
     });
-    for row in &report.methods {
+    for row in &compared.methods {
         let mut cells = vec![row.method.label()];
         for (column, best) in COLUMNS.iter().zip(best) {
             let cell = figure(row, column).map(|x| (column.1(x), Some(column.1(x)) == best.map(column.1)));
@@ -155,14 +144,13 @@ fn as_text(report: &CompareReport, as_markdown: bool) -> String {
                 Some((text, false)) => text,
             });
         }
-        if row.figures.is_none() {
+        if row.metrics.is_none() {
             cells.push("NOT PROVEN".into());
         }
         rows.push(cells);
     }
-    let triangles = report.mesh.as_ref().map_or(0, |mesh| mesh.triangles);
-    let title = format!("{}: {}", report.file, counted(triangles, "triangle"));
-    let dual = report.seconds.dual.map_or(0.0, |s| 1e3 * s);
+    let title = format!("{file}: {}", counted(compared.mesh.triangles, "triangle"));
+    let dual = 1e3 * dual;
     if as_markdown {
         let table = markdown(&rows, 1..1 + COLUMNS.len());
         return format!(

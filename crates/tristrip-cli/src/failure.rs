@@ -3,6 +3,7 @@
 use std::io;
 
 use tristrip_io::system_message;
+use tristrip_pipeline::UnprovenMetrics;
 use tristrip_pipeline::text::count;
 
 /// What to do about a missing file with a name that a shell would expand.
@@ -15,8 +16,12 @@ pub(crate) enum Failure {
     #[error("{0}")]
     Input(String),
     /// The result does not draw the expected faces; nothing was written.
-    #[error("not proven: {0}")]
-    Unproven(String),
+    #[error("not proven: {why}")]
+    Unproven {
+        why: String,
+        /// The metrics of the result, if it was measured.
+        metrics: Option<Box<UnprovenMetrics>>,
+    },
     /// The output cannot be created or written.
     #[error("{0}")]
     Output(String),
@@ -55,7 +60,7 @@ impl From<tristrip_pipeline::Error> for Failure {
     fn from(error: tristrip_pipeline::Error) -> Self {
         use tristrip_pipeline::Error;
         match error {
-            Error::Unproven(why) => Self::Unproven(why),
+            Error::Unproven { why, metrics, .. } => Self::Unproven { why, metrics },
             Error::Format(error) => Self::writing(&error),
             Error::Level { found, last } => {
                 let (found, last) = (count(found), count(last));

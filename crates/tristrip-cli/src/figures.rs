@@ -2,11 +2,11 @@
 
 use tristrip::vertex_cache::VertexCache;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Figures, MeshFigures};
+use tristrip_pipeline::{MeshProperties, StripMetrics};
 use tristrip_render::text::table;
 
 /// Returns a table of the metrics, compared with the plain triangle list.
-pub(crate) fn summary(figures: &Figures) -> String {
+pub(crate) fn summary(figures: &StripMetrics) -> String {
     let per_triangle = |n: usize| n as f64 / figures.triangles.max(1) as f64;
     let row =
         |name: &str, n: usize, remark: String| vec![format!("  {name}"), count(n), String::new(), remark];
@@ -39,7 +39,7 @@ pub(crate) fn summary(figures: &Figures) -> String {
 }
 
 /// Returns a line on the components and the edges of the mesh.
-pub(crate) fn mesh_line(mesh: &MeshFigures, parts: usize) -> String {
+pub(crate) fn mesh_line(mesh: &MeshProperties, parts: usize) -> String {
     let mut words = Vec::new();
     if parts != 1 {
         words.push(counted(parts, "part"));

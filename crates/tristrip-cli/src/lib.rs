@@ -16,6 +16,7 @@ mod batch;
 mod bound;
 mod build_lod;
 mod chain;
+mod clock;
 mod collapses;
 mod compare;
 mod console;
@@ -32,6 +33,7 @@ mod method;
 mod output;
 mod pack;
 mod reorder;
+mod report;
 mod search;
 #[cfg(feature = "serve")]
 mod serve;

@@ -6,16 +6,17 @@ use tristrip::lod::{Camera, ModelKind, ViewCriteria};
 use tristrip_io::Model;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
-    EncodeOptions, Encoded, Error, Event, LevelGoal, LevelsOptions, MethodReport, ModelLevels, Observer,
+    Error, Event, LevelGoal, LevelsOptions, MethodReport, ModelLevels, Observer, Stage, encode,
     levels_observed, rounded,
 };
 
 use crate::batch;
+use crate::clock::StageClock;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures;
 use crate::job::Job;
-use crate::output::{self, WriteReport};
+use crate::output;
 use crate::search::interrupted;
 use crate::stage::{Stages, load_job, show_search};
 use crate::task::LodTask;
@@ -191,17 +192,17 @@ fn write(
     has_strips: bool,
     console: &mut Console,
     report: &mut LodReport,
-    encode: impl FnOnce(&EncodeOptions, &dyn Observer) -> Result<Encoded, Error>,
+    encode: impl FnOnce(&encode::Options, &dyn Observer) -> Result<encode::Outcome, Error>,
 ) -> Result<(), Failure> {
     let Some(target) = &job.output else { return Ok(()) };
-    let options = EncodeOptions::new(target.format).with_layout(target.layout).with_verify(task.verify);
-    let fields = WriteReport {
-        write: &mut report.seconds.write,
-        verify: &mut report.seconds.verify,
-        notes: &mut report.notes,
-        vertex_order: None,
-    };
-    output::write(target, has_strips, console, fields, |observer| encode(&options, observer))?;
+    let options = encode::Options::new(target.format).with_layout(target.layout).with_verify(task.verify);
+    let clock = StageClock::new(console, None);
+    let encoded = output::encode(target, &clock, |observer| encode(&options, observer))?;
+    let how = output::drawn_as(target, has_strips);
+    output::write(target, how, &encoded, &mut report.notes, &clock, console)?;
+    report.seconds.write = clock.seconds(&[Stage::Encode, Stage::Write]);
+    let verify = report.seconds.verify.into_iter().chain(clock.seconds(&[Stage::ReadBack]));
+    report.seconds.verify = verify.reduce(|a, b| a + b);
     report.output = Some(target.name());
     report.layout = Some(target.layout.name());
     Ok(())

@@ -1,110 +1,72 @@
 //! Writes results. The bytes are read back and verified before a file is replaced.
 
-use std::time::Duration;
-
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{Encoded, Error, Event, Observer};
+use tristrip_pipeline::{Error, Observer, Stage, encode};
 use tristrip_render::text;
 
+use crate::clock::StageClock;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Output;
-use crate::reorder::{self, GroupReport};
-use crate::stage::{Stages, timed};
+use crate::reorder;
 
-/// The fields of a report that a write fills in.
-pub(crate) struct WriteReport<'a> {
-    pub(crate) write: &'a mut Option<f64>,
-    pub(crate) verify: &'a mut Option<f64>,
-    pub(crate) notes: &'a mut Vec<String>,
-    pub(crate) vertex_order: Option<&'a mut Option<Vec<GroupReport>>>,
+/// Encodes a result for an output; the clock measures the stages.
+///
+/// # Errors
+/// The output is named in the error of a result that is not proven.
+pub(crate) fn encode<R>(
+    output: &Output,
+    clock: &StageClock,
+    encode: impl FnOnce(&dyn Observer) -> Result<R, Error>,
+) -> Result<R, Failure> {
+    clock.observe(encode).map_err(|error| not_written(output, error))
 }
 
-/// The search for strips within a write.
-pub(crate) struct SearchReport<'a> {
-    /// The time after which the search is stopped.
-    pub(crate) budget: Option<Duration>,
-    /// The time of the search.
-    pub(crate) stripify: &'a mut Option<f64>,
-}
-
-/// Writes a model: encodes it, which proves that the bytes draw the source unless the user did not want it, and writes them to the
-/// output. `strips` states whether any part is drawn as strips.
+/// Writes an encoded result to its output, prints what was proven and written, and adds the notes on it. `how` states how the parts are
+/// drawn, and the clock is the one that measured the encoding. Returns the size of the files in bytes.
 pub(crate) fn write(
     output: &Output,
-    strips: bool,
+    how: &str,
+    encoded: &encode::Outcome,
+    notes: &mut Vec<String>,
+    clock: &StageClock,
     console: &mut Console,
-    report: WriteReport<'_>,
-    encode: impl FnOnce(&dyn Observer) -> Result<Encoded, Error>,
-) -> Result<(), Failure> {
-    let search = SearchReport { budget: None, stripify: &mut None };
-    write_searched(output, strips, console, report, search, encode).map(drop)
+) -> Result<usize, Failure> {
+    if let Some(groups) = &encoded.groups {
+        console.stage("reorder", &reorder::line(groups), clock.seconds(&[Stage::Reorder]));
+    }
+    if let Some(faces) = encoded.faces {
+        let what = format!("proven: the file draws the {}", counted(faces, "face"));
+        console.stage("verify", &what, clock.seconds(&[Stage::ReadBack]));
+    }
+    let size = clock.timed(Stage::Write, || write_files(output, encoded, console))?;
+    if output.path.is_some() {
+        let what = format!("{}, {}, {how}", output.name(), text::bytes(size));
+        console.stage("write", &what, clock.seconds(&[Stage::Reorder, Stage::Encode, Stage::Write]));
+    }
+    encoded.notes.iter().for_each(|note| console.note(note));
+    encoded.warnings.iter().for_each(|warning| console.warning(&output.name(), warning));
+    notes.extend(encoded.all_notes());
+    Ok(size)
 }
 
-/// Does the same where the encoding searches for strips, and returns the size of the files in bytes. Times are added to those of the
-/// report.
-pub(crate) fn write_searched(
-    output: &Output,
-    strips: bool,
-    console: &mut Console,
-    report: WriteReport<'_>,
-    search: SearchReport<'_>,
-    encode: impl FnOnce(&dyn Observer) -> Result<Encoded, Error>,
-) -> Result<usize, Failure> {
-    let SearchReport { budget, stripify } = search;
-    let WriteReport { write, verify, notes, mut vertex_order } = report;
-    let mut write_seconds = 0.0;
-    let show = |event: Event<'_>, seconds: f64| match event {
-        Event::Reordered(groups) => {
-            console.stage("reorder", &reorder::line(groups), Some(seconds));
-            write_seconds += seconds;
-            if let Some(order) = &mut vertex_order {
-                **order = Some(groups.iter().map(GroupReport::of).collect());
-            }
-        }
-        Event::Stripified { strips, .. } => {
-            console.stage("stripify", &counted(strips, "strip"), Some(seconds));
-            *stripify = Some(stripify.unwrap_or(0.0) + seconds);
-        }
-        Event::Encoded { .. } => write_seconds += seconds,
-        Event::ReadBack { faces } => {
-            let what = format!("proven: the file draws the {}", counted(faces, "face"));
-            console.stage("verify", &what, Some(seconds));
-            *verify = Some(verify.unwrap_or(0.0) + seconds);
-        }
-        Event::Note(note) => notes.push(note.into()),
-        Event::Warning(warning) => {
-            console.warning(&output.name(), warning);
-            notes.push(warning.into());
-        }
-        _ => (),
-    };
-    let stages = Stages::new(console, 0.0, show).with_budget(budget);
-    let encoded = encode(&stages).map_err(|error| not_written(output, error))?;
-    let (written, bytes_seconds) = timed(|| write_files(output, &encoded, console));
-    let size = written?;
-    write_seconds += bytes_seconds;
-    if output.path.is_some() {
-        let how = if strips { output.layout.name() } else { "faces" };
-        let what = format!("{}, {}, {how}", output.name(), text::bytes(size));
-        console.stage("write", &what, Some(write_seconds));
-    }
-    encoded.losses.iter().for_each(|loss| console.note(loss));
-    *write = Some(write.unwrap_or(0.0) + write_seconds);
-    notes.extend(encoded.losses);
-    Ok(size)
+/// Returns how the parts of a file are drawn, for the line that reports it.
+pub(crate) fn drawn_as(output: &Output, any_strips: bool) -> &'static str {
+    if any_strips { output.layout.name() } else { "faces" }
 }
 
 /// Names the output in the error of a result that is not proven.
 fn not_written(output: &Output, error: Error) -> Failure {
     match error {
-        Error::Unproven(why) => Failure::Unproven(format!("{} was not written: {why}", output.name())),
+        Error::Unproven { why, metrics, .. } => {
+            Failure::Unproven { why: format!("{} was not written: {why}", output.name()), metrics }
+        }
         other => other.into(),
     }
 }
 
 /// Writes the file with those beside it, or the document and the buffer of a `.gltf`; returns the size in bytes.
-fn write_files(output: &Output, encoded: &Encoded, console: &mut Console) -> Result<usize, Failure> {
+fn write_files(output: &Output, encoded: &encode::Outcome, console: &mut Console) -> Result<usize, Failure> {
     if output.path.is_none() {
         console.write_stdout(&encoded.bytes);
         return Ok(encoded.bytes.len());
@@ -132,7 +94,7 @@ mod tests {
     use crate::task::Shared;
     use tristrip::{Layout, Strips};
     use tristrip_io::{Drawing, Format};
-    use tristrip_pipeline::{EncodeOptions, encode_observed};
+    use tristrip_pipeline::encode;
 
     #[test]
     fn unproven_results_are_not_written() {
@@ -151,25 +113,18 @@ mod tests {
         };
         let mut strips = Strips::default();
         strips.push(&[1, 2, 0]);
-        let mut write = |strips: &Strips, verify| {
-            let drawings = [Drawing::Strips(strips)];
-            let options = EncodeOptions::new(Format::Ply).with_verify(verify);
-            let (mut seconds, mut proof, mut notes) = (None, None, Vec::new());
-            let report = WriteReport {
-                write: &mut seconds,
-                verify: &mut proof,
-                notes: &mut notes,
-                vertex_order: None,
-            };
-            write(&output, true, &mut console, report, |observer| {
-                encode_observed(&model, &drawings, &options, observer)
-            })
+        let mut write = |strips: &Strips| {
+            let (drawings, options) = ([Drawing::Strips(strips)], encode::Options::new(Format::Ply));
+            let clock = StageClock::new(&console, None);
+            let encoded =
+                encode(&output, &clock, |observer| encode::run(&model, &drawings, &options, observer))?;
+            write(&output, "restart", &encoded, &mut Vec::new(), &clock, &mut console)
         };
-        let Err(Failure::Unproven(why)) = write(&strips, true) else { panic!("half a square was written") };
+        let Err(Failure::Unproven { why, .. }) = write(&strips) else { panic!("half a square was written") };
         assert!(why.contains("square.ply was not written: triangles missing: 1, extra: 0"), "{why}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
         strips.push(&[2, 3, 0]);
-        assert!(write(&strips, true).is_ok());
+        assert!(write(&strips).is_ok());
         assert!(fs::read(&path).unwrap().starts_with(b"ply"));
     }
 }

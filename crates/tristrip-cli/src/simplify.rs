@@ -4,101 +4,84 @@ use std::path::Path;
 
 use serde::Serialize;
 use tristrip_io::{Format, Model};
+use tristrip_pipeline::simplify::Deviations;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Event, SimplifyFigures, simplify_observed};
+use tristrip_pipeline::{Stage, simplify};
 use tristrip_render::images::{Mode, TexturedModel, rows_of_sides};
 use tristrip_render::text::table;
 
-use crate::batch::{self, InputReport, Outcome};
-use crate::collapses::CollapseFields;
+use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
-use crate::output::{self, WriteReport};
-use crate::stage::{Stages, load_job, timed};
+use crate::output::{self, drawn_as};
+use crate::report::{self, Batch};
+use crate::stage::{load_job, show_mesh, timed};
 use crate::task::SimplifyTask;
 
 /// The width and height in pixels of each view of a picture.
 const PICTURE_SIZE: u32 = 256;
 
-/// The time of each stage in seconds; `null` for a stage that did not run.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-struct SimplifySeconds {
-    load: Option<f64>,
-    dual: Option<f64>,
-    simplify: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    fit: Option<f64>,
-    compare: Option<f64>,
-    verify: Option<f64>,
-    write: Option<f64>,
-}
+/// The keys of `seconds`.
+const SECONDS: SecondsKeys = &[
+    ("load", &[Stage::Load]),
+    ("dual", &[Stage::Prepare]),
+    ("simplify", &[Stage::Simplify, Stage::Rebuild]),
+    ("fit", &[Stage::Fit]),
+    ("compare", &[Stage::Compare]),
+    ("verify", &[Stage::Prove, Stage::ReadBack]),
+    ("write", &[Stage::Encode, Stage::Write]),
+];
 
-/// The report of one input; the keys are those of the JSON output.
-#[derive(Debug, Default, Serialize)]
-struct SimplifyReport {
-    file: String,
-    proven: Option<bool>,
-    seconds: SimplifySeconds,
+/// What was done with one input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Simplified {
     #[serde(flatten)]
-    figures: SimplifyFigures,
-    notes: Vec<String>,
+    outcome: simplify::Outcome,
     output: Option<String>,
     /// The picture of the model before and after, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<String>,
-    error: Option<String>,
-}
-
-impl InputReport for SimplifyReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
-    }
 }
 
 /// Simplifies all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &SimplifyTask, console: &mut Console) -> bool {
-    let new_report = |job: &Job| SimplifyReport { file: job.input.name(), ..SimplifyReport::default() };
-    let process =
-        |job: &Job, console: &mut Console, report: &mut SimplifyReport| simplify(job, task, console, report);
-    let show = |job: &Job, report: &SimplifyReport, title: &str, console: &mut Console| {
-        console.result(&format!("{title}{}", summary(&report.figures)), job.output.is_none());
+    let process = |job: &Job, console: &mut Console, clock: &StageClock| simplify(job, task, console, clock);
+    let show = |job: &Job, simplified: &Simplified, title: &str, console: &mut Console| {
+        console.result(&format!("{title}{}", summary(&simplified.outcome)), job.output.is_none());
     };
-    let reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
-    batch::finish(reports, console)
+    let reports = Batch::new(SECONDS).process(&task.jobs, console, |job| job.input.name(), process, show);
+    report::finish(&reports, console)
 }
 
 fn simplify(
     job: &Job,
     task: &SimplifyTask,
     console: &mut Console,
-    report: &mut SimplifyReport,
-) -> Result<(), Failure> {
+    clock: &StageClock,
+) -> Result<Simplified, Failure> {
     let (model, load) = load_job(job, console)?;
-    report.seconds.load = Some(load);
+    clock.add_seconds(Stage::Load, load);
     let format = job.output.as_ref().map_or(Format::Ply, |output| output.format);
     let options = task.options.with_format(format);
-    let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
-    let simplified = simplify_observed(&model, &options, &Stages::new(console, load, show))?;
-    if !task.options.verify {
-        console.stage("verify", "skipped", None);
-    }
-    report.figures.vertices_after = Some(simplified.redrawn.used);
-    report.figures.normals = Some(simplified.normals);
+    let mut outcome = clock.observe(|observer| simplify::run(&model, &options, observer))?;
+    show_stages(&outcome, &job.input.name(), clock, console);
+    let mut picture = None;
     if let Some(path) = &task.picture {
-        draw(path, [&model, &simplified.redrawn.model], console, &mut report.notes)?;
-        report.picture = Some(path.display().to_string());
+        draw(path, [&model, &outcome.redrawn.model], console, &mut outcome.notes)?;
+        picture = Some(path.display().to_string());
     }
-    let Some(target) = &job.output else { return Ok(()) };
-    let fields = WriteReport {
-        write: &mut report.seconds.write,
-        verify: &mut report.seconds.verify,
-        notes: &mut report.notes,
-        vertex_order: None,
-    };
-    output::write(target, false, console, fields, |observer| simplified.encode(observer))?;
-    report.output = Some(target.name());
-    Ok(())
+    if let Some(target) = &job.output {
+        let writing = clock.fresh();
+        let encoded = output::encode(target, &writing, |observer| {
+            outcome.encode(format, task.options.verify, observer)
+        })?;
+        output::write(target, drawn_as(target, false), &encoded, &mut outcome.notes, &writing, console)?;
+        clock.add(&writing);
+    }
+    // The report does not need the model.
+    outcome.redrawn.model = Model::default();
+    Ok(Simplified { outcome, output: job.output.as_ref().map(|target| target.name()), picture })
 }
 
 /// Draws the model before and after, and writes the picture.
@@ -116,45 +99,30 @@ fn draw(path: &Path, models: [&Model; 2], console: &Console, notes: &mut Vec<Str
     Ok(())
 }
 
-/// Prints and reports an event.
-fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut SimplifyReport) {
-    match event {
-        Event::Simplified(collapses) => {
-            report.seconds.simplify = Some(seconds);
-            report.figures.record(collapses);
-            console.stage("simplify", &line(&report.figures), Some(seconds));
-        }
-        Event::Fitted { positions } => {
-            report.seconds.fit = Some(seconds);
-            report.figures.moved_positions = Some(positions);
-            let what = format!("{} closer to the original", counted(positions, "position"));
-            console.stage("fit", &what, Some(seconds));
-        }
-        Event::Compared(change) => {
-            report.seconds.compare = Some(seconds);
-            report.figures.compare(change);
-            console.stage("compare", &change_line(&report.figures), Some(seconds));
-        }
-        other => {
-            let fields = CollapseFields {
-                file: &report.file,
-                dual: &mut report.seconds.dual,
-                verify: &mut report.seconds.verify,
-                parts: &mut report.figures.parts,
-                vertices_before: &mut report.figures.vertices_before,
-                warning: &mut report.figures.warning,
-                notes: &mut report.notes,
-                proven: &mut report.proven,
-            };
-            fields.show(other, seconds, console);
-        }
+/// Prints a line on each stage.
+fn show_stages(outcome: &simplify::Outcome, name: &str, clock: &StageClock, console: &Console) {
+    show_mesh(&outcome.mesh, outcome.parts, &outcome.notes, clock, console);
+    let collapses = &outcome.collapses;
+    let [left, done] =
+        [counted(collapses.triangles_after, "triangle"), counted(collapses.collapse_count, "collapse")];
+    let seconds = clock.seconds(&[Stage::Simplify, Stage::Rebuild]);
+    console.stage("simplify", &format!("{left} after {done}"), seconds);
+    if let Some(warning) = &outcome.warning {
+        console.warning(name, warning);
     }
-}
-
-/// Returns a line on the triangles left and the collapses.
-fn line(report: &SimplifyFigures) -> String {
-    let collapses = counted(report.collapses.unwrap_or(0), "collapse");
-    format!("{} after {collapses}", counted(report.triangles_after.unwrap_or(0), "triangle"))
+    if outcome.proven {
+        let what = "proven: replaying the collapses removes exactly these triangles";
+        console.stage("verify", what, clock.seconds(&[Stage::Prove]));
+    } else {
+        console.stage("verify", "skipped", None);
+    }
+    if let Some(positions) = outcome.moved_positions {
+        let what = format!("{} closer to the original", counted(positions, "position"));
+        console.stage("fit", &what, clock.seconds(&[Stage::Fit]));
+    }
+    if let Some(found) = &outcome.deviations {
+        console.stage("compare", &deviation_line(found), clock.seconds(&[Stage::Compare]));
+    }
 }
 
 /// Formats a distance with about four digits.
@@ -163,24 +131,25 @@ fn distance(x: f64) -> String {
 }
 
 /// Returns a table of the sizes before and after.
-fn summary(report: &SimplifyFigures) -> String {
-    let row = |name: &str, before: Option<usize>, after: Option<usize>| {
-        let (before, after) = (before.unwrap_or(0), after.unwrap_or(0));
+fn summary(outcome: &simplify::Outcome) -> String {
+    let row = |name: &str, before: usize, after: usize| {
         let share = 100.0 * after as f64 / before.max(1) as f64;
         vec![format!("  {name}"), count(before), count(after), format!("{share:.1} %")]
     };
     let head = vec![String::new(), "before".into(), "after".into(), String::new()];
+    let collapses = &outcome.collapses;
     let rows = [
         head,
-        row("triangles", report.triangles_before, report.triangles_after),
-        row("vertices", report.vertices_before, report.vertices_after),
+        row("triangles", collapses.triangles_before, collapses.triangles_after),
+        row("vertices", outcome.vertices_before, outcome.vertices_after),
     ];
-    table(&rows, 1..4) + &format!("  {}\n", change_line(report)) + &normals_line(report)
+    let deviations = outcome.deviations.as_ref().map(|found| format!("  {}\n", deviation_line(found)));
+    table(&rows, 1..4) + &deviations.unwrap_or_default() + &normals_line(outcome)
 }
 
 /// Returns a line on the normals that were rebuilt, if there are any.
-fn normals_line(report: &SimplifyFigures) -> String {
-    let counts = report.normals.unwrap_or_default();
+fn normals_line(outcome: &simplify::Outcome) -> String {
+    let counts = outcome.normals;
     let rebuilt = [
         (counts.repaired, "where they no longer fitted"),
         (counts.flat, "flat"),
@@ -195,16 +164,13 @@ fn normals_line(report: &SimplifyFigures) -> String {
 }
 
 /// Returns a line on how far the result is from the original.
-fn change_line(report: &SimplifyFigures) -> String {
-    let deviation = |what: &str, units: Option<f64>, percent: Option<f64>| {
-        let (units, percent) = (units.unwrap_or(0.0), percent.unwrap_or(0.0));
+fn deviation_line(found: &Deviations) -> String {
+    let deviation = |what: &str, units: f64, percent: f64| {
         format!("{what} {} ({percent:.3} % of the diagonal)", distance(units))
     };
-    let largest = deviation("largest deviation", report.largest_deviation, report.largest_deviation_percent);
-    let rms = deviation("RMS", report.rms_deviation, report.rms_deviation_percent);
-    let normals = report.normal_deviation_degrees.unwrap_or(0.0);
-    let uv = report.uv_deviation_percent.map(|uv| format!(", texture {uv:.2} %")).unwrap_or_default();
-    let texels =
-        report.uv_deviation_texels.map(|texels| format!(" ({texels:.1} texels)")).unwrap_or_default();
-    format!("{largest}, {rms}, normals {normals:.1}°{uv}{texels}")
+    let largest = deviation("largest deviation", found.largest_deviation, found.largest_deviation_percent);
+    let rms = deviation("RMS", found.rms_deviation, found.rms_deviation_percent);
+    let uv = found.uv_deviation_percent.map(|uv| format!(", texture {uv:.2} %")).unwrap_or_default();
+    let texels = found.uv_deviation_texels.map(|texels| format!(" ({texels:.1} texels)")).unwrap_or_default();
+    format!("{largest}, {rms}, normals {:.1}°{uv}{texels}", found.normal_deviation_degrees)
 }

@@ -7,8 +7,9 @@ use serde::Serialize;
 use tristrip::StripifyOptions;
 use tristrip_io::Model;
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{Event, MeshFigures, Observer, Search, Stopped};
+use tristrip_pipeline::{Event, MeshProperties, Observer, Search, Stage, Stopped};
 
+use crate::clock::StageClock;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::mesh_line;
@@ -54,6 +55,22 @@ pub(crate) fn load_job(job: &Job, console: &Console) -> Result<(Model, f64), Fai
     Ok((model, seconds + image_seconds))
 }
 
+/// Prints what was loaded and its notes: the first lines of operations that build or bound strips.
+pub(crate) fn show_mesh(
+    mesh: &MeshProperties,
+    parts: usize,
+    notes: &[String],
+    clock: &StageClock,
+    console: &Console,
+) {
+    let faces = counted(mesh.faces, "face");
+    let size = format!("{faces}, {}", counted(mesh.vertices, "vertex"));
+    console.stage("load", &size, clock.seconds(&[Stage::Load]));
+    console.stage("mesh", &mesh_line(mesh, parts), clock.seconds(&[Stage::Survey]));
+    notes.iter().for_each(|note| console.note(note));
+    console.stage("dual", &format!("{faces} joined across shared edges"), clock.seconds(&[Stage::Prepare]));
+}
+
 /// Prints what a search for strips found, and prints and records a note if it was stopped.
 pub(crate) fn show_search(
     what: &str,
@@ -95,7 +112,7 @@ impl<'a, F: FnMut(Event<'_>, f64) + Send> Stages<'a, F> {
         Self { budget, ..self }
     }
 
-    fn show_mesh(&self, parts: usize, mesh: &MeshFigures, notes: &[String], seconds: f64, dual: f64) {
+    fn show_mesh(&self, parts: usize, mesh: &MeshProperties, notes: &[String], seconds: f64, dual: f64) {
         let faces = counted(mesh.faces, "face");
         let size = format!("{faces}, {}", counted(mesh.vertices, "vertex"));
         self.console.stage("load", &size, Some(self.load_seconds));
@@ -106,17 +123,19 @@ impl<'a, F: FnMut(Event<'_>, f64) + Send> Stages<'a, F> {
 }
 
 impl<F: FnMut(Event<'_>, f64) + Send> Observer for Stages<'_, F> {
+    fn stage(&self, stage: Stage) {
+        self.console.doing(&stage.to_string());
+        if let Ok(mut handle) = self.handle.lock() {
+            handle.1.started = Instant::now();
+        }
+    }
+
     fn event(&self, event: Event<'_>) {
         // Events come from the thread that runs the pipeline, so that nobody else holds the lock.
         let Ok(mut handle) = self.handle.lock() else { return };
         let (handle, times) = &mut *handle;
         let seconds = times.started.elapsed().as_secs_f64();
         match event {
-            Event::Begin(stage) => {
-                self.console.doing(&stage.to_string());
-                times.started = Instant::now();
-                return;
-            }
             Event::Prepared => times.dual = seconds,
             Event::Surveyed { parts, mesh, notes } => {
                 self.show_mesh(parts, mesh, notes, seconds, times.dual);

@@ -5,92 +5,87 @@ use std::path::Path;
 use serde::Serialize;
 use tristrip_io::Model;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{
-    BoundGap, DrawnAs, DrawnParts, EncodeOptions, Event, Figures, FileFigures, MeshFigures, MethodReport,
-    Stopped, StripOptions, Stripped, encode_observed, strip_observed,
-};
+use tristrip_pipeline::{DrawnParts, FileCost, Stage, encode, strip};
 use tristrip_render::images::{self, RenderOptions};
 use tristrip_render::text as render_text;
 
-use crate::batch::{self, InputReport, Outcome};
 use crate::bound::gap_line;
+use crate::clock::{STRIP_SECONDS, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::summary;
 use crate::input::file_bytes;
 use crate::job::{Job, Output};
-use crate::output::{self, WriteReport};
+use crate::output::{self, drawn_as};
 use crate::reorder::GroupReport;
+use crate::report::{self, Batch};
 use crate::search::interrupted;
-use crate::stage::{Seconds, Stages, load_job, show_search, timed};
+use crate::stage::{load_job, show_mesh, timed};
 use crate::task::StripTask;
 
-/// The report of one input; the keys are those of the JSON output.
+/// What was done with one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct StripReport {
-    file: String,
+struct Stripped {
     #[serde(flatten)]
-    method: MethodReport,
-    /// `null` if the proof was not requested or not reached.
-    proven: Option<bool>,
-    seconds: Seconds,
-    #[serde(flatten)]
-    figures: Option<Figures>,
-    /// Why the search was stopped early, if it was.
-    stopped: Option<Stopped>,
-    /// The gap between the result of a search and its lower bound; `null` for methods that do not search.
-    bound: Option<BoundGap>,
-    mesh: Option<MeshFigures>,
-    parts: Option<usize>,
-    notes: Vec<String>,
+    strips: strip::Outcome,
     output: Option<String>,
     layout: Option<&'static str>,
     /// What the parts are drawn as in the file that was written.
     drawn: Option<DrawnParts>,
     /// The input as it was read; `null` unless a file was written.
-    before: Option<FileFigures>,
+    before: Option<FileCost>,
     /// The file that was written.
-    after: Option<FileFigures>,
+    after: Option<FileCost>,
     /// The new vertex order; `null` unless requested.
     vertex_order: Option<Vec<GroupReport>>,
     /// The picture of the strips, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<String>,
-    error: Option<String>,
 }
 
 /// Returns the row of a file in a table.
-fn file_row(name: &str, figures: &FileFigures) -> Vec<String> {
-    let bytes = figures.bytes.map_or_else(|| "unknown".into(), |bytes| render_text::bytes(bytes as usize));
-    vec![format!("  {name}"), count(figures.indices), format!("{:.3}", figures.acmr_fifo_16), bytes]
+fn file_row(name: &str, cost: &FileCost) -> Vec<String> {
+    let bytes = cost.bytes.map_or_else(|| "unknown".into(), |bytes| render_text::bytes(bytes as usize));
+    vec![format!("  {name}"), count(cost.indices), format!("{:.3}", cost.acmr_fifo_16), bytes]
 }
 
 /// Returns a table of the input and the file that was written; nothing if none was.
-fn before_and_after(report: &StripReport) -> String {
-    let (Some(before), Some(after)) = (&report.before, &report.after) else { return String::new() };
+fn before_and_after(stripped: &Stripped) -> String {
+    let (Some(before), Some(after)) = (&stripped.before, &stripped.after) else { return String::new() };
     let head = ["", "indices", "ACMR, FIFO 16", "file"].map(str::to_owned).to_vec();
     render_text::table(&[head, file_row("before", before), file_row("after", after)], 1..4)
 }
 
-impl InputReport for StripReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
-    }
-}
-
 /// Processes all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
-    let new_report = |job: &Job| StripReport {
-        file: job.input.name(),
-        method: MethodReport::of(&task.options),
-        proven: None,
-        seconds: Seconds::default(),
-        figures: None,
-        stopped: None,
-        bound: None,
-        mesh: None,
-        parts: None,
-        notes: Vec::new(),
+    let show = |job: &Job, stripped: &Stripped, title: &str, console: &mut Console| {
+        let metrics = summary(&stripped.strips.metrics);
+        let files = before_and_after(stripped);
+        console.result(&format!("{title}{metrics}{files}"), job.output.is_none());
+    };
+    let process = |job: &Job, console: &mut Console, clock: &StageClock| strip(job, task, console, clock);
+    let batch = Batch { budget: task.budget, ..Batch::new(STRIP_SECONDS) };
+    let reports = batch.process(&task.jobs, console, |job| job.input.name(), process, show);
+    report::finish(&reports, console)
+}
+
+/// Takes one input through all stages.
+fn strip(
+    job: &Job,
+    task: &StripTask,
+    console: &mut Console,
+    clock: &StageClock,
+) -> Result<Stripped, Failure> {
+    if interrupted() {
+        return Err(Failure::Input("not processed: interrupted".into()));
+    }
+    let (model, load) = load_job(job, console)?;
+    clock.add_seconds(Stage::Load, load);
+    let options = strip::Options::default().with_stripify(task.options).with_verify(task.verify);
+    let strips = clock.observe(|observer| strip::run(&model, &options, observer))?;
+    show_strips(&strips, clock, console);
+    let mut stripped = Stripped {
+        strips,
         output: None,
         layout: None,
         drawn: None,
@@ -98,121 +93,68 @@ pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
         after: None,
         vertex_order: None,
         picture: None,
-        error: None,
     };
-    let show = |job: &Job, report: &StripReport, title: &str, console: &mut Console| {
-        let figures = report.figures.as_ref().map(summary).unwrap_or_default();
-        let files = before_and_after(report);
-        console.result(&format!("{title}{figures}{files}"), job.output.is_none());
-    };
-    let process =
-        |job: &Job, console: &mut Console, report: &mut StripReport| strip(job, task, console, report);
-    let reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
-    batch::finish(reports, console)
-}
-
-/// Takes one input through all stages; the report holds the stages reached.
-fn strip(
-    job: &Job,
-    task: &StripTask,
-    console: &mut Console,
-    report: &mut StripReport,
-) -> Result<(), Failure> {
-    if interrupted() {
-        return Err(Failure::Input("not processed: interrupted".into()));
-    }
-    let (model, load) = load_job(job, console)?;
-    report.seconds.load = Some(load);
-    let options = StripOptions::default().with_stripify(task.options).with_verify(task.verify);
-    let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
-    let stages = Stages::new(console, load, show).with_budget(task.budget);
-    let stripped = strip_observed(&model, &options, &stages)?;
-    if !task.verify {
-        console.stage("verify", "skipped", None);
-    }
     if let Some(target) = &job.output {
-        write(job, target, task, &model, &stripped, console, report)?;
+        write((job, target), task, &model, &mut stripped, console, clock)?;
     }
     if let Some(path) = &task.picture {
-        draw(path, &model, &stripped, console)?;
-        report.picture = Some(path.display().to_string());
+        draw(path, &model, &stripped.strips, console)?;
+        stripped.picture = Some(path.display().to_string());
     }
-    Ok(())
+    // The report does not need the strips.
+    stripped.strips.strips = Vec::new();
+    Ok(stripped)
 }
 
-/// Prints and reports an event.
-fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut StripReport) {
-    match event {
-        Event::Prepared => report.seconds.dual = Some(seconds),
-        Event::Surveyed { parts, mesh, notes } => {
-            (report.parts, report.mesh) = (Some(parts), Some(mesh.clone()));
-            report.notes = notes.to_vec();
-        }
-        Event::Stripified { strips, stopped } => {
-            (report.seconds.stripify, report.stopped) = (Some(seconds), stopped);
-            let what = format!("{} ({})", counted(strips, "strip"), report.method.description());
-            show_search(&what, seconds, stopped, console, &mut report.notes);
-        }
-        Event::Measured(figures) => report.figures = Some(figures.clone()),
-        Event::Bounded(gap) => {
-            if let Some(gap) = gap {
-                console.stage("bound", &gap_line(gap), Some(seconds));
-            }
-            report.bound = gap.cloned();
-        }
-        Event::Proven { faces } => {
-            (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
-            console.stage("verify", &proven(faces), Some(seconds));
-        }
-        _ => (),
+/// Prints a line on each stage of the strips.
+fn show_strips(strips: &strip::Outcome, clock: &StageClock, console: &Console) {
+    let strip::Outcome { mesh, parts, notes, method, metrics, bound, proven, .. } = strips;
+    show_mesh(mesh, *parts, notes, clock, console);
+    let what = format!("{} ({})", counted(metrics.strips, "strip"), method.description());
+    console.stage("stripify", &what, clock.seconds(&[Stage::Stripify]));
+    if let Some(gap) = bound {
+        console.stage("bound", &gap_line(gap), clock.seconds(&[Stage::Bound]));
+    }
+    if *proven {
+        console.stage("verify", &proven_line(mesh.faces), clock.seconds(&[Stage::Prove]));
+    } else {
+        console.stage("verify", "skipped", None);
     }
 }
 
 /// Writes each part as strips or as a list, whichever has fewer indices, with the vertices in order of first use if requested.
 fn write(
-    job: &Job,
-    target: &Output,
+    (job, target): (&Job, &Output),
     task: &StripTask,
     model: &Model,
-    stripped: &Stripped,
+    stripped: &mut Stripped,
     console: &mut Console,
-    report: &mut StripReport,
+    clock: &StageClock,
 ) -> Result<(), Failure> {
-    let options = EncodeOptions::new(target.format).with_layout(target.layout).with_list(task.list);
+    let options = encode::Options::new(target.format).with_layout(target.layout).with_list(task.list);
     let options = options.with_reorder(task.reorder).with_verify(task.verify);
-    let drawn = stripped.draw(model, &options);
-    for note in drawn.parts().notes() {
-        console.note(&note);
-        report.notes.push(note);
-    }
-    let mut bytes = None;
-    let fields = WriteReport {
-        write: &mut report.seconds.write,
-        verify: &mut report.seconds.verify,
-        notes: &mut report.notes,
-        vertex_order: Some(&mut report.vertex_order),
-    };
-    let any_strips = drawn.drawn_as.iter().any(|&kind| kind != DrawnAs::List);
-    output::write(target, any_strips, console, fields, |observer| {
-        let encoded = encode_observed(model, &drawn.drawings, &options, observer)?;
-        // As of an input, the size of a .gltf is not that of one file.
-        bytes = (!target.separate).then_some(encoded.bytes.len() as u64);
-        Ok(encoded)
-    })?;
-    report.drawn = Some(drawn.parts());
-    report.before = Some(FileFigures::of(&drawn.before, file_bytes(&job.input)));
-    report.after = Some(FileFigures::of(&drawn.after, bytes));
-    report.output = Some(target.name());
-    report.layout = Some(target.layout.name());
+    let writing = clock.fresh();
+    let strip::File { encoded, drawn, mut before, mut after, .. } =
+        output::encode(target, &writing, |observer| stripped.strips.encode(model, &options, observer))?;
+    before.bytes = file_bytes(&job.input);
+    // As for an input, the size of a .gltf is not that of one file.
+    after.bytes = after.bytes.filter(|_| !target.separate);
+    stripped.vertex_order =
+        encoded.groups.as_ref().map(|groups| groups.iter().map(GroupReport::of).collect());
+    let how = drawn_as(target, drawn.found + drawn.stored > 0);
+    output::write(target, how, &encoded, &mut stripped.strips.notes, &writing, console)?;
+    clock.add(&writing);
+    (stripped.drawn, stripped.before, stripped.after) = (Some(drawn), Some(before), Some(after));
+    (stripped.output, stripped.layout) = (Some(target.name()), Some(target.layout.name()));
     Ok(())
 }
 
 /// Draws the strips, and writes the picture.
-fn draw(path: &Path, model: &Model, stripped: &Stripped, console: &Console) -> Result<(), Failure> {
+fn draw(path: &Path, model: &Model, strips: &strip::Outcome, console: &Console) -> Result<(), Failure> {
     console.doing("picture");
     let options = RenderOptions::default();
     let positions = model.parts.iter().map(|part| part.mesh.positions());
-    let parts: Vec<_> = positions.zip(&stripped.strips).collect();
+    let parts: Vec<_> = positions.zip(&strips.strips).collect();
     let (picture, seconds) = timed(|| images::strips(&parts, &options));
     tristrip_io::replace_file(path, &picture?).map_err(|error| Failure::writing(&error))?;
     let what = format!("{}, {} × {} pixels", path.display(), options.width, options.height);
@@ -221,7 +163,7 @@ fn draw(path: &Path, model: &Model, stripped: &Stripped, console: &Console) -> R
 }
 
 /// Returns a line on what was proven.
-fn proven(faces: usize) -> String {
+fn proven_line(faces: usize) -> String {
     match faces {
         0 => "proven: draws no faces, as the source".into(),
         1 => "proven: draws exactly the one face, with its winding".into(),

@@ -15,7 +15,8 @@ use tristrip::Effort;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_io::gltf::Rounding;
-use tristrip_pipeline::{Amount, AnalyzeOptions, Goal, SimplifyOptions, VertexCacheList};
+use tristrip_pipeline::analyze::{self, VertexCacheList};
+use tristrip_pipeline::{Amount, Goal, simplify};
 
 use crate::args::{self, AnalyzeArgs, Command, OutputArgs, SharedArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, write_to_stdout};
@@ -88,7 +89,7 @@ pub(crate) struct BoundTask {
 #[derive(Debug)]
 pub(crate) struct AnalyzeTask {
     pub(crate) inputs: Vec<Input>,
-    pub(crate) options: AnalyzeOptions,
+    pub(crate) options: analyze::Options,
     /// The SVG file to write.
     pub(crate) plot: Option<PathBuf>,
     /// The vertex caches of its curves.
@@ -112,7 +113,7 @@ pub(crate) struct ConvertTask {
 #[derive(Debug)]
 pub(crate) struct SimplifyTask {
     pub(crate) jobs: Vec<Job>,
-    pub(crate) options: SimplifyOptions,
+    pub(crate) options: simplify::Options,
     /// The PNG file of the model before and after.
     pub(crate) picture: Option<PathBuf>,
 }
@@ -233,7 +234,7 @@ fn validate(command: Command) -> Result<Task, String> {
             if let Some(path) = &args.picture {
                 check_picture(path, &jobs)?;
             }
-            let mut options = SimplifyOptions::new(goal).with_rules(args.collapse.rules());
+            let mut options = simplify::Options::default().with_goal(goal).with_rules(args.collapse.rules());
             options = options.with_normals(args.normals).with_fit(args.fit).with_verify(verify);
             if args.compact {
                 options = options.with_rounding(Rounding::WeightsAndRotations);
@@ -267,7 +268,8 @@ fn analyze_task(args: AnalyzeArgs) -> Result<Task, String> {
     let curve = args.plot.as_ref().map(|_| args.vertex_caches.clone().unwrap_or_else(VertexCacheList::curve));
     let flush_policy = if args.flush { FlushPolicy::Flush } else { FlushPolicy::Keep };
     let vertex_caches = args.vertex_caches.unwrap_or_default();
-    let options = AnalyzeOptions::default().with_vertex_caches(vertex_caches).with_flush_policy(flush_policy);
+    let options =
+        analyze::Options::default().with_vertex_caches(vertex_caches).with_flush_policy(flush_policy);
     let task = AnalyzeTask { inputs, options, plot: args.plot, curve };
     Ok(Task::Analyze(task))
 }

@@ -6,13 +6,14 @@ use serde::Serialize;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Format};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{EncodeOptions, Unpacked, UnpackedReport, encode_observed, unpack};
+use tristrip_pipeline::{Stage, Unpacked, UnpackedReport, encode, unpack};
 
 use crate::batch::{self, InputReport, Outcome};
+use crate::clock::StageClock;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Input;
-use crate::output::{self, WriteReport};
+use crate::output;
 use crate::stage::{Seconds, timed};
 use crate::task::UnpackTask;
 
@@ -106,17 +107,15 @@ fn unpack_job(task: &UnpackTask, console: &mut Console, report: &mut UnpackRepor
         let images = tristrip_io::embed_images(&mut model, job.input.path.as_deref());
         images.map_err(|error| Failure::reading(&report.file, &error))?;
     }
-    let options = EncodeOptions::new(target.format).with_verify(*verify);
+    let options = encode::Options::new(target.format).with_verify(*verify);
     let drawings = vec![Drawing::Faces; model.parts.len()];
-    let fields = WriteReport {
-        write: &mut report.seconds.write,
-        verify: &mut report.seconds.verify,
-        notes: &mut report.notes,
-        vertex_order: None,
-    };
-    output::write(target, false, console, fields, |observer| {
-        encode_observed(&model, &drawings, &options, observer)
-    })?;
+    let clock = StageClock::new(console, None);
+    let encoded =
+        output::encode(target, &clock, |observer| encode::run(&model, &drawings, &options, observer))?;
+    let how = output::drawn_as(target, false);
+    output::write(target, how, &encoded, &mut report.notes, &clock, console)?;
+    report.seconds.verify = clock.seconds(&[Stage::ReadBack]);
+    report.seconds.write = clock.seconds(&[Stage::Encode, Stage::Write]);
     report.output = Some(target.name());
     report.proven = verify.then_some(true);
     Ok(())

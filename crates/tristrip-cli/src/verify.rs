@@ -1,103 +1,92 @@
 //! `tristrip verify`: proves that a file from any source draws exactly the faces of another.
 
 use serde::Serialize;
-use tristrip::verify::Difference;
+use tristrip_io::Model;
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{DifferenceReport, verify};
+use tristrip_pipeline::{Stage, verify};
 
+use crate::clock::{STRIP_SECONDS, Seconds, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::stage::{Seconds, load_timed, timed};
+use crate::job::Input;
+use crate::stage::load_timed;
 use crate::task::VerifyTask;
 
-/// The report; the keys are those of the JSON output.
+/// The report of both files; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct VerifyReport {
+struct Verified {
     source: String,
     result: String,
-    /// `null` if a file could not be read.
-    proven: Option<bool>,
     seconds: Seconds,
-    /// The faces of the source.
-    faces: Option<usize>,
-    /// The triangles of the result.
-    triangles: Option<usize>,
-    difference: Option<DifferenceReport>,
+    #[serde(flatten)]
+    outcome: Option<verify::Outcome>,
     notes: Vec<String>,
     error: Option<String>,
 }
 
 /// Compares both files; returns whether the result is proven.
 pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
-    let mut report = VerifyReport {
-        source: task.source.name(),
-        result: task.result.name(),
-        proven: None,
-        seconds: Seconds::default(),
-        faces: None,
-        triangles: None,
-        difference: None,
-        notes: Vec::new(),
-        error: None,
-    };
-    console.begin(&format!("{} against {}", report.result, report.source), None);
-    let compared = compare(task, console, &mut report);
+    let (source, result) = (task.source.name(), task.result.name());
+    console.begin(&format!("{result} against {source}"), None);
+    let clock = StageClock::new(console, None);
+    let mut notes = Vec::new();
+    let compared = compare(task, console, &clock, &mut notes);
     console.end();
-    match compared {
-        Ok(Ok(faces)) => {
-            report.proven = Some(true);
-            let faces = counted(faces, "face");
-            let (source, result) = (&report.source, &report.result);
+    let (outcome, error) = match compared {
+        Ok(outcome) => (Some(outcome), None),
+        Err(error) => (None, Some(error)),
+    };
+    if let Some(error) = &error {
+        console.error(error);
+    }
+    if let Some(outcome) = &outcome {
+        if let Some(difference) = &outcome.difference {
+            console.error(&format!("{result}: not proven: {}", difference.text));
+        } else {
+            let faces = counted(outcome.faces, "face");
             let verdict = format!(
                 "proven: {result} draws exactly the {faces} of {source}, each once, with its winding\n"
             );
             console.result(&verdict, false);
         }
-        Ok(Err(difference)) => {
-            report.proven = Some(false);
-            report.difference = Some(DifferenceReport::of(&difference));
-            console.error(&format!("{}: not proven: {difference}", report.result));
-        }
-        Err(failure) => {
-            console.error(&failure);
-            report.error = Some(failure);
-        }
     }
-    let proven = report.proven == Some(true);
-    console.json(&[report], false);
+    let proven = outcome.as_ref().is_some_and(|outcome| outcome.proven);
+    let seconds = clock.into_seconds(STRIP_SECONDS);
+    console.json(&[Verified { source, result, seconds, outcome, notes, error }], false);
     proven
 }
 
-/// Reads both files and compares them. Returns the number of faces proven, or the difference.
+/// Reads both files and compares them.
 ///
 /// # Errors
 /// A file could not be read or used.
 fn compare(
     task: &VerifyTask,
     console: &Console,
-    report: &mut VerifyReport,
-) -> Result<Result<usize, Difference>, String> {
-    let named = |name: String| move |failure: Failure| format!("{name}: {failure}");
-    let (source, source_seconds) = load_timed(&task.source, console).map_err(named(task.source.name()))?;
-    let (result, result_seconds) = load_timed(&task.result, console).map_err(named(task.result.name()))?;
-    report.seconds.load = Some(source_seconds + result_seconds);
-    for (name, model, seconds) in
-        [(&report.source, &source, source_seconds), (&report.result, &result, result_seconds)]
-    {
-        let faces: usize = model.parts.iter().map(|part| part.mesh.faces().face_count()).sum();
-        let what = format!("{name}: {}, {}", counted(model.parts.len(), "part"), counted(faces, "face"));
-        console.stage("load", &what, Some(seconds));
-        let notes: Vec<String> = model.notes.iter().map(|note| format!("{name}: {note}")).collect();
-        notes.iter().for_each(|note| console.note(note));
-        report.notes.extend(notes);
+    clock: &StageClock,
+    notes: &mut Vec<String>,
+) -> Result<verify::Outcome, String> {
+    let source = load(&task.source, console, clock)?;
+    let result = load(&task.result, console, clock)?;
+    for (input, model) in [(&task.source, &source), (&task.result, &result)] {
+        notes.extend(model.notes.iter().map(|note| format!("{}: {note}", input.name())));
     }
-    console.doing("verify");
-    let (verdict, seconds) = timed(|| verify(&source, &result));
-    report.seconds.verify = Some(seconds);
-    report.faces = Some(source.parts.iter().map(|part| part.mesh.faces().face_count()).sum());
-    report.triangles = Some(result.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum());
-    let verdict = verdict.map_err(|error| error.to_string())?;
-    let outcome = if verdict.is_ok() { "the same faces" } else { "not the same faces" };
-    console.stage("verify", outcome, Some(seconds));
-    Ok(verdict.map(|proof| proof.faces))
+    notes.iter().for_each(|note| console.note(note));
+    let outcome = clock.observe(|observer| verify::run(&source, &result, observer));
+    let outcome = outcome.map_err(|error| error.to_string())?;
+    let verdict = if outcome.proven { "the same faces" } else { "not the same faces" };
+    console.stage("verify", verdict, clock.seconds(&[Stage::Prove]));
+    Ok(outcome)
+}
+
+/// Reads a file, and prints what it holds.
+fn load(input: &Input, console: &Console, clock: &StageClock) -> Result<Model, String> {
+    let name = input.name();
+    let loaded = load_timed(input, console).map_err(|failure: Failure| format!("{name}: {failure}"));
+    let (model, seconds) = loaded?;
+    clock.add_seconds(Stage::Load, seconds);
+    let faces: usize = model.parts.iter().map(|part| part.mesh.faces().face_count()).sum();
+    let what = format!("{name}: {}, {}", counted(model.parts.len(), "part"), counted(faces, "face"));
+    console.stage("load", &what, Some(seconds));
+    Ok(model)
 }

@@ -1,29 +1,31 @@
 //! Index and vertex-cache statistics of a model as its file stores it. No strips are built.
 
-mod report;
 mod stored;
 mod vertex_caches;
 
+use serde::{Serialize, Serializer};
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip_io::{Model, Part};
 
+use crate::error::Error;
+use crate::metrics::rounded;
+use crate::observer::{Observer, Stage, begin};
 use crate::parts::map;
-pub use report::{PartReport, VertexCacheReport};
-pub use stored::{DrawMode, LengthBin, StoredFigures, StripLengths};
-use stored::{StoredPart, vertices_of};
+pub use stored::{DrawMode, LengthBin, StoredIndices};
+use stored::{MeasuredPart, StripLengths, vertices_of};
 pub use vertex_caches::VertexCacheList;
 
 /// Which vertex caches are simulated.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 #[non_exhaustive]
-pub struct AnalyzeOptions {
+pub struct Options {
     /// The vertex caches.
     pub vertex_caches: VertexCacheList,
     /// Whether caches are flushed between strips.
     pub flush_policy: FlushPolicy,
 }
 
-impl AnalyzeOptions {
+impl Options {
     /// Sets the vertex caches.
     #[must_use]
     pub fn with_vertex_caches(self, vertex_caches: VertexCacheList) -> Self {
@@ -37,63 +39,113 @@ impl AnalyzeOptions {
     }
 }
 
-/// The statistics of a model.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// The index and vertex-cache statistics of a model; the keys are those of the JSON report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
-pub struct Analysis {
+pub struct Outcome {
     /// The sums over all parts; vertices that parts share are counted once.
-    pub figures: StoredFigures,
-    /// The histogram of strip lengths.
-    pub lengths: StripLengths,
-    /// Each vertex cache with its statistics, summed over all parts; each part starts with an empty cache.
-    pub vertex_caches: Vec<(VertexCache, VertexCacheStatistics)>,
+    #[serde(flatten)]
+    pub stored: StoredIndices,
+    /// Indices per triangle.
+    pub indices_per_triangle: f64,
+    /// The histogram of strip lengths, the shortest strips first.
+    pub lengths: Vec<LengthBin>,
+    /// Whether caches are flushed between strips.
+    pub flushed: bool,
+    /// The misses of each vertex cache, summed over all parts; each part starts with an empty cache.
+    pub vertex_caches: Vec<CacheMisses>,
+    /// The number of parts.
+    pub parts: usize,
     /// The parts in their order.
-    pub parts: Vec<PartAnalysis>,
+    pub by_part: Vec<StoredPart>,
+    /// Notes of the reader.
+    pub notes: Vec<String>,
 }
 
-/// The statistics of a part.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// The misses of one vertex cache.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
-pub struct PartAnalysis {
-    /// The figures of the part.
-    pub figures: StoredFigures,
-    /// The misses of each vertex cache, in the order of [`Analysis::vertex_caches`].
+pub struct CacheMisses {
+    /// The vertex cache: `fifo:16`.
+    #[serde(serialize_with = "as_text")]
+    pub vertex_cache: VertexCache,
+    /// Vertices that must be transformed again.
+    pub misses: usize,
+    /// Misses per triangle.
+    pub acmr: f64,
+    /// Misses per used vertex.
+    pub atvr: f64,
+}
+
+/// One part of a file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct StoredPart {
+    /// The name of the object, group or mesh.
+    pub name: Option<String>,
+    /// The name of the material.
+    pub material: Option<String>,
+    /// The statistics of the part.
+    #[serde(flatten)]
+    pub stored: StoredIndices,
+    /// In the order of [`Outcome::vertex_caches`].
     pub misses: Vec<usize>,
 }
 
 /// Counts triangles, strips and indices of a model as stored, and simulates vertex caches.
 ///
+/// # Errors
+/// The observer cancelled.
+///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{AnalyzeOptions, analyze};
+/// use tristrip_pipeline::analyze;
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
-/// let options = AnalyzeOptions::default().with_vertex_caches("fifo:16".parse().unwrap_or_default());
-/// let analysis = analyze(&model, &options);
-/// assert_eq!((analysis.figures.indices, analysis.vertex_caches[0].1.misses), (6, 4));
-/// # Ok::<(), tristrip_io::Error>(())
+/// let options = analyze::Options::default().with_vertex_caches("fifo:16".parse().unwrap_or_default());
+/// let found = analyze::run(&model, &options, &())?;
+/// assert_eq!((found.stored.indices, found.vertex_caches[0].misses), (6, 4));
+/// assert_eq!(found.by_part[0].stored, found.stored);
+/// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn analyze(model: &Model, options: &AnalyzeOptions) -> Analysis {
+pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
+    begin(observer, Stage::Analyze)?;
     let caches = &options.vertex_caches.0;
     let parts: Vec<&Part> = model.parts.iter().collect();
     let measured = map(&parts, |&part| {
-        let stored = StoredPart::of(part);
-        let statistics = stored.simulate(caches, options.flush_policy);
-        (stored, statistics)
+        let measured = MeasuredPart::of(part);
+        let statistics = measured.simulate(caches, options.flush_policy);
+        (measured, statistics)
     });
-    let (stored, statistics): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
-    let figures =
-        StoredFigures { vertices: vertices_of(&stored), ..stored.iter().map(|one| one.figures).sum() };
-    let parts = stored.iter().zip(&statistics).map(|(one, statistics)| PartAnalysis {
-        figures: one.figures,
+    let (measured, statistics): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
+    let stored =
+        StoredIndices { vertices: vertices_of(&measured), ..measured.iter().map(|one| one.stored).sum() };
+    let by_part = parts.iter().zip(&measured).zip(&statistics).map(|((part, one), statistics)| StoredPart {
+        name: part.name.clone(),
+        material: part.material.clone(),
+        stored: one.stored,
         misses: statistics.iter().map(|used| used.misses).collect(),
     });
-    let parts: Vec<PartAnalysis> = parts.collect();
-    let (triangles, vertices) = (figures.triangles, figures.vertices);
-    let sum = |i: usize| {
-        let misses = parts.iter().map(|part| part.misses[i]).sum();
-        VertexCacheStatistics { misses, triangles, vertices }
+    let by_part: Vec<StoredPart> = by_part.collect();
+    let (triangles, vertices) = (stored.triangles, stored.vertices);
+    let sum = |(i, &vertex_cache): (usize, &VertexCache)| {
+        let misses = by_part.iter().map(|part| part.misses[i]).sum();
+        let used = VertexCacheStatistics { misses, triangles, vertices };
+        CacheMisses { vertex_cache, misses, acmr: rounded(used.acmr()), atvr: rounded(used.atvr()) }
     };
-    let vertex_caches = caches.iter().enumerate().map(|(i, &cache)| (cache, sum(i))).collect();
-    let lengths = stored.into_iter().map(|one| one.lengths).sum();
-    Analysis { figures, lengths, vertex_caches, parts }
+    let per_triangle = if triangles == 0 { 0.0 } else { stored.indices as f64 / triangles as f64 };
+    Ok(Outcome {
+        stored,
+        indices_per_triangle: rounded(per_triangle),
+        vertex_caches: caches.iter().enumerate().map(sum).collect(),
+        lengths: measured.into_iter().map(|one| one.lengths).sum::<StripLengths>().into_bins(),
+        flushed: options.flush_policy == FlushPolicy::Flush,
+        parts: by_part.len(),
+        by_part,
+        notes: model.notes.clone(),
+    })
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
+fn as_text<S: Serializer>(cache: &VertexCache, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(cache)
 }

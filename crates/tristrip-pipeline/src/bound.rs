@@ -7,25 +7,49 @@ use tristrip_io::Model;
 
 use crate::bounds::Bounds;
 use crate::error::Error;
-use crate::figures::MeshFigures;
-use crate::observer::{Event, Observer, Stage, begin};
+use crate::figures::MeshProperties;
+use crate::observer::{Observer, Stage, begin};
 use crate::parts::map;
 use crate::prepared::Survey;
 
-/// The bound of one part.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// How lower bounds are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
-pub struct PartBound {
-    /// The bound, with its components.
-    pub bound: Bound,
-    /// Whether one strip without swaps draws the part completely.
-    pub sequential: bool,
+pub struct Options {
+    /// Whether vertices with the same bits in all attributes are one, as [`StripifyOptions::with_weld`] has it.
+    pub weld: bool,
+}
+
+impl Options {
+    /// Sets whether vertices with the same bits in all attributes are one.
+    #[must_use]
+    pub fn with_weld(self, weld: bool) -> Self {
+        Self { weld, ..self }
+    }
+}
+
+/// The lower bounds of a model; the keys are those of the JSON report.
+#[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
+pub struct Outcome {
+    /// The counts of the mesh.
+    pub mesh: MeshProperties,
+    /// The number of parts.
+    pub parts: usize,
+    /// The sums over all parts.
+    pub bound: Bounds,
+    /// For each part whether one strip without swaps draws it completely.
+    pub sequential: Vec<bool>,
+    /// The bounds of all components, part by part.
+    pub components: Vec<ComponentBound>,
+    /// Notes of the reader, and on what was dropped, changed or unusual.
+    pub notes: Vec<String>,
 }
 
 /// The bound of a component of a part; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
-pub struct ComponentReport {
+pub struct ComponentBound {
     /// The number of the part.
     pub part: usize,
     /// The triangles of the component.
@@ -38,31 +62,6 @@ pub struct ComponentReport {
     pub proof: &'static str,
 }
 
-impl Bounded {
-    /// Returns the bounds of all components, part by part.
-    ///
-    /// ```
-    /// use tristrip_io::{Format, read};
-    /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-    /// let components = tristrip_pipeline::bound(&model, false)?.components();
-    /// assert_eq!((components.len(), components[0].strips), (1, 1));
-    /// # Ok::<(), tristrip_pipeline::Error>(())
-    /// ```
-    pub fn components(&self) -> Vec<ComponentReport> {
-        let of_part = |(part, found): (usize, &PartBound)| {
-            let report = move |component: &tristrip::stripify::bound::ComponentBound| ComponentReport {
-                part,
-                triangles: component.triangles,
-                strips: component.strips,
-                vertices_sent: component.vertices_sent,
-                proof: proof_name(component.method),
-            };
-            found.bound.components.iter().map(report).collect::<Vec<_>>()
-        };
-        self.parts.iter().enumerate().flat_map(of_part).collect()
-    }
-}
-
 fn proof_name(proof: BoundMethod) -> &'static str {
     match proof {
         BoundMethod::Leaves => "leaves",
@@ -73,59 +72,46 @@ fn proof_name(proof: BoundMethod) -> &'static str {
     }
 }
 
-/// The bounds of a model and of its parts.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct Bounded {
-    /// The sums over all parts.
-    pub bounds: Bounds,
-    /// The bound of each part, in their order.
-    pub parts: Vec<PartBound>,
-    /// The counts of the mesh.
-    pub mesh: MeshFigures,
-    /// Notes of the reader, and on what was dropped, changed or unusual.
-    pub notes: Vec<String>,
-}
-
-/// Computes lower bounds that hold for every method. `weld` joins vertices with the same bits in all attributes, as
-/// [`StripifyOptions::with_weld`] does.
-///
-/// # Errors
-/// As of [`bound_observed`].
-///
-/// ```
-/// use tristrip_io::{Format, read};
-/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
-/// let bounded = tristrip_pipeline::bound(&model, false)?;
-/// assert_eq!((bounded.bounds.strips, bounded.bounds.vertices_sent, bounded.parts[0].sequential), (1, 4, true));
-/// # Ok::<(), tristrip_pipeline::Error>(())
-/// ```
-pub fn bound(model: &Model, weld: bool) -> Result<Bounded, Error> {
-    bound_observed(model, weld, &())
-}
-
-/// Does the same, and reports each stage to an observer.
+/// Computes lower bounds that hold for every method.
 ///
 /// # Errors
 /// The observer cancelled.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-/// assert_eq!(tristrip_pipeline::bound_observed(&model, false, &())?.bounds.indices_restart, 3);
+/// use tristrip_pipeline::bound;
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
+/// let found = bound::run(&model, &bound::Options::default(), &())?;
+/// assert_eq!((found.bound.strips, found.bound.vertices_sent, found.sequential[0]), (1, 4, true));
+/// assert_eq!((found.components.len(), found.components[0].proof), (1, "one-strip"));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn bound_observed(model: &Model, weld: bool, observer: &dyn Observer) -> Result<Bounded, Error> {
-    let options = StripifyOptions::default().with_weld(weld);
-    let Survey { prepared, mesh, notes, .. } = Survey::new(model, options, observer)?;
+pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
+    let stripify = StripifyOptions::default().with_weld(options.weld);
+    let Survey { prepared, mesh, notes, .. } = Survey::new(model, stripify, observer)?;
     begin(observer, Stage::Bound)?;
     let parts = map(prepared.parts(), |part| {
         let triangles = part.surface.faces().as_triangles().is_some();
         let sequential = triangles && sequential_strip(&part.graph).is_some();
-        Ok(PartBound { bound: Bound::of_prepared(&part.surface, &part.graph)?, sequential })
+        Ok((Bound::of_prepared(&part.surface, &part.graph)?, sequential))
     });
-    let parts = parts.into_iter().collect::<Result<Vec<_>, Error>>()?;
-    observer.event(Event::Bounded(None));
-    let bounds = Bounds::sum(parts.iter().map(|part| &part.bound));
-    Ok(Bounded { bounds, parts, mesh, notes })
+    let parts = parts.into_iter().collect::<Result<Vec<(Bound, bool)>, Error>>()?;
+    let of_part = |(part, (bound, _)): (usize, &(Bound, bool))| {
+        let component = move |component: &tristrip::stripify::bound::ComponentBound| ComponentBound {
+            part,
+            triangles: component.triangles,
+            strips: component.strips,
+            vertices_sent: component.vertices_sent,
+            proof: proof_name(component.method),
+        };
+        bound.components.iter().map(component).collect::<Vec<_>>()
+    };
+    Ok(Outcome {
+        mesh,
+        parts: parts.len(),
+        bound: Bounds::sum(parts.iter().map(|(bound, _)| bound)),
+        sequential: parts.iter().map(|&(_, sequential)| sequential).collect(),
+        components: parts.iter().enumerate().flat_map(of_part).collect(),
+        notes,
+    })
 }

@@ -6,7 +6,7 @@ use tristrip::stripify::bound::Bound;
 use tristrip::{Method, StripifyOptions};
 
 use crate::error::Error;
-use crate::figures::Figures;
+use crate::metrics::StripMetrics;
 use crate::parts::{PreparedPart, map};
 
 /// The lower bounds of a model, summed over its parts; the keys are those of the JSON report.
@@ -19,7 +19,7 @@ pub struct Bounds {
     pub vertices_sent: usize,
     /// Vertices sent with free swaps.
     pub gl_cost: usize,
-    /// Indices with a restart between strips. The parts share one index buffer, as in [`Figures`].
+    /// Indices with a restart between strips. The parts share one index buffer, as in [`StripMetrics`].
     pub indices_restart: usize,
     /// Indices of the strips joined by degenerate triangles.
     pub indices_degenerate: usize,
@@ -65,7 +65,7 @@ impl Bounds {
     }
 
     /// Compares the figure that a method minimizes with its bound; returns `None` for methods that do not search.
-    pub fn gap(&self, options: &StripifyOptions, figures: &Figures) -> Option<BoundGap> {
+    pub fn gap(&self, options: &StripifyOptions, figures: &StripMetrics) -> Option<BoundGap> {
         let (figure, found, bound) = match (options.method, options.cost) {
             (Method::Fewest, _) => ("strips", figures.strips, self.strips),
             (Method::Best, Cost::Restart) => {

@@ -32,7 +32,7 @@ use tristrip_io::{Format, LeveledModel, Model, PartLevel};
 use crate::collapses::{Collapses, percent_of};
 use crate::encode::kept_groups;
 use crate::error::Error;
-use crate::figures::MeshFigures;
+use crate::figures::MeshProperties;
 use crate::goal::{Amount, Deviation, Ratio};
 use crate::observer::{Event, Observer, Stage, begin};
 use crate::prepared::Survey;
@@ -139,7 +139,7 @@ pub struct Chain {
     /// The collapses to the coarsest level.
     pub collapses: Collapses,
     /// The counts of the source mesh.
-    pub mesh: MeshFigures,
+    pub mesh: MeshProperties,
     /// A sentence on the levels that were not reached, if there are any: what held them back, and what to try.
     pub warning: Option<String>,
     /// Notes of the reader, on what was dropped, on locked vertices, and on vertices that kept their order.
@@ -232,7 +232,7 @@ pub fn chain_observed(
     let levels =
         figures.map(|(level, (((target_triangles, triangles, reached), &ratio), screen_coverage))| {
             let surface_error = extents.iter().map(|extent| extent.errors[level]).fold(0.0, f32::max);
-            let surface_error_percent = percent_of(surface_error, collapses.diagonal);
+            let surface_error_percent = percent_of(surface_error.into(), collapses.diagonal);
             let vertices = leveled.vertex_count(level)?;
             Ok(ChainLevel {
                 ratio,

@@ -16,8 +16,9 @@ use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Layout, Mesh, Strips};
 use tristrip_io::{Drawing, Format, Model, Part};
 
-use crate::encode::EncodeOptions;
-use crate::figures::{PartFigures, rounded};
+use crate::encode;
+use crate::figures::PartMetrics;
+use crate::metrics::rounded;
 use crate::parts::map;
 use crate::text::counted;
 
@@ -66,8 +67,8 @@ impl DrawCost {
     }
 
     /// Returns the cost of strips that were measured, with the same vertex cache.
-    fn of_found(figures: &PartFigures, layout: Layout) -> Self {
-        let PartFigures { metrics, fifo_16 } = figures;
+    fn of_found(figures: &PartMetrics, layout: Layout) -> Self {
+        let PartMetrics { metrics, fifo_16 } = figures;
         let indices = index_count(metrics, layout);
         Self { indices, triangles: metrics.triangles, misses: fifo_16.misses }
     }
@@ -100,7 +101,7 @@ impl std::iter::Sum for DrawCost {
 /// What a file draws, and its size; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
-pub struct FileFigures {
+pub struct FileCost {
     /// The indices, restarts and degenerate triangles included. Polygons count as fans.
     pub indices: usize,
     /// Misses per triangle of a FIFO vertex cache of 16 entries.
@@ -109,7 +110,7 @@ pub struct FileFigures {
     pub bytes: Option<u64>,
 }
 
-impl FileFigures {
+impl FileCost {
     /// Reports a cost and a size.
     pub fn of(cost: &DrawCost, bytes: Option<u64>) -> Self {
         Self { indices: cost.indices, acmr_fifo_16: rounded(cost.acmr()), bytes }
@@ -171,8 +172,8 @@ impl Drawn<'_> {
 /// Chooses how each part is drawn. With `keep_found`, the strips found are drawn whatever their number of indices.
 pub(crate) fn choose<'a>(
     model: &'a Model,
-    (strips, figures): (&'a [Strips], &[PartFigures]),
-    options: EncodeOptions,
+    (strips, figures): (&'a [Strips], &[PartMetrics]),
+    options: encode::Options,
     keep_found: bool,
 ) -> Drawn<'a> {
     // OBJ has no strips: the triangles are written in strip order.

@@ -3,25 +3,26 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use serde::{Serialize, Serializer};
 use tristrip::Layout;
 use tristrip::verify::verify_models;
 use tristrip_io::gltf::{Rounding, SeparateFiles};
 use tristrip_io::{Drawing, Format, Model, Redrawn, Reordered, SideFile, VertexGroup};
 
 use crate::error::Error;
-use crate::observer::{Event, Observer, Stage, begin};
+use crate::observer::{Observer, Stage, begin};
 use crate::parts::meshes;
 use crate::text::counted;
 
 /// The format and layout of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct EncodeOptions {
+pub struct Options {
     /// The format of the file.
     pub format: Format,
     /// The layout of strips in its index buffers.
     pub layout: Layout,
-    /// Whether [`Stripped::encode`](crate::Stripped::encode) may draw a part as a list where that takes fewer indices than strips.
+    /// Whether [`strip::Outcome::encode`](crate::strip::Outcome::encode) may draw a part as a list where that takes fewer indices than strips.
     pub list: bool,
     /// Whether vertices are numbered in the order in which the drawings first use them.
     pub reorder: bool,
@@ -31,7 +32,7 @@ pub struct EncodeOptions {
     pub verify: bool,
 }
 
-impl EncodeOptions {
+impl Options {
     /// Chooses a format, with the layout that every reader of it draws, or a list for a part where that takes fewer indices; proven, with
     /// the vertices in their order.
     pub fn new(format: Format) -> Self {
@@ -74,7 +75,7 @@ impl EncodeOptions {
 /// ```
 /// use tristrip::Layout;
 /// use tristrip_io::Format;
-/// assert_eq!(tristrip_pipeline::default_layout(Format::Glb), Layout::Degenerate);
+/// assert_eq!(tristrip_pipeline::encode::default_layout(Format::Glb), Layout::Degenerate);
 /// ```
 pub fn default_layout(format: Format) -> Layout {
     match format {
@@ -87,22 +88,28 @@ pub fn default_layout(format: Format) -> Layout {
 /// The bytes of a file.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct Encoded {
+pub struct Outcome {
     /// The file.
     pub bytes: Vec<u8>,
-    /// The number of faces that the bytes are proven to draw; `None` if they were not proven.
+    /// The number of faces that the bytes are proven to draw; `None` if the proof was not requested.
     pub faces: Option<usize>,
     /// The new order of the vertices, if it was requested.
     pub groups: Option<Vec<VertexGroup>>,
-    /// Notes on vertices that kept their order or stayed although unused, and on viewers that cannot draw the file.
+    /// Notes on vertices that kept their order or were kept although unused, on viewers that cannot draw the file, and on what the
+    /// format cannot store.
     pub notes: Vec<String>,
-    /// Notes on what the format cannot store.
-    pub losses: Vec<String>,
+    /// What a viewer of the file does not see although the model has it.
+    pub warnings: Vec<String>,
     /// The files that an OBJ refers to, to be written into its folder.
     pub files: Vec<SideFile>,
 }
 
-impl Encoded {
+impl Outcome {
+    /// Returns the notes and then the warnings, for a report.
+    pub fn all_notes(&self) -> Vec<String> {
+        self.notes.iter().chain(&self.warnings).cloned().collect()
+    }
+
     /// Separates a GLB into a `.gltf` and its buffer, of this file name, and proves that they hold the same meshes as the GLB, if that
     /// was proven.
     ///
@@ -111,20 +118,21 @@ impl Encoded {
     ///
     /// ```
     /// use tristrip_io::{Drawing, Format, read};
-    /// use tristrip_pipeline::{EncodeOptions, encode};
+    /// use tristrip_pipeline::encode;
     /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-    /// let files = encode(&model, &[Drawing::Faces], &EncodeOptions::new(Format::Glb))?.separate("model.bin")?;
+    /// let glb = encode::run(&model, &[Drawing::Faces], &encode::Options::new(Format::Glb), &())?;
+    /// let files = glb.separate("model.bin")?;
     /// assert!(files.json.starts_with(b"{") && !files.buffer.is_empty());
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     pub fn separate(&self, file_name: &str) -> Result<SeparateFiles, Error> {
         let files = tristrip_io::gltf::separate(self.bytes.clone(), file_name)?;
         if self.faces.is_some() {
-            let unproven = |error: tristrip_io::Error| Error::Unproven(error.to_string());
+            let unproven = |error: tristrip_io::Error| Error::unproven(error.to_string());
             let again = tristrip_io::gltf::read_separate(&files).map_err(unproven)?;
             let glb = tristrip_io::read(&self.bytes, Format::Glb).map_err(unproven)?;
             if meshes(&again) != meshes(&glb) {
-                return Err(Error::Unproven("the separate files differ from the GLB".into()));
+                return Err(Error::unproven("the separate files differ from the GLB"));
             }
         }
         Ok(files)
@@ -134,60 +142,32 @@ impl Encoded {
 /// Encodes a model as a file with one drawing for each part, and proves that the bytes draw the model.
 ///
 /// # Errors
-/// As of [`encode_observed`].
-///
-/// ```
-/// use tristrip_io::{Drawing, Format, read};
-/// use tristrip_pipeline::{EncodeOptions, Error, encode};
-/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
-/// let ply = encode(&model, &[Drawing::Faces], &EncodeOptions::new(Format::Ply))?;
-/// assert_eq!(ply.faces, Some(2));
-/// let mut half = tristrip::Strips::default();
-/// half.push(&[1, 2, 0]);
-/// let half = encode(&model, &[Drawing::Strips(&half)], &EncodeOptions::new(Format::Ply));
-/// assert!(matches!(half, Err(Error::Unproven(_))));
-/// # Ok::<(), Error>(())
-/// ```
-pub fn encode(model: &Model, drawings: &[Drawing<'_>], options: &EncodeOptions) -> Result<Encoded, Error> {
-    encode_observed(model, drawings, options, &())
-}
-
-/// Does the same, and reports each stage to an observer.
-///
-/// # Errors
 /// The drawings do not fit the model, the format cannot store it, the bytes are not proven, or the observer cancelled.
 ///
 /// ```
-/// use std::sync::atomic::{AtomicUsize, Ordering};
 /// use tristrip_io::{Drawing, Format, read};
-/// use tristrip_pipeline::{EncodeOptions, Event, Observer, encode_observed};
-/// #[derive(Default)]
-/// struct Size(AtomicUsize);
-/// impl Observer for Size {
-///     fn event(&self, event: Event<'_>) {
-///         if let Event::Encoded { bytes } = event {
-///             self.0.store(bytes, Ordering::Relaxed);
-///         }
-///     }
-/// }
-/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-/// let size = Size::default();
-/// let encoded = encode_observed(&model, &[Drawing::Faces], &EncodeOptions::new(Format::Ply), &size)?;
-/// assert_eq!(size.0.into_inner(), encoded.bytes.len());
-/// # Ok::<(), tristrip_pipeline::Error>(())
+/// use tristrip_pipeline::{Error, encode};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
+/// let options = encode::Options::new(Format::Ply);
+/// let ply = encode::run(&model, &[Drawing::Faces], &options, &())?;
+/// assert_eq!(ply.faces, Some(2));
+/// let mut half = tristrip::Strips::default();
+/// half.push(&[1, 2, 0]);
+/// let half = encode::run(&model, &[Drawing::Strips(&half)], &options, &());
+/// assert!(matches!(half, Err(Error::Unproven { .. })));
+/// # Ok::<(), Error>(())
 /// ```
-pub fn encode_observed(
+pub fn run(
     model: &Model,
     drawings: &[Drawing<'_>],
-    options: &EncodeOptions,
+    options: &Options,
     observer: &dyn Observer,
-) -> Result<Encoded, Error> {
-    let EncodeOptions { format, layout, .. } = *options;
+) -> Result<Outcome, Error> {
+    let Options { format, layout, .. } = *options;
     let mut notes = Vec::new();
-    let reordered =
-        if options.reorder { Some(reorder(model, drawings, *options, observer, &mut notes)?) } else { None };
+    let reordered = if options.reorder { Some(reorder(model, drawings, *options, observer)?) } else { None };
+    notes.extend(reordered.iter().flat_map(|moved| kept_groups(&moved.groups)));
     if has_restarts(drawings, *options) {
-        observer.event(Event::Note(RESTART_NOTE));
         notes.push(RESTART_NOTE.into());
     }
     begin(observer, Stage::Encode)?;
@@ -198,26 +178,21 @@ pub fn encode_observed(
     if let Some(rounding) = options.pack.filter(|_| format == Format::Glb) {
         bytes = tristrip_io::gltf::pack(bytes, rounding)?;
     }
-    observer.event(Event::Encoded { bytes: bytes.len() });
+    let written = reordered.as_ref().map_or(model, |moved| &moved.model);
+    notes.extend(tristrip_io::losses(written, drawings, format));
+    let unseen = tristrip_io::material_losses(model, format);
+    let warnings = if unseen.is_empty() { Vec::new() } else { vec![unseen.join("; ")] };
     let mut faces = None;
     if options.verify {
         begin(observer, Stage::ReadBack)?;
         // The model that is read back shares the bytes, and is dropped with the proof.
         let shared = Arc::new(bytes);
-        let proven = prove(model, &shared, format)?;
+        faces = Some(prove(model, &shared, format)?);
         bytes = Arc::unwrap_or_clone(shared);
-        observer.event(Event::ReadBack { faces: proven });
-        faces = Some(proven);
-    }
-    let written = reordered.as_ref().map_or(model, |moved| &moved.model);
-    let losses = tristrip_io::losses(written, drawings, format);
-    let unseen = tristrip_io::material_losses(model, format);
-    if !unseen.is_empty() {
-        observer.event(Event::Warning(&unseen.join("; ")));
     }
     let materials = model.materials.as_ref().filter(|_| format == Format::Obj);
     let files = materials.map(|materials| materials.files.clone()).unwrap_or_default();
-    Ok(Encoded { bytes, faces, groups: reordered.map(|moved| moved.groups), notes, losses, files })
+    Ok(Outcome { bytes, faces, groups: reordered.map(|moved| moved.groups), notes, warnings, files })
 }
 
 /// The note on a GLB with restarts.
@@ -225,25 +200,20 @@ const RESTART_NOTE: &str = "restarts in a GLB need the draft extension KHR_mesh_
                             draw this file wrong; every viewer draws layout degenerate";
 
 /// Returns whether a GLB gets restarts between strips.
-fn has_restarts(drawings: &[Drawing<'_>], options: EncodeOptions) -> bool {
+fn has_restarts(drawings: &[Drawing<'_>], options: Options) -> bool {
     let several = |drawing: &Drawing<'_>| matches!(drawing, Drawing::Strips(strips) if strips.len() > 1);
     options.format == Format::Glb && options.layout == Layout::Restart && drawings.iter().any(several)
 }
 
-/// Numbers the vertices in the order of their first use, and notes why some of them kept their order.
+/// Numbers the vertices in the order of their first use.
 fn reorder(
     model: &Model,
     drawings: &[Drawing<'_>],
-    options: EncodeOptions,
+    options: Options,
     observer: &dyn Observer,
-    notes: &mut Vec<String>,
 ) -> Result<Reordered, Error> {
     begin(observer, Stage::Reorder)?;
-    let reordered = tristrip_io::reorder(model, drawings, options.format, options.layout)?;
-    observer.event(Event::Reordered(&reordered.groups));
-    notes.extend(kept_groups(&reordered.groups));
-    notes.iter().for_each(|note| observer.event(Event::Note(note)));
-    Ok(reordered)
+    Ok(tristrip_io::reorder(model, drawings, options.format, options.layout)?)
 }
 
 /// Returns a note per reason for which parts kept their vertex order.
@@ -258,8 +228,8 @@ pub(crate) fn kept_groups(groups: &[VertexGroup]) -> Vec<String> {
     by_reason.into_iter().map(note).collect()
 }
 
-/// Notes why a scene keeps unused vertices, one note per reason.
-pub(crate) fn kept_vertices(redrawn: &Redrawn, observer: &dyn Observer) -> Vec<String> {
+/// Returns a note per reason for which a scene keeps unused vertices.
+pub(crate) fn kept_vertices(redrawn: &Redrawn) -> Vec<String> {
     let mut by_reason: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     for group in &redrawn.kept_groups {
         let (vertices, parts) = by_reason.entry(&group.why).or_default();
@@ -268,17 +238,21 @@ pub(crate) fn kept_vertices(redrawn: &Redrawn, observer: &dyn Observer) -> Vec<S
     let note = |(why, (vertices, parts))| {
         format!("kept {} of {}: {why}", counted(vertices, "unused vertex"), counted(parts, "part"))
     };
-    let notes: Vec<String> = by_reason.into_iter().map(note).collect();
-    notes.iter().for_each(|note| observer.event(Event::Note(note)));
-    notes
+    by_reason.into_iter().map(note).collect()
 }
 
 /// Reads the bytes back, proves that they draw the source, and returns the number of faces.
 fn prove(source: &Model, bytes: &Arc<Vec<u8>>, format: Format) -> Result<usize, Error> {
     let again =
-        tristrip_io::read_shared(bytes, format).map_err(|error| Error::Unproven(error.to_string()))?;
+        tristrip_io::read_shared(bytes, format).map_err(|error| Error::unproven(error.to_string()))?;
     match verify_models(&meshes(source), &meshes(&again))? {
         Ok(proof) => Ok(proof.faces),
-        Err(difference) => Err(Error::Unproven(difference.to_string())),
+        Err(difference) => Err(Error::unproven(difference.to_string())),
     }
+}
+
+/// Serializes whether a result is proven: `null` means that the proof was not requested, since an unproven result is an error.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
+pub(crate) fn true_or_null<S: Serializer>(proven: &bool, serializer: S) -> Result<S::Ok, S::Error> {
+    proven.then_some(true).serialize(serializer)
 }

@@ -1,5 +1,10 @@
 //! The errors of the pipeline, by who can act on them.
 
+use serde::Serialize;
+
+use crate::collapses::Collapses;
+use crate::metrics::StripMetrics;
+
 /// Why a model could not be processed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -11,8 +16,14 @@ pub enum Error {
     #[error(transparent)]
     Format(#[from] tristrip_io::Error),
     /// A result does not draw exactly the expected faces; it is not returned.
-    #[error("not proven: {0}")]
-    Unproven(String),
+    #[error("not proven: {why}")]
+    #[non_exhaustive]
+    Unproven {
+        /// The first difference from what was expected.
+        why: String,
+        /// The metrics of the unproven result, for a report; `None` where it was not measured.
+        metrics: Option<Box<UnprovenMetrics>>,
+    },
     /// The requested level of detail does not exist.
     #[error("level: found {found}, expected at most {last}, the full mesh")]
     Level {
@@ -24,4 +35,32 @@ pub enum Error {
     /// The observer cancelled.
     #[error("cancelled")]
     Cancelled,
+}
+
+/// The metrics of a result that is not proven.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+#[non_exhaustive]
+pub enum UnprovenMetrics {
+    /// Those of strips.
+    Strips(StripMetrics),
+    /// Those of a simplification.
+    Simplified(Collapses),
+}
+
+impl Error {
+    /// Returns the error of a result that is not proven, without metrics.
+    pub fn unproven(why: impl Into<String>) -> Self {
+        Self::Unproven { why: why.into(), metrics: None }
+    }
+
+    /// Adds the metrics of the result to [`Error::Unproven`]; other errors stay as they are.
+    pub(crate) fn with_metrics(self, measured: impl FnOnce() -> UnprovenMetrics) -> Self {
+        match self {
+            Self::Unproven { why, metrics: None } => {
+                Self::Unproven { why, metrics: Some(Box::new(measured())) }
+            }
+            other => other,
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! The figures of a model: the library's metrics summed over its parts.
+//! Measures a model: the library's metrics of strips and meshes, summed over its parts.
 
 use std::collections::HashMap;
 
@@ -9,68 +9,18 @@ use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Mesh, Method, StripifyOptions, Strips};
 
 use crate::error::Error;
+use crate::metrics::{StripMetrics, rounded};
 use crate::parts::{PreparedPart, check_vertices, map};
 use crate::text::counted;
 
-/// The metrics of the strips of a model; the keys are those of the JSON report. Ratios are rounded to six decimals.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-#[non_exhaustive]
-pub struct Figures {
-    /// Real triangles.
-    pub triangles: usize,
-    /// Number of strips.
-    pub strips: usize,
-    /// Strips of one triangle.
-    pub isolated: usize,
-    /// Vertices repeated inside strips.
-    pub swaps: usize,
-    /// Vertices sent, swaps and winding repeats included (OpenGL cost).
-    pub vertices_sent: usize,
-    /// Vertices sent with free swaps (GL cost).
-    pub gl_cost: usize,
-    /// Indices with a restart between strips.
-    pub indices_restart: usize,
-    /// Indices of the strips joined by degenerate triangles.
-    pub indices_degenerate: usize,
-    /// Vertices sent per triangle.
-    pub vertices_per_triangle: f64,
-    /// Indices with restarts per triangle.
-    pub indices_restart_per_triangle: f64,
-    /// Indices with degenerate joins per triangle.
-    pub indices_degenerate_per_triangle: f64,
-    /// Misses per triangle of a FIFO vertex cache of 16 entries.
-    pub acmr_fifo_16: f64,
-    /// Misses per triangle of a FIFO vertex cache of 32 entries.
-    pub acmr_fifo_32: f64,
-    /// Misses per used vertex of a FIFO vertex cache of 16 entries.
-    pub atvr_fifo_16: f64,
-    /// Misses per used vertex of a FIFO vertex cache of 32 entries.
-    pub atvr_fifo_32: f64,
-    /// Misses per triangle of the vertex cache that the method optimizes for; `None` for other methods.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub acmr: Option<f64>,
-    /// Misses per used vertex of the vertex cache that the method optimizes for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub atvr: Option<f64>,
-    /// The vertex cache that the method optimizes for, and its misses.
-    #[serde(skip)]
-    pub optimized_cache: Option<(VertexCache, usize)>,
-    /// Misses of a FIFO vertex cache of 16 entries.
-    #[serde(skip)]
-    pub misses_fifo_16: usize,
-    /// Misses of a FIFO vertex cache of 32 entries.
-    #[serde(skip)]
-    pub misses_fifo_32: usize,
-}
-
 /// The figures of a part that decide how it is drawn.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct PartFigures {
+pub(crate) struct PartMetrics {
     pub(crate) metrics: Metrics,
     pub(crate) fifo_16: VertexCacheStatistics,
 }
 
-impl Figures {
+impl StripMetrics {
     /// Measures the strips of all parts, drawn one part after the other; each part with its number of vertices.
     ///
     /// # Errors
@@ -80,7 +30,7 @@ impl Figures {
     /// use tristrip::{StripifyOptions, Strips};
     /// let mut strips = Strips::default();
     /// strips.push(&[0, 1, 2, 3]);
-    /// let figures = tristrip_pipeline::Figures::of(&[(&strips, 4)], &StripifyOptions::default())?;
+    /// let figures = tristrip_pipeline::StripMetrics::of(&[(&strips, 4)], &StripifyOptions::default())?;
     /// assert_eq!((figures.triangles, figures.misses_fifo_16), (2, 4));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
@@ -92,7 +42,7 @@ impl Figures {
     pub(crate) fn with_parts(
         parts: &[(&Strips, usize)],
         options: &StripifyOptions,
-    ) -> Result<(Self, Vec<PartFigures>), Error> {
+    ) -> Result<(Self, Vec<PartMetrics>), Error> {
         check_vertices(parts)?;
         let optimized_cache = (options.method == Method::Cache).then(|| options.vertex_cache);
         let caches: Vec<_> =
@@ -106,7 +56,7 @@ impl Figures {
         let fifo_16: VertexCacheStatistics = measured.iter().map(|m| m.1).sum();
         let fifo_32: VertexCacheStatistics = measured.iter().map(|m| m.2).sum();
         let optimized: VertexCacheStatistics = measured.iter().filter_map(|m| m.3).sum();
-        let of_parts = measured.iter().map(|m| PartFigures { metrics: m.0, fifo_16: m.1 }).collect();
+        let of_parts = measured.iter().map(|m| PartMetrics { metrics: m.0, fifo_16: m.1 }).collect();
         let figures = Self {
             triangles: metrics.triangles,
             strips: metrics.strips,
@@ -133,19 +83,10 @@ impl Figures {
     }
 }
 
-/// Rounds a ratio to six decimals, the precision of reports.
-///
-/// ```
-/// assert_eq!(tristrip_pipeline::rounded(2.0 / 3.0).to_string(), "0.666667");
-/// ```
-pub fn rounded(x: f64) -> f64 {
-    (x * 1e6).round() / 1e6
-}
-
 /// The counts of a model's mesh; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 #[non_exhaustive]
-pub struct MeshFigures {
+pub struct MeshProperties {
     /// Vertices; those that parts share are counted once.
     pub vertices: usize,
     /// Faces, degenerate ones included.
@@ -176,7 +117,7 @@ pub struct MeshFigures {
     pub welded_vertices: usize,
 }
 
-impl MeshFigures {
+impl MeshProperties {
     /// Sums the counts of all parts. Vertices that several parts share are counted once; edges and components do not cross parts.
     pub(crate) fn of(parts: &[PreparedPart<'_>]) -> Self {
         let reports = map(parts, |part| MeshReport::of(part.mesh, &part.surface, &part.graph));
@@ -200,7 +141,7 @@ impl MeshFigures {
     }
 }
 
-impl MeshFigures {
+impl MeshProperties {
     /// Returns a note on each kind of faces or vertices that were dropped, changed or unusual.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();

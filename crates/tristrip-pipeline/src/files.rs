@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use tristrip::Layout;
 use tristrip_io::{EmbeddedImages, Error as FileError, Format, Model, SideFile};
 
-use crate::encode::{Encoded, default_layout};
+use crate::encode::{self, default_layout};
 use crate::error::Error;
 
 /// The formats that can be written.
@@ -152,15 +152,15 @@ impl<'a> Target<'a> {
     ///
     /// ```
     /// use tristrip_io::{Drawing, Format, read};
-    /// use tristrip_pipeline::{EncodeOptions, Error, Target, encode};
+    /// use tristrip_pipeline::{Error, Target, encode};
     /// # let path = std::env::temp_dir().join("no such folder").join("a.ply");
     /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-    /// let encoded = encode(&model, &[Drawing::Faces], &EncodeOptions::new(Format::Ply))?;
+    /// let encoded = encode::run(&model, &[Drawing::Faces], &encode::Options::new(Format::Ply), &())?;
     /// let written = Target::new(Some(&path), Format::Ply).write(&encoded);
     /// assert!(matches!(written, Err(Error::Format(tristrip_io::Error::Io { .. }))));
     /// # Ok::<(), Error>(())
     /// ```
-    pub fn write(&self, encoded: &Encoded) -> Result<WrittenFiles, Error> {
+    pub fn write(&self, encoded: &encode::Outcome) -> Result<WrittenFiles, Error> {
         let Some(path) = self.path else {
             return Err(FileError::Unsupported("a result without a file cannot be written".into()).into());
         };

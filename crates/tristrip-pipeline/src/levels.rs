@@ -21,8 +21,9 @@ use tristrip_io::Model;
 
 use crate::collapses::{Collapses, percent_of};
 use crate::error::Error;
-use crate::figures::{Figures, MeshFigures};
+use crate::figures::MeshProperties;
 use crate::goal::Amount;
+use crate::metrics::StripMetrics;
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
 use crate::prepared::{PreparedModel, Survey};
@@ -48,7 +49,7 @@ pub struct ModelLevels {
     /// The collapses to the base mesh.
     pub collapses: Collapses,
     /// The counts of the full mesh.
-    pub mesh: MeshFigures,
+    pub mesh: MeshProperties,
     /// Why the search of the strips was stopped early, if it was.
     pub stopped: Option<Stopped>,
     /// Notes of the reader, on what was dropped, on locked vertices, and on parts that stopped before the base mesh.
@@ -67,7 +68,7 @@ pub struct DisplayedLevel {
     /// The display strips of each part, over the vertices of its collapses; see [`LevelPart::outward`].
     pub strips: Vec<Strips>,
     /// The metrics of the display strips.
-    pub figures: Figures,
+    pub figures: StripMetrics,
     /// The greatest error of the collapses of the level, in mesh units.
     pub surface_error: f32,
     /// The same in percent of the diagonal of the model.
@@ -104,12 +105,12 @@ pub fn levels(model: &Model, options: &LevelsOptions) -> Result<ModelLevels, Err
 /// ```
 /// use tristrip::lod::{Camera, ModelKind, RepairOptions, ViewCriteria};
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{DisplayFilter, EncodeOptions, LevelsOptions, levels_observed};
+/// use tristrip_pipeline::{DisplayFilter, LevelsOptions, encode, levels_observed};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let levels = levels_observed(&model, &LevelsOptions::default(), &())?;
 /// let half = levels.display(levels.collapse_count() / 2, DisplayFilter::Linked, RepairOptions::default(), &())?;
-/// let file = levels.encode(&model, &half, &EncodeOptions::new(Format::Glb), &())?;
+/// let file = levels.encode(&model, &half, &encode::Options::new(Format::Glb), &())?;
 /// assert_eq!(file.faces, Some(half.figures.triangles));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
@@ -163,7 +164,7 @@ impl ModelLevels {
     ) -> Result<Self, Error> {
         if strips.len() != prepared.parts().len() {
             let (found, expected) = (strips.len(), prepared.parts().len());
-            return Err(Error::Unproven(format!("found strips of {found} parts, expected {expected}")));
+            return Err(Error::unproven(format!("found strips of {found} parts, expected {expected}")));
         }
         let meshes = prepared.parts().iter().map(|part| part.mesh);
         let vertex_counts = meshes.clone().map(Mesh::vertex_count);
@@ -176,11 +177,12 @@ impl ModelLevels {
         if all.interrupted {
             return Err(Error::Cancelled);
         }
+        let stopped = all.stopped;
         let (collapses, done) = (all.summary(&parts)?, all.parts);
         let mut notes = place_notes(prepared, skipped);
         notes.extend(locked_note(collapses.locked_vertices));
         // No mesh collapses to nothing: that is as far as possible.
-        let stopped = collapses.stopped.filter(|_| goal > 0);
+        let stopped = stopped.filter(|_| goal > 0);
         notes.extend(stopped.map(|stopped| format!("target {}, {stopped}", count(goal))));
         let order = Arc::new(LevelOrder::new(&done));
         let all = parts.into_iter().zip(prepared.parts()).zip(strips).zip(done);
@@ -193,7 +195,7 @@ impl ModelLevels {
             parts,
             collapses,
             notes,
-            mesh: MeshFigures::default(),
+            mesh: MeshProperties::default(),
             stopped: None,
             options: *options,
         })
@@ -408,7 +410,7 @@ impl ModelLevels {
         begin(observer, Stage::Measure)?;
         let vertex_counts = self.parts.iter().map(LevelPart::vertex_count);
         let measured: Vec<_> = strips.iter().zip(vertex_counts).collect();
-        let figures = Figures::of(&measured, &self.options.stripify)?;
+        let figures = StripMetrics::of(&measured, &self.options.stripify)?;
         observer.event(Event::Measured(&figures));
         let errors = self.parts.iter().zip(&of_parts).map(|(part, &level)| part.sequence().error(level));
         let errors = errors.collect::<Result<Vec<f32>, _>>()?;
@@ -426,7 +428,7 @@ impl ModelLevels {
             strips,
             figures,
             surface_error,
-            surface_error_percent: percent_of(surface_error, self.collapses.diagonal),
+            surface_error_percent: percent_of(surface_error.into(), self.collapses.diagonal),
             proven: self.options.verify,
         })
     }
@@ -439,14 +441,14 @@ impl ModelLevels {
     /// ```
     /// use tristrip::lod::{Camera, ViewCriteria};
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{EncodeOptions, LevelsOptions, levels};
+    /// use tristrip_pipeline::{LevelsOptions, encode, levels};
     /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\n";
     /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
     /// let levels = levels(&model, &LevelsOptions::default())?;
     /// let triangles = |height: f32| {
     ///     let camera = Camera::new([1.0, 1.0, height], [1.0, 1.0, 0.0])?;
     ///     let view = levels.view(&model, &camera, &ViewCriteria::default(), &())?;
-    ///     let file = levels.encode_view(&model, &view, &EncodeOptions::new(Format::Glb), &())?;
+    ///     let file = levels.encode_view(&model, &view, &encode::Options::new(Format::Glb), &())?;
     ///     Ok::<_, tristrip_pipeline::Error>(file.faces)
     /// };
     /// assert_eq!((triangles(3.0)?, triangles(1e6)?), (Some(4), Some(1)));

@@ -14,25 +14,26 @@
 //!
 //! ```
 //! use tristrip_io::{Format, read};
-//! use tristrip_pipeline::{EncodeOptions, StripOptions, strip};
+//! use tristrip_pipeline::{encode, strip};
 //! let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
-//! let stripped = strip(&model, &StripOptions::default())?;
-//! assert_eq!((stripped.figures.strips, stripped.figures.indices_restart, stripped.proven), (1, 4, true));
-//! let encoded = stripped.encode(&model, &EncodeOptions::new(Format::Glb))?;
-//! assert!(encoded.bytes.starts_with(b"glTF"));
+//! let stripped = strip::run(&model, &strip::Options::default(), &())?;
+//! assert_eq!((stripped.metrics.strips, stripped.metrics.indices_restart, stripped.proven), (1, 4, true));
+//! let file = stripped.encode(&model, &encode::Options::new(Format::Glb), &())?;
+//! assert!(file.encoded.bytes.starts_with(b"glTF"));
 //! # Ok::<(), tristrip_pipeline::Error>(())
 //! ```
 
 #![forbid(unsafe_code)]
 
-mod analyze;
-mod bound;
+pub mod analyze;
+pub mod bound;
 mod bounds;
 mod chain;
 mod collapses;
-mod convert;
+pub mod compare;
+pub mod convert;
 mod drawing;
-mod encode;
+pub mod encode;
 mod error;
 mod figures;
 #[cfg(feature = "fs")]
@@ -41,35 +42,29 @@ mod goal;
 mod join;
 mod levels;
 mod method;
+mod metrics;
 mod observer;
 mod pack;
 mod parts;
 mod places;
 mod prepared;
-mod simplify;
+pub mod simplify;
 mod stream;
-mod strip;
+pub mod strip;
 mod surface_change;
 pub mod text;
 mod unpack;
-mod verify;
+pub mod verify;
 mod view_model;
 
-pub use analyze::{
-    Analysis, AnalyzeOptions, DrawMode, LengthBin, PartAnalysis, PartReport, StoredFigures, StripLengths,
-    VertexCacheList, VertexCacheReport, analyze,
-};
-pub use bound::{Bounded, ComponentReport, PartBound, bound, bound_observed};
 pub use bounds::{BoundGap, Bounds};
 pub use chain::{
     Chain, ChainLevel, ChainOptions, ChainRatios, EncodedChain, LevelReport, chain, chain_observed,
 };
-pub use collapses::Collapses;
-pub use convert::{ConvertOptions, Converted, convert, convert_observed, strips_as_stored};
-pub use drawing::{DrawCost, Drawn, DrawnAs, DrawnParts, FileFigures};
-pub use encode::{EncodeOptions, Encoded, default_layout, encode, encode_observed};
-pub use error::Error;
-pub use figures::{Figures, MeshFigures, rounded};
+pub use collapses::{Collapses, KeptVertices};
+pub use drawing::{DrawCost, Drawn, DrawnAs, DrawnParts, FileCost};
+pub use error::{Error, UnprovenMetrics};
+pub use figures::MeshProperties;
 #[cfg(feature = "fs")]
 pub use files::{Target, WRITTEN_FORMATS, WrittenFiles, format_to_write, layout_to_write, path_of_level};
 pub use goal::{Amount, Deviation, Goal, Ratio};
@@ -78,25 +73,19 @@ pub use levels::{
     DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
     ModelLevels, levels, levels_observed, parse_levels,
 };
-pub use method::{
-    MethodReport, MethodRow, compared_methods, method_of_flags, methods_to_compare, parse_method,
-};
+pub use method::{MethodReport, method_of_flags, parse_method};
+pub use metrics::{StripMetrics, rounded};
 pub use observer::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
 pub use pack::{PackOptions, Packed, PackedReport, pack};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
-pub use simplify::{
-    CollapseRules, LevelOrder, NormalCounts, Normals, Simplified, SimplifyFigures, SimplifyOptions,
-    StoppedReport, simplify, simplify_observed, simplify_parts,
-};
+pub use simplify::{CollapseRules, LevelOrder, Normals};
 pub use stream::{StreamedMesh, stream_of_mesh};
-pub use strip::{StripOptions, Stripped, strip, strip_observed, with_strips};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
 pub use unpack::{
     ChunkFigures, ComponentBits, StreamFigures, StreamGoal, StreamReport, Unpacked, UnpackedReport,
     stream_figures, unpack,
 };
-pub use verify::{DifferenceReport, verify};
 pub use view_model::{
     EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, prove_view, view_model,
 };

@@ -6,11 +6,8 @@ use serde::Serialize;
 use tristrip::Effort;
 use tristrip::simplify::Price;
 use tristrip::stripify::{Acceptance, Localization, TunnelOptions};
-use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
+use tristrip::stripify::{LastTie, Ties};
 use tristrip::{Error, Method, StripifyOptions};
-
-use crate::figures::Figures;
-use crate::observer::Stopped;
 
 /// A method and its options in the words of the command line; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -164,124 +161,6 @@ impl MethodReport {
         let options = options.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", value?)));
         std::iter::once(format!("method {}", self.method)).chain(options).collect::<Vec<_>>().join(", ")
     }
-}
-
-/// The result of one method of a comparison; the keys are those of the JSON report. `S` are the times of its stages, which the caller measures.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[non_exhaustive]
-pub struct MethodRow<S> {
-    /// The method and its options.
-    #[serde(flatten)]
-    pub method: MethodReport,
-    /// Whether the result is proven.
-    pub proven: bool,
-    /// The times of the stages.
-    pub seconds: S,
-    /// The metrics of a proven result.
-    #[serde(flatten)]
-    pub figures: Option<Figures>,
-    /// Why the search was stopped, if it was.
-    pub stopped: Option<Stopped>,
-    /// Why there is no result.
-    pub error: Option<String>,
-}
-
-impl<S> MethodRow<S> {
-    /// Takes over the figures of a proven result, or the reason why there is none.
-    ///
-    /// ```
-    /// use tristrip::StripifyOptions;
-    /// use tristrip_pipeline::MethodRow;
-    /// let row = MethodRow::new(&StripifyOptions::default(), (), None, Err("not proven".into()));
-    /// assert!(!row.proven && row.figures.is_none() && row.error.is_some());
-    /// ```
-    pub fn new(
-        options: &StripifyOptions,
-        seconds: S,
-        stopped: Option<Stopped>,
-        figures: Result<Figures, String>,
-    ) -> Self {
-        let (figures, error) = match figures {
-            Ok(figures) => (Some(figures), None),
-            Err(error) => (None, Some(error)),
-        };
-        let method = MethodReport::of(options);
-        Self { method, proven: figures.is_some(), seconds, figures, stopped, error }
-    }
-}
-
-/// The variant of `eta` that is compared: with the default length it takes a quarter of an hour for a million triangles.
-const ETA_TO_COMPARE: Method = Method::Eta {
-    tunnels: TunnelOptions::ETA.with_length(49),
-    acceptance: Acceptance::DepthFirst,
-    localization: Localization::OnDemand,
-};
-
-/// Returns the methods to compare: one or a few per family, or every variant.
-///
-/// ```
-/// assert_eq!(tristrip_pipeline::methods_to_compare(true).len(), 45);
-/// ```
-pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
-    let mut methods = vec![
-        Method::Best,
-        Method::Fewest,
-        Method::Cache,
-        Method::Input,
-        Method::Sequential,
-        Method::SGI,
-        Method::QUAD_ROWS,
-    ];
-    let local = |triangulation, ties| Method::StripeLocal { triangulation, ties };
-    let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff, ties: Ties::default() };
-    if every_variant {
-        methods.extend([
-            Method::TUNNEL,
-            ETA_TO_COMPARE,
-            Method::GuidedTunnels(TunnelOptions::default()),
-            Method::Sgi { last_tie: LastTie::First },
-        ]);
-        for triangulation in FaceTriangulation::ALL {
-            methods.extend(Ties::ALL.map(|ties| local(triangulation, ties)));
-        }
-        for patches in Patches::ALL {
-            methods.extend([5, 10, 15, 20, 25].map(|cutoff| global(patches, cutoff)));
-        }
-    } else {
-        methods.extend([
-            local(FaceTriangulation::Static, Ties::Sequential),
-            local(FaceTriangulation::Whole, Ties::Sequential),
-            local(FaceTriangulation::Partial, Ties::Sequential),
-            local(FaceTriangulation::Whole, Ties::LookAhead),
-            global(Patches::Rows, 5),
-            global(Patches::Full, 5),
-        ]);
-    }
-    methods
-}
-
-/// Returns the options of each row of a comparison: `best` at its default effort, then all methods at an effort. Other options, such as the seed, are
-/// those given.
-///
-/// ```
-/// use tristrip::{Effort, StripifyOptions};
-/// let default = StripifyOptions::default();
-/// let count = |effort| tristrip_pipeline::compared_methods(default, effort, true).len();
-/// // `best` has a second row at an effort other than its default.
-/// assert_eq!((count(default.effort_or_default()), count(Effort::default())), (45, 46));
-/// ```
-pub fn compared_methods(
-    options: StripifyOptions,
-    effort: Effort,
-    every_variant: bool,
-) -> Vec<StripifyOptions> {
-    let default = options.with_method(Method::Best);
-    let all = methods_to_compare(every_variant).into_iter();
-    let all = all.map(|method| options.with_method(method).with_effort(effort));
-    let is_default = |options: &StripifyOptions| {
-        options.method == Method::Best && options.effort_or_default() == default.effort_or_default()
-    };
-    std::iter::once(default).chain(all.filter(|options| !is_default(options))).collect()
 }
 
 /// Parses a method and its options in the flags of the command: `--method eta --start input`. Flags that are not given have the default of
@@ -445,18 +324,6 @@ fn invalid(name: &'static str, found: &str, expected: &'static str) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::HashSet;
-
-    #[test]
-    fn all_variants_have_distinct_names() {
-        let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
-        let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
-        assert_eq!(labels.len(), 7 + 4 + 24 + 10);
-        assert!(
-            labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
-        );
-        assert!(methods_to_compare(false).into_iter().all(|method| labels.contains(&label(method))));
-    }
 
     #[test]
     fn a_description_names_the_options() {

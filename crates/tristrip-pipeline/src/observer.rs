@@ -1,7 +1,6 @@
-//! Progress and cancellation: what a caller learns while a model is processed.
+//! Progress and cancellation: what a caller learns while a model is processed. Results are in the outcome of the operation.
 //!
-//! The pipeline reads no clock. A caller that reports times takes them from the events: each stage begins with [`Event::Begin`] and ends
-//! with the event of its result.
+//! The pipeline reads no clock. A caller that reports times measures them: a stage ends when the next one starts, or with the operation.
 
 use std::fmt;
 
@@ -10,16 +9,19 @@ use tristrip::StripifyOptions;
 use tristrip::stripify::Watch;
 use tristrip_io::VertexGroup;
 
-use crate::bounds::BoundGap;
 use crate::collapses::Collapses;
 use crate::error::Error;
-use crate::figures::{Figures, MeshFigures};
-use crate::surface_change::SurfaceChange;
+use crate::figures::MeshProperties;
+use crate::metrics::StripMetrics;
 
-/// A stage of the processing of a model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// A stage of the processing of a model, in the usual order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Stage {
+    /// The caller reads the model. The pipeline reads and writes no files, so it never starts this stage nor [`Stage::Write`].
+    Load,
+    /// The indices of a file are counted and vertex caches simulated.
+    Analyze,
     /// Faces are prepared and dual graphs built.
     Prepare,
     /// The mesh is measured.
@@ -36,6 +38,8 @@ pub enum Stage {
     Simplify,
     /// Vertices are moved closer to the original surface.
     Fit,
+    /// The simplified model is built, with new normals and without unused vertices.
+    Rebuild,
     /// The simplified surface is compared with the original.
     Compare,
     /// Strips of a level of detail are filtered.
@@ -46,23 +50,27 @@ pub enum Stage {
     Encode,
     /// The bytes are read back and proven.
     ReadBack,
+    /// The caller writes the bytes to files.
+    Write,
 }
 
 impl fmt::Display for Stage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::Load => "load",
+            Self::Analyze => "analyze",
             Self::Prepare => "dual graph",
             Self::Survey => "mesh",
             Self::Stripify => "stripify",
             Self::Measure => "measure",
             Self::Bound => "bound",
             Self::Prove | Self::ReadBack => "verify",
-            Self::Simplify => "simplify",
+            Self::Simplify | Self::Rebuild => "simplify",
             Self::Fit => "fit",
             Self::Compare => "compare",
             Self::Filter => "filter",
             Self::Reorder => "reorder",
-            Self::Encode => "write",
+            Self::Encode | Self::Write => "write",
         })
     }
 }
@@ -71,8 +79,6 @@ impl fmt::Display for Stage {
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub enum Event<'a> {
-    /// A stage begins.
-    Begin(Stage),
     /// [`Stage::Prepare`] ended.
     Prepared,
     /// [`Stage::Survey`] ended.
@@ -80,7 +86,7 @@ pub enum Event<'a> {
         /// The number of parts.
         parts: usize,
         /// The counts of the mesh.
-        mesh: &'a MeshFigures,
+        mesh: &'a MeshProperties,
         /// Notes of the reader, and on what was dropped, changed or unusual.
         notes: &'a [String],
     },
@@ -92,9 +98,7 @@ pub enum Event<'a> {
         stopped: Option<Stopped>,
     },
     /// [`Stage::Measure`] ended.
-    Measured(&'a Figures),
-    /// [`Stage::Bound`] ended; for a search, with the gap between its result and the bound.
-    Bounded(Option<&'a BoundGap>),
+    Measured(&'a StripMetrics),
     /// [`Stage::Prove`] ended: the result is proven.
     Proven {
         /// The number of faces drawn.
@@ -109,27 +113,10 @@ pub enum Event<'a> {
         /// The levels of the tree.
         levels: usize,
     },
-    /// [`Stage::Fit`] ended.
-    Fitted {
-        /// The number of positions that moved.
-        positions: usize,
-    },
-    /// [`Stage::Compare`] ended.
-    Compared(&'a SurfaceChange),
     /// [`Stage::Filter`] ended.
     Filtered,
     /// [`Stage::Reorder`] ended.
     Reordered(&'a [VertexGroup]),
-    /// [`Stage::Encode`] ended.
-    Encoded {
-        /// The size of the file in bytes.
-        bytes: usize,
-    },
-    /// [`Stage::ReadBack`] ended: the bytes are proven.
-    ReadBack {
-        /// The number of faces drawn.
-        faces: usize,
-    },
     /// A note on the result, such as on vertices that stay.
     Note(&'a str),
     /// A warning: the result is not what was asked for, in one sentence with the reason and what to try.
@@ -186,29 +173,32 @@ pub struct SimplifyProgress {
     pub goal: usize,
 }
 
-/// Learns of the stages of a model, watches its searches, and may cancel. All methods have defaults, which do nothing.
+/// Learns which stage starts, watches searches and simplifications, and may cancel. All methods have defaults, which do nothing.
 ///
 /// ```
 /// use std::sync::Mutex;
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{Event, Observer, Stage, StripOptions, strip_observed};
+/// use tristrip_pipeline::{Observer, Stage, strip};
 /// #[derive(Default)]
 /// struct Stages(Mutex<Vec<Stage>>);
 /// impl Observer for Stages {
-///     fn event(&self, event: Event<'_>) {
-///         if let (Event::Begin(stage), Ok(mut stages)) = (event, self.0.lock()) {
+///     fn stage(&self, stage: Stage) {
+///         if let Ok(mut stages) = self.0.lock() {
 ///             stages.push(stage);
 ///         }
 ///     }
 /// }
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
 /// let stages = Stages::default();
-/// strip_observed(&model, &StripOptions::default(), &stages)?;
+/// strip::run(&model, &strip::Options::default(), &stages)?;
 /// let seen = stages.0.into_inner().unwrap_or_default();
 /// assert_eq!(seen, [Stage::Prepare, Stage::Survey, Stage::Stripify, Stage::Measure, Stage::Prove]);
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
 pub trait Observer: Sync {
+    /// Called when a stage starts, on the thread that called the pipeline.
+    fn stage(&self, _stage: Stage) {}
+
     /// Receives an event, on the thread that called the pipeline.
     fn event(&self, _event: Event<'_>) {}
 
@@ -224,7 +214,7 @@ pub trait Observer: Sync {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{Amount, Goal, Observer, SimplifyOptions, SimplifyProgress, simplify_observed};
+    /// use tristrip_pipeline::{Amount, Goal, Observer, SimplifyProgress, simplify};
     /// struct Impatient;
     /// impl Observer for Impatient {
     ///     fn simplifies(&self, progress: SimplifyProgress) -> bool {
@@ -236,7 +226,7 @@ pub trait Observer: Sync {
     /// text.extend((0..40_000).map(|x| 2 * x + 1).map(|v| format!("f {v} {} {} {}\n", v + 2, v + 3, v + 1)));
     /// let model = read(text.as_bytes(), Format::Obj)?;
     /// let goal = Goal { amount: Some(Amount::Triangles(2)), ..Goal::default() };
-    /// let simplified = simplify_observed(&model, &SimplifyOptions::new(goal), &Impatient)?;
+    /// let simplified = simplify::run(&model, &simplify::Options::default().with_goal(goal), &Impatient)?;
     /// assert!(simplified.interrupted && (2..=40_000).contains(&simplified.collapses.triangles_after));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
@@ -250,14 +240,14 @@ pub trait Observer: Sync {
     }
 }
 
-/// Ignores all events.
+/// Observes nothing.
 impl Observer for () {}
 
-/// Begins a stage, unless the observer cancels.
+/// Starts a stage, unless the observer cancels.
 pub(crate) fn begin(observer: &dyn Observer, stage: Stage) -> Result<(), Error> {
     if observer.is_cancelled() {
         return Err(Error::Cancelled);
     }
-    observer.event(Event::Begin(stage));
+    observer.stage(stage);
     Ok(())
 }

@@ -338,7 +338,7 @@ fn prove_base(coarse: &Model, bytes: &Arc<Vec<u8>>) -> Result<(), Error> {
     let again = read_base(bytes).map_err(unproven)?;
     match verify_models(&meshes(coarse), &meshes(&again))? {
         Ok(_) => Ok(()),
-        Err(difference) => Err(Error::Unproven(format!("base meshes: {difference}"))),
+        Err(difference) => Err(Error::unproven(format!("base meshes: {difference}"))),
     }
 }
 
@@ -347,14 +347,14 @@ fn prove(model: &Model, bytes: &Arc<Vec<u8>>, expected: &HashMap<usize, Mesh>) -
     let again = tristrip_io::read_shared(bytes, Format::Glb).map_err(unproven)?;
     if again.parts.len() != model.parts.len() {
         let (found, expected) = (again.parts.len(), model.parts.len());
-        return Err(Error::Unproven(format!("found {found} parts, expected {expected}")));
+        return Err(Error::unproven(format!("found {found} parts, expected {expected}")));
     }
     let mut triangles = 0;
     for (number, part) in model.parts.iter().enumerate() {
         let source = expected.get(&number).unwrap_or(&part.mesh);
         match verify_models(&[source], &[&again.parts[number].mesh])? {
             Ok(proof) => triangles += proof.triangles,
-            Err(difference) => return Err(Error::Unproven(format!("part {number}: {difference}"))),
+            Err(difference) => return Err(Error::unproven(format!("part {number}: {difference}"))),
         }
     }
     Ok(triangles)

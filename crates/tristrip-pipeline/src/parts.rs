@@ -39,7 +39,7 @@ pub(crate) fn check_vertices(parts: &[(&Strips, usize)]) -> Result<(), Error> {
     for (number, (strips, vertex_count)) in parts.iter().enumerate() {
         if let Some(found) = strips.vertices().iter().find(|&&vertex| vertex as usize >= *vertex_count) {
             let expected = format!("less than {vertex_count}");
-            return Err(Error::Unproven(format!("part {number}: found vertex {found}, expected {expected}")));
+            return Err(Error::unproven(format!("part {number}: found vertex {found}, expected {expected}")));
         }
     }
     Ok(())

@@ -8,7 +8,8 @@ use tristrip::{DualGraph, Mesh, PreparedFaces, StripifyOptions, Strips, stripify
 use tristrip_io::Model;
 
 use crate::error::Error;
-use crate::figures::{Figures, MeshFigures, PartFigures};
+use crate::figures::{MeshProperties, PartMetrics};
+use crate::metrics::StripMetrics;
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{PreparedPart, map, meshes};
 use crate::places::Places;
@@ -24,7 +25,7 @@ use crate::places::Places;
 /// let options = StripifyOptions::default().with_method(Method::SGI);
 /// let strips = prepared.find_strips(&options, &())?;
 /// prepared.prove(&strips)?;
-/// assert_eq!(prepared.figures(&strips, &options)?.vertices_sent, 4);
+/// assert_eq!(prepared.metrics(&strips, &options)?.vertices_sent, 4);
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
 #[derive(Debug)]
@@ -60,8 +61,8 @@ impl<'a> PreparedModel<'a> {
     }
 
     /// Counts faces, edges and vertices of all parts.
-    pub fn mesh_figures(&self) -> MeshFigures {
-        MeshFigures::of(&self.parts)
+    pub fn mesh_figures(&self) -> MeshProperties {
+        MeshProperties::of(&self.parts)
     }
 
     /// Builds the strips of each part, over its vertices. Searches report their progress to the watch; they are welded as the model was prepared.
@@ -95,18 +96,18 @@ impl<'a> PreparedModel<'a> {
     ///
     /// # Errors
     /// Strips name a vertex that their part does not have.
-    pub fn figures(&self, strips: &[Strips], options: &StripifyOptions) -> Result<Figures, Error> {
-        Ok(self.figures_with_parts(strips, options)?.0)
+    pub fn metrics(&self, strips: &[Strips], options: &StripifyOptions) -> Result<StripMetrics, Error> {
+        Ok(self.metrics_with_parts(strips, options)?.0)
     }
 
     /// Does the same, and returns the figures of each part too.
-    pub(crate) fn figures_with_parts(
+    pub(crate) fn metrics_with_parts(
         &self,
         strips: &[Strips],
         options: &StripifyOptions,
-    ) -> Result<(Figures, Vec<PartFigures>), Error> {
+    ) -> Result<(StripMetrics, Vec<PartMetrics>), Error> {
         let vertex_counts = self.parts.iter().map(|part| part.mesh.vertex_count());
-        Figures::with_parts(&strips.iter().zip(vertex_counts).collect::<Vec<_>>(), options)
+        StripMetrics::with_parts(&strips.iter().zip(vertex_counts).collect::<Vec<_>>(), options)
     }
 
     /// Proves that the strips of each part draw its mesh, and that welded vertices are equal.
@@ -116,14 +117,14 @@ impl<'a> PreparedModel<'a> {
     pub fn prove(&self, strips: &[Strips]) -> Result<(), Error> {
         if strips.len() != self.parts.len() {
             let (found, expected) = (strips.len(), self.parts.len());
-            return Err(Error::Unproven(format!("found strips of {found} parts, expected {expected}")));
+            return Err(Error::unproven(format!("found strips of {found} parts, expected {expected}")));
         }
         let pairs: Vec<_> = self.parts.iter().zip(strips).collect();
         let proofs = map(&pairs, |(part, strips)| prove_part(part, strips));
         for (number, proof) in proofs.into_iter().enumerate() {
             proof.map_err(|why| match self.parts.len() {
-                1 => Error::Unproven(why),
-                _ => Error::Unproven(format!("part {number}: {why}")),
+                1 => Error::unproven(why),
+                _ => Error::unproven(format!("part {number}: {why}")),
             })?;
         }
         Ok(())
@@ -143,7 +144,7 @@ pub struct Survey<'a> {
     /// The options, adapted to the model: it is not welded if vertices may differ in values that were not read.
     pub options: StripifyOptions,
     /// The counts of the mesh.
-    pub mesh: MeshFigures,
+    pub mesh: MeshProperties,
     /// Notes of the reader, and on what was dropped, changed or unusual.
     pub notes: Vec<String>,
 }

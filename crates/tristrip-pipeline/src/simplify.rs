@@ -8,21 +8,23 @@ mod groups;
 mod normals;
 mod order;
 mod parts;
-mod report;
 pub(crate) mod touching;
 mod vanishing;
 mod warning;
 
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use tristrip::StripifyOptions;
 use tristrip_io::gltf::Rounding;
 use tristrip_io::{Drawing, Format, Model, NewValues, Redrawn};
 
-use crate::collapses::Collapses;
-use crate::encode::{EncodeOptions, Encoded, encode_observed, kept_vertices};
-use crate::error::Error;
-use crate::figures::MeshFigures;
+use crate::collapses::{Collapses, percent_of};
+use crate::encode::{self, kept_vertices, true_or_null};
+use crate::error::{Error, UnprovenMetrics};
+use crate::figures::MeshProperties;
 use crate::goal::Goal;
-use crate::observer::{Event, Observer, SimplifyProgress, Stage, Stopped, begin};
+use crate::metrics::rounded;
+use crate::observer::{Observer, SimplifyProgress, Stage, Stopped, begin};
 use crate::parts::map;
 use crate::prepared::{PreparedModel, Survey};
 use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
@@ -31,11 +33,10 @@ use fit::Fitted;
 pub use groups::CollapseRules;
 pub(crate) use groups::{TriangleGoal, simplify_all};
 use normals::{Copies, Rebuilding, RebuiltPart, kept_notes, redraw};
-pub use normals::{NormalCounts, Normals};
+pub use normals::{Normals, PartNormals};
 pub use order::LevelOrder;
 pub(crate) use order::PartCollapses;
 pub(crate) use parts::{Compact, Part, UsedVertices, diagonal};
-pub use report::{SimplifyFigures, StoppedReport};
 pub(crate) use warning::warning;
 
 /// The number of points at which the result is compared with the original, in each direction.
@@ -44,7 +45,7 @@ const POINTS: usize = 5_000;
 /// How a model is simplified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct SimplifyOptions {
+pub struct Options {
     /// The number of triangles to keep, and the maximum error.
     pub goal: Goal,
     /// What collapses may do, and what they cost.
@@ -53,7 +54,7 @@ pub struct SimplifyOptions {
     pub normals: Normals,
     /// What is rounded when a GLB is packed into few bytes; by default weights of joints to 16 bits.
     pub rounding: Rounding,
-    /// Whether the vertices that are left are moved closer to the original surface: see [`SimplifyOptions::with_fit`].
+    /// Whether the vertices that are left are moved closer to the original surface: see [`Options::with_fit`].
     pub fit: bool,
     /// Whether the result is compared with the original, which takes as long as the collapses.
     pub measure: bool,
@@ -64,20 +65,26 @@ pub struct SimplifyOptions {
     pub format: Format,
 }
 
-impl SimplifyOptions {
-    /// Sets the goal.
-    pub fn new(goal: Goal) -> Self {
-        let (rules, normals) = (CollapseRules::default(), Normals::default());
+impl Default for Options {
+    fn default() -> Self {
         Self {
-            goal,
-            rules,
-            normals,
+            goal: Goal::default(),
+            rules: CollapseRules::default(),
+            normals: Normals::default(),
             rounding: Rounding::Weights,
             fit: false,
             measure: true,
             verify: true,
             format: Format::Ply,
         }
+    }
+}
+
+impl Options {
+    /// Sets the number of triangles to keep, and the maximum error.
+    #[must_use]
+    pub fn with_goal(self, goal: Goal) -> Self {
+        Self { goal, ..self }
     }
 
     /// Sets what collapses may do, and what they cost.
@@ -104,9 +111,9 @@ impl SimplifyOptions {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{Goal, SimplifyOptions, simplify};
+    /// use tristrip_pipeline::simplify;
     /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-    /// let fitted = simplify(&model, &SimplifyOptions::new(Goal::default()).with_fit(true))?;
+    /// let fitted = simplify::run(&model, &simplify::Options::default().with_fit(true), &())?;
     /// assert_eq!(fitted.redrawn.model.parts[0].mesh.positions()[1], [1.0, 0.0, 0.0], "at a border");
     /// assert_eq!(fitted.moved_positions, Some(0));
     /// # Ok::<(), tristrip_pipeline::Error>(())
@@ -117,15 +124,6 @@ impl SimplifyOptions {
     }
 
     /// Sets whether the result is compared with the original.
-    ///
-    /// ```
-    /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{Goal, SimplifyOptions, simplify};
-    /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-    /// let options = SimplifyOptions::new(Goal::default()).with_measure(false);
-    /// assert!(simplify(&model, &options)?.change.is_none());
-    /// # Ok::<(), tristrip_pipeline::Error>(())
-    /// ```
     #[must_use]
     pub fn with_measure(self, measure: bool) -> Self {
         Self { measure, ..self }
@@ -144,77 +142,131 @@ impl SimplifyOptions {
     }
 }
 
-/// A simplified model.
-#[derive(Debug)]
+/// A simplified model; the keys are those of the JSON report.
+#[derive(Debug, Serialize)]
 #[non_exhaustive]
-pub struct Simplified {
+pub struct Outcome {
     /// The model with fewer triangles, over the vertices that it uses.
+    #[serde(skip)]
     pub redrawn: Redrawn,
+    /// Whether the collapses are proven; otherwise the proof was not requested.
+    #[serde(serialize_with = "true_or_null")]
+    pub proven: bool,
     /// The collapses, and how they ended.
+    #[serde(flatten)]
     pub collapses: Collapses,
-    /// How far the surface is from the original; `None` if it was not measured.
-    pub change: Option<SurfaceChange>,
+    /// Used vertices of the source.
+    pub vertices_before: usize,
+    /// Used vertices of the result.
+    pub vertices_after: usize,
     /// The number of positions that the fit moved; `None` if nothing was fitted.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub moved_positions: Option<usize>,
+    /// How far the surface is from the original; `None` if it was not measured.
+    #[serde(flatten, serialize_with = "deviations_or_nulls")]
+    pub deviations: Option<Deviations>,
     /// What happened to the normals of the parts.
-    pub normals: NormalCounts,
+    pub normals: PartNormals,
+    /// The number of parts.
+    pub parts: usize,
     /// A sentence on the goal, if it was not reached: what held it back, and what to try.
     pub warning: Option<String>,
-    /// The counts of the source mesh.
-    pub mesh: MeshFigures,
-    /// Notes of the reader, on what was dropped, and on locked vertices.
+    /// Notes of the reader, on what was dropped, on locked vertices, and on an interruption.
     pub notes: Vec<String>,
-    /// Whether the collapses are proven.
-    pub proven: bool,
+    /// The counts of the source mesh.
+    #[serde(skip)]
+    pub mesh: MeshProperties,
     /// Whether the observer ended it: with fewer collapses than requested, or without the fit or the comparison. See [`Observer::simplifies`].
+    #[serde(skip)]
     pub interrupted: bool,
-    options: SimplifyOptions,
+    #[serde(skip)]
+    rounding: Rounding,
     /// The vertices of each part that were added for new normals and positions.
+    #[serde(skip)]
     copies: Vec<Option<Copies>>,
 }
 
-/// Simplifies a model by half-edge collapses, the cheapest first. Borders between the parts of a mesh collapse on both sides; vertices that touch parts
-/// in other places of the scene stay.
-///
-/// # Errors
-/// As of [`simplify_observed`].
-///
-/// ```
-/// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{Amount, Goal, SimplifyOptions, simplify};
-/// // A flat fan of four triangles around a vertex, which one collapse removes.
-/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
-/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let goal = Goal { amount: Some(Amount::Triangles(2)), ..Goal::default() };
-/// let simplified = simplify(&model, &SimplifyOptions::new(goal))?;
-/// assert_eq!((simplified.collapses.triangles_after, simplified.redrawn.used, simplified.proven), (2, 4, true));
-/// # Ok::<(), tristrip_pipeline::Error>(())
-/// ```
-pub fn simplify(model: &Model, options: &SimplifyOptions) -> Result<Simplified, Error> {
-    simplify_observed(model, options, &())
+/// How far a simplified surface is from the original, rounded to six decimals; the keys are those of the JSON report.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Deviations {
+    /// The largest distance from the original surface found, in mesh units.
+    pub largest_deviation: f64,
+    /// The same in percent of the diagonal.
+    pub largest_deviation_percent: f64,
+    /// The root mean square of the distances, in mesh units.
+    pub rms_deviation: f64,
+    /// The same in percent of the diagonal.
+    pub rms_deviation_percent: f64,
+    /// The root mean square of the angles between normals.
+    pub normal_deviation_degrees: f64,
+    /// The root mean square of the distances between texture coordinates, in percent of the texture; `None` without any.
+    pub uv_deviation_percent: Option<f64>,
+    /// The same in texels of the textures of the base colours; `None` without any.
+    pub uv_deviation_texels: Option<f64>,
+    /// The unrounded values.
+    #[serde(skip)]
+    pub change: SurfaceChange,
 }
 
-/// Does the same, and reports each stage to an observer.
+impl Deviations {
+    const KEYS: [&str; 7] = [
+        "largest_deviation",
+        "largest_deviation_percent",
+        "rms_deviation",
+        "rms_deviation_percent",
+        "normal_deviation_degrees",
+        "uv_deviation_percent",
+        "uv_deviation_texels",
+    ];
+
+    fn of(change: SurfaceChange, diagonal: f64) -> Self {
+        Self {
+            largest_deviation: rounded(change.largest),
+            largest_deviation_percent: percent_of(change.largest, diagonal),
+            rms_deviation: rounded(change.rms),
+            rms_deviation_percent: percent_of(change.rms, diagonal),
+            normal_deviation_degrees: rounded(change.normal_degrees),
+            uv_deviation_percent: change.uv.map(|uv| rounded(100.0 * uv)),
+            uv_deviation_texels: change.uv_texels.map(rounded),
+            change,
+        }
+    }
+}
+
+/// Serializes deviations, with `null` for all keys where nothing was measured.
+#[expect(clippy::ref_option, reason = "the signature that serde calls")]
+fn deviations_or_nulls<S: Serializer>(found: &Option<Deviations>, serializer: S) -> Result<S::Ok, S::Error> {
+    if let Some(found) = found {
+        return found.serialize(serializer);
+    }
+    let mut map = serializer.serialize_map(Some(Deviations::KEYS.len()))?;
+    for key in Deviations::KEYS {
+        map.serialize_entry(key, &None::<f64>)?;
+    }
+    map.end()
+}
+
+/// Simplifies a model by half-edge collapses, the cheapest first. Borders between the parts of a mesh collapse on both sides. Vertices that
+/// touch parts in other places of the scene are kept.
 ///
 /// # Errors
 /// The maximum error is negative or not a number, a part is too large, the collapses are not proven, or the observer cancelled.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{Deviation, Goal, SimplifyOptions, simplify_observed};
+/// use tristrip_pipeline::{Amount, Deviation, Goal, simplify};
+/// // A flat fan of four triangles around a vertex, which one collapse removes.
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let goal = Goal { amount: None, deviation: Deviation::Percent(1.0) };
-/// let simplified = simplify_observed(&model, &SimplifyOptions::new(goal), &())?;
+/// let goal = Goal { amount: Some(Amount::Triangles(2)), deviation: Deviation::Percent(1.0) };
+/// let simplified = simplify::run(&model, &simplify::Options::default().with_goal(goal), &())?;
+/// assert_eq!((simplified.collapses.triangles_after, simplified.vertices_after, simplified.proven), (2, 4, true));
 /// assert!(simplified.collapses.surface_error <= 0.03);
-/// assert_eq!(simplified.encode(&())?.faces, Some(simplified.collapses.triangles_after));
+/// assert_eq!(simplified.encode(Format::Glb, true, &())?.faces, Some(2));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn simplify_observed(
-    model: &Model,
-    options: &SimplifyOptions,
-    observer: &dyn Observer,
-) -> Result<Simplified, Error> {
+pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
     let goal = |count| {
         options.goal.amount.map_or(TriangleGoal::Fewest, |amount| TriangleGoal::OfModel(amount.of(count)))
     };
@@ -225,38 +277,39 @@ pub fn simplify_observed(
 /// to the sum of theirs. This compares with the result of another program.
 ///
 /// # Errors
-/// There is not one number per part, or as of [`simplify_observed`].
+/// There is not one number per part, or those of [`run`].
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{Goal, SimplifyOptions, simplify_parts};
+/// use tristrip_pipeline::simplify;
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let options = SimplifyOptions::new(Goal::default());
-/// assert_eq!(simplify_parts(&model, &[2], &options)?.collapses.triangles_after, 2);
-/// assert!(simplify_parts(&model, &[2, 2], &options).is_err());
+/// let options = simplify::Options::default();
+/// assert_eq!(simplify::run_parts(&model, &[2], &options, &())?.collapses.triangles_after, 2);
+/// assert!(simplify::run_parts(&model, &[2, 2], &options, &()).is_err());
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn simplify_parts(
+pub fn run_parts(
     model: &Model,
     triangles: &[usize],
-    options: &SimplifyOptions,
-) -> Result<Simplified, Error> {
+    options: &Options,
+    observer: &dyn Observer,
+) -> Result<Outcome, Error> {
     if triangles.len() != model.parts.len() {
         let found = format!("{} for {}", triangles.len(), counted(model.parts.len(), "part"));
         let expected = "a number of triangles for each part";
         return Err(tristrip::Error::Parameter { name: "triangles", found, expected }.into());
     }
-    simplify_to(model, options, |_| TriangleGoal::OfParts(triangles), &())
+    simplify_to(model, options, |_| TriangleGoal::OfParts(triangles), observer)
 }
 
 /// Simplifies a model to the goal for its number of triangles.
 fn simplify_to<'a>(
     model: &Model,
-    options: &SimplifyOptions,
+    options: &Options,
     goal: impl FnOnce(usize) -> TriangleGoal<'a>,
     observer: &dyn Observer,
-) -> Result<Simplified, Error> {
+) -> Result<Outcome, Error> {
     // 1. The triangles of each part.
     let surveyed = Survey::new(model, StripifyOptions::default(), observer)?;
     let (mut parts, skipped) = fans(&surveyed.prepared, options.rules)?;
@@ -270,7 +323,6 @@ fn simplify_to<'a>(
     let target_error = options.goal.deviation.units(diagonal(&parts));
     let all = simplify_all(&parts, goal(count), Some(target_error), options.rules, observer)?;
     let (collapses, done) = (all.summary(&parts)?, all.parts);
-    observer.event(Event::Simplified(&collapses));
     let left = collapses.triangles_after;
     let progress = SimplifyProgress { before: count, left, goal: collapses.target_triangles.unwrap_or(0) };
     let goes_on = || observer.simplifies(progress);
@@ -279,14 +331,8 @@ fn simplify_to<'a>(
         normals.choose_unfit(model, options.format, &parts, &done)?;
     }
     let of_parts = place_notes.into_iter().chain(locked_note(collapses.locked_vertices));
-    let new_notes = normals.notes.iter().cloned().chain(of_parts).collect();
-    let mut add_notes = |new: Vec<String>| {
-        new.iter().for_each(|note| observer.event(Event::Note(note)));
-        notes.extend(new);
-    };
-    add_notes(new_notes);
+    notes.extend(normals.notes.iter().cloned().chain(of_parts));
     let warning = warning(&collapses, options.goal.deviation, options.rules.lock_borders);
-    warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
 
     // 3. The proof of the collapses.
     if options.verify {
@@ -302,12 +348,12 @@ fn simplify_to<'a>(
         let is_fixed: Vec<bool> = fixed.iter().map(Option::is_some).collect();
         let Fitted { meshes, moved } = fit::fit(&parts, &done, &is_fixed, &goes_on)?;
         (fitted, moved_positions) = (meshes, Some(moved));
-        observer.event(Event::Fitted { positions: moved });
-        add_notes(kept_notes("positions", fixed.into_iter().flatten()));
+        notes.extend(kept_notes("positions", fixed.into_iter().flatten()));
         interrupted = ended(interrupted, observer, progress)?;
     }
 
     // 5. The model without the vertices that became unused.
+    begin(observer, Stage::Rebuild)?;
     let rebuilt = normals.rebuild(&parts, &done, &fitted)?;
     let base = |(part, done): (&Part<'_>, &PartCollapses)| {
         let mut corners = done.sequence.drawn(0)?.into_flattened();
@@ -322,25 +368,27 @@ fn simplify_to<'a>(
     if options.measure && !interrupted {
         begin(observer, Stage::Compare)?;
         let change = change(&parts, &done, &rebuilt, &texture_sizes(model))?;
-        observer.event(Event::Compared(&change));
-        measured = Some(change);
+        measured = Some(Deviations::of(change, collapses.diagonal));
     }
     if interrupted {
-        add_notes(vec![Stopped::Interrupt.note().into()]);
+        notes.push(Stopped::Interrupt.note().into());
     }
-    Ok(Simplified {
+    Ok(Outcome {
+        proven: options.verify,
+        vertices_before: mesh.vertices - mesh.unreferenced_vertices,
+        vertices_after: redrawn.used,
+        parts: redrawn.model.parts.len(),
         redrawn,
         copies,
         collapses,
-        change: measured,
+        deviations: measured,
         moved_positions,
         normals: normals.counts(&parts),
         warning,
         mesh,
         notes,
-        proven: options.verify,
         interrupted,
-        options: *options,
+        rounding: options.rounding,
     })
 }
 
@@ -353,7 +401,7 @@ fn ended(interrupted: bool, observer: &dyn Observer, progress: SimplifyProgress)
     if interrupted && observer.is_cancelled() { Err(Error::Cancelled) } else { Ok(interrupted) }
 }
 
-impl Simplified {
+impl Outcome {
     /// Returns the vertex of the source model that each vertex of a part is, or is a copy of with another normal or position.
     ///
     /// # Errors
@@ -361,11 +409,11 @@ impl Simplified {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{Amount, Goal, SimplifyOptions, simplify};
+    /// use tristrip_pipeline::{Amount, Goal, simplify};
     /// let corners = "v 1 1 0\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\n";
     /// let model = read([corners, "f 2 3 1\nf 3 4 1\nf 4 5 1\nf 5 2 1\n"].concat().as_bytes(), Format::Obj)?;
     /// let goal = Goal { amount: Some(Amount::Triangles(2)), ..Goal::default() };
-    /// let simplified = simplify(&model, &SimplifyOptions::new(goal))?;
+    /// let simplified = simplify::run(&model, &simplify::Options::default().with_goal(goal), &())?;
     /// assert_eq!(simplified.source_vertices(0)?, [1, 2, 3, 4]);
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
@@ -380,27 +428,26 @@ impl Simplified {
         Ok(vertices)
     }
 
-    /// Encodes the simplified model as a triangle list in the format of the options, and proves the bytes if requested.
+    /// Encodes the simplified model as a triangle list, and proves the bytes if requested. A scene that was simplified for a GLB keeps its
+    /// unused vertices in other formats, too.
     ///
     /// # Errors
     /// The format cannot store the model, the bytes are not proven, or the observer cancelled.
-    pub fn encode(&self, observer: &dyn Observer) -> Result<Encoded, Error> {
-        self.encode_as(self.options.format, self.options.verify, observer)
-    }
-
-    /// Does the same in another format, and with or without the proof of the bytes. A scene that was simplified for a GLB keeps its unused vertices.
-    ///
-    /// # Errors
-    /// As of [`Simplified::encode`].
-    pub fn encode_as(&self, format: Format, verify: bool, observer: &dyn Observer) -> Result<Encoded, Error> {
+    pub fn encode(
+        &self,
+        format: Format,
+        verify: bool,
+        observer: &dyn Observer,
+    ) -> Result<encode::Outcome, Error> {
         let model = &self.redrawn.model;
-        let mut notes = kept_vertices(&self.redrawn, observer);
         let drawings: Vec<Drawing<'_>> = model.parts.iter().map(|_| Drawing::Faces).collect();
-        let options = EncodeOptions::new(format).with_layout(tristrip::Layout::List);
-        let options = options.with_pack(Some(self.options.rounding)).with_verify(verify);
-        let encoded = encode_observed(model, &drawings, &options, observer)?;
-        notes.extend(encoded.notes);
-        Ok(Encoded { notes, ..encoded })
+        let options = encode::Options::new(format).with_layout(tristrip::Layout::List);
+        let options = options.with_pack(Some(self.rounding)).with_verify(verify);
+        let encoded = encode::run(model, &drawings, &options, observer);
+        let mut encoded =
+            encoded.map_err(|error| error.with_metrics(|| UnprovenMetrics::Simplified(self.collapses)))?;
+        encoded.notes.splice(0..0, kept_vertices(&self.redrawn));
+        Ok(encoded)
     }
 }
 
@@ -412,9 +459,9 @@ pub(crate) fn prove(
 ) -> Result<(), Error> {
     begin(observer, Stage::Prove)?;
     let proofs = map(done, |done| done.sequence.check());
-    proofs.into_iter().collect::<Result<(), _>>().map_err(|why| Error::Unproven(why.to_string()))?;
-    observer.event(Event::Proven { faces: collapses.triangles_after });
-    Ok(())
+    proofs.into_iter().collect::<Result<(), _>>().map_err(|why| {
+        Error::unproven(why.to_string()).with_metrics(|| UnprovenMetrics::Simplified(*collapses))
+    })
 }
 
 /// Returns the triangles of all parts, polygons as fans around their first corner, and the number of places that were not compared.

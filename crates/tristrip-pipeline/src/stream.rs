@@ -47,7 +47,7 @@ pub struct StreamedMesh {
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let streamed = stream_of_mesh(&model.parts[0].mesh, 0, &StreamOptions::default())?;
 /// let mut decoder = Decoder::new(StreamLimits::default());
-/// decoder.update(&streamed.stream.bytes()).map_err(|error| tristrip_pipeline::Error::Unproven(error.to_string()))?;
+/// decoder.update(&streamed.stream.bytes()).map_err(|error| tristrip_pipeline::Error::unproven(error.to_string()))?;
 /// assert_eq!(decoder.part(0).map(|part| part.triangle_count()), Some(4));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```

@@ -1,33 +1,36 @@
 //! Strips of a whole model: built, measured, compared with their lower bounds and proven.
 
+use serde::Serialize;
 use tristrip::{Method, StripifyOptions, Strips};
 use tristrip_io::Model;
 
 use crate::bounds::{BoundGap, Bounds};
-use crate::drawing::{Drawn, choose};
-use crate::encode::{EncodeOptions, Encoded, encode_observed};
-use crate::error::Error;
-use crate::figures::{Figures, MeshFigures, PartFigures};
-use crate::observer::{Event, Observer, Stage, Stopped, begin};
+use crate::drawing::{Drawn, DrawnParts, FileCost, choose};
+use crate::encode::{self, true_or_null};
+use crate::error::{Error, UnprovenMetrics};
+use crate::figures::{MeshProperties, PartMetrics};
+use crate::method::MethodReport;
+use crate::metrics::StripMetrics;
+use crate::observer::{Observer, Stage, Stopped, begin};
 use crate::prepared::Survey;
 
 /// How strips are built. The default is [`Method::Best`], proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct StripOptions {
+pub struct Options {
     /// The method and its options.
     pub stripify: StripifyOptions,
     /// Whether the strips are proven to draw exactly the faces of the model.
     pub verify: bool,
 }
 
-impl Default for StripOptions {
+impl Default for Options {
     fn default() -> Self {
         Self { stripify: StripifyOptions::default(), verify: true }
     }
 }
 
-impl StripOptions {
+impl Options {
     /// Sets the method and its options.
     #[must_use]
     pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
@@ -41,38 +44,77 @@ impl StripOptions {
     }
 }
 
-/// The strips of a model.
-#[derive(Debug, Clone)]
+/// The strips of a model; the keys are those of the JSON report.
+#[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
-pub struct Stripped {
+pub struct Outcome {
     /// The strips of each part, over its own vertices, in the order of the parts.
+    #[serde(skip)]
     pub strips: Vec<Strips>,
-    /// The metrics of the strips.
-    pub figures: Figures,
-    /// The counts of the mesh.
-    pub mesh: MeshFigures,
-    /// The gap between the result of `fewest`, or of `best` above its default effort, and its lower bound; `None` for others, which take
-    /// no longer than the bound does.
-    pub bound: Option<BoundGap>,
     /// The options of the method, adapted to the model.
-    pub options: StripifyOptions,
+    #[serde(skip)]
+    pub stripify: StripifyOptions,
+    /// The method and those of its options that apply to it.
+    #[serde(flatten)]
+    pub method: MethodReport,
+    /// Whether the strips are proven to draw exactly the faces of the model; otherwise the proof was not requested.
+    #[serde(serialize_with = "true_or_null")]
+    pub proven: bool,
+    /// The metrics of the strips.
+    #[serde(flatten)]
+    pub metrics: StripMetrics,
     /// Why the search was stopped early, if it was.
     pub stopped: Option<Stopped>,
-    /// Notes of the reader, and on what was dropped, changed or unusual.
+    /// The gap between the result of `fewest`, or of `best` above its default effort, and its lower bound. `None` for other methods: they
+    /// take no longer than the bound does.
+    pub bound: Option<BoundGap>,
+    /// The counts of the mesh.
+    pub mesh: MeshProperties,
+    /// The number of parts.
+    pub parts: usize,
+    /// Notes of the reader, on what was dropped, changed or unusual, and on a search that was stopped.
     pub notes: Vec<String>,
-    /// Whether the strips are proven to draw exactly the faces of the model.
-    pub proven: bool,
-    /// The figures of each part.
-    of_parts: Vec<PartFigures>,
+    /// The metrics of each part.
+    #[serde(skip)]
+    of_parts: Vec<PartMetrics>,
 }
 
-impl Stripped {
-    /// Encodes the model as a file that draws each part as [`Stripped::draw`] chooses, and proves it.
+/// A file of strips; the keys are those of the JSON report.
+#[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
+pub struct File {
+    /// The bytes of the file. Its notes begin with those on parts that are not drawn as the strips found.
+    #[serde(skip)]
+    pub encoded: encode::Outcome,
+    /// The numbers of parts by what they are drawn as.
+    pub drawn: DrawnParts,
+    /// The source as it was read. The caller knows its size.
+    pub before: FileCost,
+    /// The file.
+    pub after: FileCost,
+}
+
+impl Outcome {
+    /// Encodes the model as a file that draws each part as [`Outcome::draw`] chooses, and proves it.
     ///
     /// # Errors
-    /// As of [`encode_observed`].
-    pub fn encode(&self, model: &Model, options: &EncodeOptions) -> Result<Encoded, Error> {
-        encode_observed(model, &self.draw(model, options).drawings, options, &())
+    /// The strips are not those of the model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    pub fn encode(
+        &self,
+        model: &Model,
+        options: &encode::Options,
+        observer: &dyn Observer,
+    ) -> Result<File, Error> {
+        let drawn = self.draw(model, options);
+        let encoded = encode::run(model, &drawn.drawings, options, observer);
+        let mut encoded = encoded.map_err(|error| error.with_metrics(|| self.unproven()))?;
+        encoded.notes.splice(0..0, drawn.parts().notes());
+        Ok(File {
+            drawn: drawn.parts(),
+            before: FileCost::of(&drawn.before, None),
+            after: FileCost::of(&drawn.after, Some(encoded.bytes.len() as u64)),
+            encoded,
+        })
     }
 
     /// Chooses how each part is drawn, by the fewest indices: as the strips found, as the strips that the
@@ -80,92 +122,75 @@ impl Stripped {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{DrawnAs, EncodeOptions, StripOptions, strip};
+    /// use tristrip_pipeline::{DrawnAs, encode, strip};
     /// let flat = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
     /// let model = read(flat, Format::Obj)?;
-    /// let stripped = strip(&model, &StripOptions::default())?;
-    /// let drawn = stripped.draw(&model, &EncodeOptions::new(Format::Glb));
+    /// let stripped = strip::run(&model, &strip::Options::default(), &())?;
+    /// let drawn = stripped.draw(&model, &encode::Options::new(Format::Glb));
     /// assert_eq!((drawn.drawn_as[0], drawn.before.indices, drawn.after.indices), (DrawnAs::List, 6, 6));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
-    pub fn draw<'a>(&'a self, model: &'a Model, options: &EncodeOptions) -> Drawn<'a> {
-        choose(model, (&self.strips, &self.of_parts), *options, self.options.method == Method::Cache)
+    pub fn draw<'a>(&'a self, model: &'a Model, options: &encode::Options) -> Drawn<'a> {
+        choose(model, (&self.strips, &self.of_parts), *options, self.stripify.method == Method::Cache)
+    }
+
+    fn unproven(&self) -> UnprovenMetrics {
+        UnprovenMetrics::Strips(self.metrics.clone())
     }
 }
 
 /// Builds the strips of a model, measures and proves them.
 ///
 /// # Errors
-/// As of [`strip_observed`].
+/// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions};
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{StripOptions, strip};
+/// use tristrip_pipeline::strip;
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", Format::Obj)?;
 /// let fewest = StripifyOptions::default().with_method(Method::Fewest);
-/// let stripped = strip(&model, &StripOptions::default().with_stripify(fewest))?;
+/// let stripped = strip::run(&model, &strip::Options::default().with_stripify(fewest), &())?;
 /// assert_eq!(stripped.bound.map(|gap| (gap.found, gap.optimal)), Some((1, true)));
 /// assert_eq!(stripped.strips[0].len(), 1);
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn strip(model: &Model, options: &StripOptions) -> Result<Stripped, Error> {
-    strip_observed(model, options, &())
-}
-
-/// Does the same, and reports each stage to an observer.
-///
-/// # Errors
-/// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
-///
-/// ```
-/// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{Error, Observer, StripOptions, strip_observed};
-/// struct Impatient;
-/// impl Observer for Impatient {
-///     fn is_cancelled(&self) -> bool {
-///         true
-///     }
-/// }
-/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-/// let stripped = strip_observed(&model, &StripOptions::default(), &Impatient);
-/// assert!(matches!(stripped, Err(Error::Cancelled)));
-/// # Ok::<(), Error>(())
-/// ```
-pub fn strip_observed(
-    model: &Model,
-    options: &StripOptions,
-    observer: &dyn Observer,
-) -> Result<Stripped, Error> {
+pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
     let survey = Survey::new(model, options.stripify, observer)?;
     let (strips, stopped) = survey.prepared.search(&survey.options, observer)?;
     measured(survey, strips, stopped, options.verify, observer)
 }
 
-/// Measures strips of a model that were found before, one item per part, and proves them; `options` and `stopped` are those of their search.
+/// Measures and proves strips of a model that were found before, one item per part; `options` and `stopped` are those of their search.
 ///
 /// # Errors
-/// There is not one item per part, the strips are not proven, or the observer cancelled.
+/// The number of items is not that of the parts, the strips are not proven, or the observer cancelled.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{StripOptions, strip, with_strips};
+/// use tristrip_pipeline::{Error, strip};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
-/// let found = strip(&model, &StripOptions::default())?;
-/// let again = with_strips(&model, found.strips.clone(), None, &StripOptions::default(), &())?;
-/// assert_eq!(again.figures, found.figures);
-/// # Ok::<(), tristrip_pipeline::Error>(())
+/// let options = strip::Options::default();
+/// let found = strip::run(&model, &options, &())?;
+/// let again = strip::of_strips(&model, found.strips.clone(), None, &options, &())?;
+/// assert_eq!(again.metrics, found.metrics);
+/// // Half of the square: the error has the metrics of what was found.
+/// let mut half = tristrip::Strips::default();
+/// half.push(&[0, 1, 2]);
+/// let half = strip::of_strips(&model, vec![half], None, &options, &());
+/// assert!(matches!(half, Err(Error::Unproven { metrics: Some(_), .. })));
+/// # Ok::<(), Error>(())
 /// ```
-pub fn with_strips(
+pub fn of_strips(
     model: &Model,
     strips: Vec<Strips>,
     stopped: Option<Stopped>,
-    options: &StripOptions,
+    options: &Options,
     observer: &dyn Observer,
-) -> Result<Stripped, Error> {
+) -> Result<Outcome, Error> {
     if strips.len() != model.parts.len() {
         let (found, expected) = (strips.len(), model.parts.len());
-        return Err(Error::Unproven(format!("found strips of {found} parts, expected {expected}")));
+        return Err(Error::unproven(format!("found strips of {found} parts, expected {expected}")));
     }
     measured(Survey::new(model, options.stripify, observer)?, strips, stopped, options.verify, observer)
 }
@@ -177,23 +202,37 @@ fn measured(
     stopped: Option<Stopped>,
     verify: bool,
     observer: &dyn Observer,
-) -> Result<Stripped, Error> {
-    let Survey { prepared, options: stripify, mesh, notes } = survey;
+) -> Result<Outcome, Error> {
+    let Survey { prepared, options: stripify, mesh, mut notes } = survey;
+    notes.extend(stopped.map(|stopped| stopped.note().into()));
     begin(observer, Stage::Measure)?;
-    let (figures, of_parts) = prepared.figures_with_parts(&strips, &stripify)?;
-    observer.event(Event::Measured(&figures));
+    let (metrics, of_parts) = prepared.metrics_with_parts(&strips, &stripify)?;
     let mut bound = None;
     if is_long_search(&stripify) {
         begin(observer, Stage::Bound)?;
-        bound = Bounds::of(prepared.parts())?.gap(&stripify, &figures);
-        observer.event(Event::Bounded(bound.as_ref()));
+        bound = Bounds::of(prepared.parts())?.gap(&stripify, &metrics);
     }
+    let method = MethodReport::of(&stripify);
+    let parts = prepared.parts().len();
+    let outcome = Outcome {
+        strips,
+        stripify,
+        method,
+        proven: verify,
+        metrics,
+        stopped,
+        bound,
+        mesh,
+        parts,
+        notes,
+        of_parts,
+    };
     if verify {
         begin(observer, Stage::Prove)?;
-        prepared.prove(&strips)?;
-        observer.event(Event::Proven { faces: mesh.faces });
+        let proof = prepared.prove(&outcome.strips);
+        proof.map_err(|error| error.with_metrics(|| outcome.unproven()))?;
     }
-    Ok(Stripped { strips, figures, mesh, bound, options: stripify, stopped, notes, proven: verify, of_parts })
+    Ok(outcome)
 }
 
 /// Returns whether the options ask for a search that takes longer than the bound of its result.

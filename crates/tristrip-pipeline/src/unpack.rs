@@ -70,7 +70,7 @@ pub struct Unpacked {
 /// let square = |i: usize| (i..i + 29).map(|i| format!("f {} {} {} {}\n", i + 1, i + 2, i + 32, i + 31));
 /// let obj: String = (0..30).flat_map(row).chain((0..29).flat_map(|y| square(30 * y))).collect();
 /// let packed = pack(&read(obj.as_bytes(), Format::Obj)?, &PackOptions::default(), &())?;
-/// let glb = ProgressiveGlb::open(packed.bytes)?.ok_or_else(|| "no stream".to_owned()).map_err(tristrip_pipeline::Error::Unproven)?;
+/// let glb = ProgressiveGlb::open(packed.bytes)?.ok_or_else(|| "no stream".to_owned()).map_err(tristrip_pipeline::Error::unproven)?;
 /// let half = unpack(&glb, StreamGoal::Triangles(800), None)?;
 /// assert!((780..=800).contains(&half.triangles) && half.bytes < packed.chunk_start + glb.chunk_bytes());
 /// # Ok::<(), tristrip_pipeline::Error>(())

@@ -1,38 +1,31 @@
 //! The proof that one model draws exactly the faces of another.
 
 use serde::Serialize;
-use tristrip::verify::{Difference, Proof, verify_models};
+use tristrip::verify::{Difference, verify_models};
 use tristrip_io::Model;
 
 use crate::error::Error;
+use crate::observer::{Observer, Stage, begin};
 use crate::parts::meshes;
 
-/// Proves that a model draws exactly the faces of a source, each once, with its winding. Vertices are compared by the bits of their
-/// positions; other attributes are not compared.
-///
-/// # Errors
-/// The models together are too large for 32-bit ids.
-///
-/// ```
-/// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{DifferenceReport, verify};
-/// let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-/// let square = read([corners, "f 1 2 3 4\n"].concat().as_bytes(), Format::Obj)?;
-/// let halves = read([corners, "f 1 2 3\nf 3 4 1\n"].concat().as_bytes(), Format::Obj)?;
-/// let flipped = read([corners, "f 1 2 3\nf 4 3 1\n"].concat().as_bytes(), Format::Obj)?;
-/// assert_eq!(verify(&square, &halves)?.map(|proof| proof.triangles), Ok(2));
-/// let difference = verify(&halves, &flipped)?.unwrap_err();
-/// assert_eq!(DifferenceReport::of(&difference).flipped, Some(1));
-/// # Ok::<(), tristrip_pipeline::Error>(())
-/// ```
-pub fn verify(source: &Model, result: &Model) -> Result<Result<Proof, Difference>, Error> {
-    Ok(verify_models(&meshes(source), &meshes(result))?)
+/// Whether a model draws exactly the faces of another; the keys are those of the JSON report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Outcome {
+    /// Whether it does.
+    pub proven: bool,
+    /// The faces of the source.
+    pub faces: usize,
+    /// The triangles of the result.
+    pub triangles: usize,
+    /// How the result differs from the source, if it does.
+    pub difference: Option<FoundDifference>,
 }
 
 /// How a result differs from its source; the keys are those of the JSON report.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
-pub struct DifferenceReport {
+pub struct FoundDifference {
     /// `triangles`, `outside`, `count` or `boundary`.
     pub kind: &'static str,
     /// Triangles of the source that the result lacks.
@@ -45,11 +38,53 @@ pub struct DifferenceReport {
     pub face: Option<u32>,
     /// The positions of the first difference.
     pub first: Vec<[f32; 3]>,
+    /// The difference in words.
+    #[serde(skip)]
+    pub text: String,
 }
 
-impl DifferenceReport {
-    /// Reports a difference.
-    pub fn of(difference: &Difference) -> Self {
+/// Compares a result with its source: every face of the source is drawn exactly once, with its original winding. Vertices are compared by
+/// the bits of their positions; other attributes are not compared.
+///
+/// # Errors
+/// The models together are too large for 32-bit ids, or the observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::verify;
+/// let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+/// let square = read([corners, "f 1 2 3 4\n"].concat().as_bytes(), Format::Obj)?;
+/// let halves = read([corners, "f 1 2 3\nf 3 4 1\n"].concat().as_bytes(), Format::Obj)?;
+/// let flipped = read([corners, "f 1 2 3\nf 4 3 1\n"].concat().as_bytes(), Format::Obj)?;
+/// let same = verify::run(&square, &halves, &())?;
+/// assert_eq!((same.proven, same.faces, same.triangles), (true, 1, 2));
+/// let difference = verify::run(&halves, &flipped, &())?.difference;
+/// assert_eq!(difference.and_then(|found| found.flipped), Some(1));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn run(source: &Model, result: &Model, observer: &dyn Observer) -> Result<Outcome, Error> {
+    begin(observer, Stage::Prove)?;
+    let [expected, found] = [meshes(source), meshes(result)];
+    let difference = verify_models(&expected, &found)?.err().map(|found| FoundDifference::of(&found));
+    Ok(Outcome {
+        proven: difference.is_none(),
+        faces: expected.iter().map(|mesh| mesh.faces().face_count()).sum(),
+        triangles: found.iter().map(|mesh| mesh.faces().triangle_count()).sum(),
+        difference,
+    })
+}
+
+impl FoundDifference {
+    fn of(difference: &Difference) -> Self {
+        let other = Self {
+            kind: "other",
+            missing: None,
+            extra: None,
+            flipped: None,
+            face: None,
+            first: Vec::new(),
+            text: difference.to_string(),
+        };
         match *difference {
             Difference::Triangles { missing, extra, flipped, first } => Self {
                 kind: "triangles",
@@ -57,23 +92,21 @@ impl DifferenceReport {
                 extra: Some(extra),
                 flipped: Some(flipped),
                 first: first.to_vec(),
-                ..Self::default()
+                ..other
             },
-            Difference::Outside { triangle } => {
-                Self { kind: "outside", first: triangle.to_vec(), ..Self::default() }
-            }
+            Difference::Outside { triangle } => Self { kind: "outside", first: triangle.to_vec(), ..other },
             Difference::Count { face, position, found, expected } => Self {
                 kind: "count",
                 missing: Some(expected.saturating_sub(found)),
                 extra: Some(found.saturating_sub(expected)),
                 face: Some(face),
                 first: vec![position],
-                ..Self::default()
+                ..other
             },
             Difference::Boundary { face, edge } => {
-                Self { kind: "boundary", face: Some(face), first: edge.to_vec(), ..Self::default() }
+                Self { kind: "boundary", face: Some(face), first: edge.to_vec(), ..other }
             }
-            _ => Self { kind: "other", ..Self::default() },
+            _ => other,
         }
     }
 }

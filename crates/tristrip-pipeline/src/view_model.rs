@@ -139,7 +139,7 @@ pub fn view_model(
     }
     drop(prepared);
     let (Some(strips), Some(part)) = (strips.into_iter().next(), model.parts.into_iter().next()) else {
-        return Err(Error::Unproven("found no strips, expected those of one mesh".into()));
+        return Err(Error::unproven("found no strips, expected those of one mesh"));
     };
     begin(observer, Stage::Simplify)?;
     let tree = merge_tree(&part.mesh, strips.to_list(), options.order, &SimplifyOptions::default())?;
@@ -172,13 +172,13 @@ impl ViewModel {
     pub fn encode(&self) -> Result<EncodedViewModel, Error> {
         let (mesh, strips) = (self.mesh.clone(), self.strips.clone());
         let model = TlodModel::new(mesh, strips, CollapseSequence::clone(&self.sequence))
-            .map_err(|error| Error::Unproven(error.to_string()))?;
+            .map_err(|error| Error::unproven(error.to_string()))?;
         let bytes = encoded(&model)?;
         let again = tlod::read(&bytes[..], &TlodLimits::default())
-            .map_err(|error| Error::Unproven(format!("the file, read back: {error}")))?;
+            .map_err(|error| Error::unproven(format!("the file, read back: {error}")))?;
         // Bytes are compared, not models: a value that is not a number differs from itself.
         if encoded(&again)? != bytes {
-            return Err(Error::Unproven("the file, read back, is another model".into()));
+            return Err(Error::unproven("the file, read back, is another model"));
         }
         let height = SkipStrips::of_levels(&again.strips, &again.sequence)?.height();
         Ok(EncodedViewModel { bytes, height })
@@ -224,9 +224,9 @@ pub fn prove_view(view: &SkipView, strips: &Strips) -> Result<usize, Error> {
     let expected = Faces::from_triangles(view.renamed_triangles().into_flattened())?;
     if expected.face_count() != view.triangle_count() {
         let (found, expected) = (view.triangle_count(), expected.face_count());
-        return Err(Error::Unproven(format!("the view counts {found} triangles, expected {expected}")));
+        return Err(Error::unproven(format!("the view counts {found} triangles, expected {expected}")));
     }
     let drawn: Vec<[u32; 3]> = strips.triangles().collect();
-    let proof = verify_drawing(&expected, &drawn).map_err(|why| Error::Unproven(why.to_string()))?;
+    let proof = verify_drawing(&expected, &drawn).map_err(|why| Error::unproven(why.to_string()))?;
     Ok(proof.triangles)
 }

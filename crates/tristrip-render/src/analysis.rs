@@ -1,20 +1,18 @@
 //! The chart of an analysis: misses against the size of the vertex cache, and a histogram of strip lengths.
 
-use tristrip::vertex_cache::{Replacement, VertexCache, VertexCacheStatistics};
+use tristrip::vertex_cache::{Replacement, VertexCacheStatistics};
 
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
-use tristrip_pipeline::StripLengths;
+use tristrip_pipeline::analyze::{self, CacheMisses};
 
 /// The data of one file.
 #[derive(Debug)]
 pub struct Curve {
     /// The name of the file.
     pub file: String,
-    /// Each vertex cache with its statistics.
-    pub each: Vec<(VertexCache, VertexCacheStatistics)>,
-    /// The histogram of strip lengths.
-    pub lengths: StripLengths,
+    /// Its statistics, with a vertex cache of each size.
+    pub analysis: analyze::Outcome,
 }
 
 /// Draws the curves of all files in one chart: two panels, or one if there are no strips.
@@ -25,14 +23,14 @@ pub struct Curve {
 /// ```
 /// use tristrip_render::analysis::{Curve, draw};
 /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
-/// let analysis = tristrip_pipeline::analyze(&model, &Default::default());
-/// let curve = Curve { file: "a.obj".into(), each: analysis.vertex_caches, lengths: analysis.lengths };
+/// let analysis = tristrip_pipeline::analyze::run(&model, &Default::default(), &())?;
+/// let curve = Curve { file: "a.obj".into(), analysis };
 /// assert!(draw(&[curve], false)?.starts_with("<svg"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn draw(curves: &[Curve], flushed: bool) -> Result<String, Error> {
     let mut panels = vec![misses(curves, flushed)];
-    if curves.iter().any(|curve| !curve.lengths.bins().is_empty()) {
+    if curves.iter().any(|curve| !curve.analysis.lengths.is_empty()) {
         panels.push(lengths(curves));
     }
     svg(&panels, panels.len())
@@ -42,11 +40,10 @@ fn misses(curves: &[Curve], flushed: bool) -> Panel {
     let mut series = Vec::new();
     for curve in curves {
         for (replacement, label) in [(Replacement::Fifo, "FIFO"), (Replacement::Lru, "LRU")] {
-            let mut points: Vec<(f64, f64)> = curve
-                .each
-                .iter()
-                .filter(|(cache, _)| cache.replacement == replacement)
-                .map(|(cache, used)| (f64::from(cache.entries), used.acmr()))
+            let caches = curve.analysis.vertex_caches.iter();
+            let mut points: Vec<(f64, f64)> = caches
+                .filter(|cache| cache.vertex_cache.replacement == replacement)
+                .map(|cache| (entries(cache), curve.acmr(cache.misses)))
                 .collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             if !points.is_empty() {
@@ -74,12 +71,9 @@ fn lower_bounds(curves: &[Curve]) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     let mut drawn: Vec<Vec<(f64, f64)>> = Vec::new();
     for curve in curves {
-        let sizes = || curve.each.iter().map(|(cache, _)| f64::from(cache.entries));
+        let sizes = || curve.analysis.vertex_caches.iter().map(entries);
         let (Some(low), Some(high)) = (sizes().reduce(f64::min), sizes().reduce(f64::max)) else { continue };
-        let height = curve
-            .each
-            .first()
-            .map_or(0.0, |(_, used)| VertexCacheStatistics { misses: used.vertices, ..*used }.acmr());
+        let height = curve.acmr(curve.analysis.stored.vertices);
         let line = vec![(low, height), (high, height)];
         if low < high && !drawn.contains(&line) {
             series.push(Series::new(&curve.name("each vertex once", curves), Mark::Line, line.clone()));
@@ -93,11 +87,11 @@ fn lower_bounds(curves: &[Curve]) -> Vec<Series> {
 }
 
 fn lengths(curves: &[Curve]) -> Panel {
-    let with_strips: Vec<&Curve> = curves.iter().filter(|curve| !curve.lengths.bins().is_empty()).collect();
-    let longest = with_strips.iter().map(|curve| curve.lengths.bins()).max_by_key(|bins| bins.len());
+    let with_strips: Vec<&Curve> = curves.iter().filter(|curve| !curve.analysis.lengths.is_empty()).collect();
+    let longest = with_strips.iter().map(|curve| &curve.analysis.lengths[..]).max_by_key(|bins| bins.len());
     let names = longest.unwrap_or_default().iter().map(|bin| bin.from.to_string()).collect();
     let bars = with_strips.iter().map(|curve| {
-        let heights: Vec<f64> = curve.lengths.bins().iter().map(|bin| bin.strips as f64).collect();
+        let heights: Vec<f64> = curve.analysis.lengths.iter().map(|bin| bin.strips as f64).collect();
         Series::bars(&curve.file, &heights)
     });
     let title = match &with_strips[..] {
@@ -112,7 +106,17 @@ fn lengths(curves: &[Curve]) -> Panel {
     )
 }
 
+fn entries(cache: &CacheMisses) -> f64 {
+    f64::from(cache.vertex_cache.entries)
+}
+
 impl Curve {
+    /// Returns a number of misses per triangle.
+    fn acmr(&self, misses: usize) -> f64 {
+        let stored = &self.analysis.stored;
+        VertexCacheStatistics { misses, triangles: stored.triangles, vertices: stored.vertices }.acmr()
+    }
+
     /// Returns the name of a line, with the file if there are several.
     fn name(&self, what: &str, all: &[Self]) -> String {
         if all.len() == 1 { what.to_owned() } else { format!("{}, {what}", self.file) }

@@ -6,10 +6,7 @@ use std::f64::consts::PI;
 
 use serde_json::Value;
 use tristrip_io::{Format, Model, read, with_triangles};
-use tristrip_pipeline::{
-    Amount, ChainOptions, Deviation, EncodeOptions, Goal, Ratio, SimplifyOptions, StripOptions, chain,
-    simplify, strip,
-};
+use tristrip_pipeline::{Amount, ChainOptions, Deviation, Goal, Ratio, chain, encode, simplify, strip};
 use tristrip_render::images::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 
 /// Quadrilaterals around, and from pole to pole.
@@ -193,8 +190,8 @@ fn differences(before: &Model, after: &Model) -> [Differences; 4] {
 #[test]
 fn strips_change_no_pixel() {
     let model = scene();
-    let stripped = strip(&model, &StripOptions::default()).unwrap();
-    let encoded = stripped.encode(&model, &EncodeOptions::new(Format::Glb)).unwrap();
+    let stripped = strip::run(&model, &strip::Options::default(), &()).unwrap();
+    let encoded = stripped.encode(&model, &encode::Options::new(Format::Glb), &()).unwrap().encoded;
     let after = read(&encoded.bytes, Format::Glb).unwrap();
     assert!(after.parts[0].stripped && after.parts[0].mesh.faces() != model.parts[0].mesh.faces());
     for found in differences(&model, &after) {
@@ -207,7 +204,9 @@ fn strips_change_no_pixel() {
 fn half_of_the_triangles_open_no_hole() {
     let model = scene();
     let goal = Goal { amount: Ratio::new(0.5).map(Amount::Ratio), ..Goal::default() };
-    let simplified = simplify(&model, &SimplifyOptions::new(goal).with_format(Format::Glb)).unwrap();
+    let simplified =
+        simplify::run(&model, &simplify::Options::default().with_goal(goal).with_format(Format::Glb), &())
+            .unwrap();
     let found = differences(&model, &simplified.redrawn.model);
     let bounds = Mode::ALL.map(|mode| match mode {
         Mode::Textured | Mode::Shaded => 0.25,
@@ -316,7 +315,7 @@ fn every_level_of_a_scene_looks_like_its_own_file() {
     let model = scene();
     let options = ChainOptions::new("100%,50%,20%".parse().unwrap(), Format::Glb);
     let chain = chain(&model, &options.with_deviation(Deviation::Percent(100.0))).unwrap();
-    let encode = EncodeOptions::new(Format::Glb);
+    let encode = encode::Options::new(Format::Glb);
     let all = chain.encode(&model, &encode, &()).unwrap().encoded.bytes;
     let text = String::from_utf8_lossy(&all).into_owned();
     assert_eq!(text.matches("MSFT_lod\":").count(), 2);

@@ -9,7 +9,7 @@ use tristrip_bench::text::Table;
 use tristrip_io::{Model, read_path};
 use tristrip_lab::baselines::ComparedModel;
 use tristrip_lab::recovery::{ModelRecovery, SHARES, Sweep, measure};
-use tristrip_pipeline::{Amount, Deviation, Goal, LevelsOptions, Ratio, SimplifyOptions, levels, simplify};
+use tristrip_pipeline::{Amount, Deviation, Goal, LevelsOptions, Ratio, levels, simplify};
 
 /// The model of the paper.
 const SETS: ComparedModel = ComparedModel::Library(ModelKind::Sets);
@@ -44,7 +44,8 @@ pub(super) fn measure_all(sources: &[Source], rounds: usize) -> Result<Vec<Recov
             continue;
         };
         let goal = Goal { amount: Some(Amount::Triangles(triangles)), deviation: Deviation::default() };
-        let simplified = simplify(&model, &SimplifyOptions::new(goal))?.redrawn.model;
+        let simplified =
+            simplify::run(&model, &simplify::Options::default().with_goal(goal), &())?.redrawn.model;
         figures.push(of_model(&format!("{} of {triangles} triangles", source.name), &simplified, rounds)?);
     }
     Ok(figures)

@@ -9,13 +9,12 @@ use pyo3::types::{PyBytes, PyDict, PyList, PyTuple, PyType};
 use tristrip::Layout;
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::{
-    ChainOptions, ChainRatios, EncodeOptions, Encoded, MethodReport, WrittenFiles, chain_observed,
-    path_of_level,
+    ChainOptions, ChainRatios, MethodReport, WrittenFiles, chain_observed, encode, path_of_level,
 };
 
 use super::class::Scene;
 use super::data::SceneData;
-use super::output::{Destination, Noting};
+use super::output::Destination;
 use super::simplify::rules_of;
 use crate::arguments::Arguments;
 use crate::errors::Failure;
@@ -98,7 +97,7 @@ fn ratios(given: &Bound<'_, PyAny>) -> Result<ChainRatios, Failure> {
 
 /// A file that was written, or bytes.
 struct ChainFile {
-    encoded: Encoded,
+    encoded: encode::Outcome,
     /// The bytes that each level uses of it.
     level_bytes: Vec<usize>,
     written: WrittenFiles,
@@ -138,8 +137,8 @@ impl Chain {
         call(&model, &chain_observed(&model, &options, watcher)?)
     }
 
-    fn encode_options(destination: &Destination<'_>, verify: bool) -> EncodeOptions {
-        let options = EncodeOptions::new(destination.target.format).with_layout(destination.layout);
+    fn encode_options(destination: &Destination<'_>, verify: bool) -> encode::Options {
+        let options = encode::Options::new(destination.target.format).with_layout(destination.layout);
         options.with_list(!destination.is_chosen).with_verify(verify)
     }
 
@@ -149,8 +148,7 @@ impl Chain {
         destination: &Destination<'_>,
         verify: bool,
         watcher: &Watcher,
-        noting: &Noting<'_>,
-    ) -> Result<(Encoded, Vec<usize>), Failure> {
+    ) -> Result<(encode::Outcome, Vec<usize>), Failure> {
         if destination.target.format != Format::Glb {
             let found = format!("'{}'", destination.target.format.extension());
             return Err(Failure::option(
@@ -161,7 +159,7 @@ impl Chain {
         }
         let options = Self::encode_options(destination, verify);
         self.with_levels(destination, watcher, |model, chain| {
-            let file = chain.encode(model, &options, noting)?;
+            let file = chain.encode(model, &options, watcher)?;
             Ok((file.encoded, file.level_bytes))
         })
     }
@@ -187,11 +185,10 @@ impl Chain {
                 let path = path_of_level(&file, level);
                 let mut destination = destination;
                 destination.target.path = Some(&path);
-                let noting = Noting::new(watcher);
-                let encoded = chain.encode_level(model, level, &options, &noting);
+                let encoded = chain.encode_level(model, level, &options, watcher);
                 let encoded = encoded.map_err(|error| destination.unproven(error.into()))?;
                 let written = destination.write(&encoded)?;
-                let notes = noting.into_notes(encoded.losses.iter().cloned());
+                let notes = encoded.all_notes();
                 let (level_bytes, output) = (vec![written.bytes], Some(path.display().to_string()));
                 let layout = destination.layout;
                 Ok((ChainFile { encoded, level_bytes, written, output, layout }, notes))
@@ -296,11 +293,10 @@ impl Chain {
         } else {
             let destination = Destination::file(&path, format, layout)?;
             let write = |watcher: &Watcher| {
-                let noting = Noting::new(watcher);
-                let found = self.encode_scene(&destination, verify, watcher, &noting);
+                let found = self.encode_scene(&destination, verify, watcher);
                 let (encoded, level_bytes) = found.map_err(|failure| destination.unproven(failure))?;
                 let written = destination.write(&encoded)?;
-                let notes = noting.into_notes(encoded.losses.iter().cloned());
+                let notes = encoded.all_notes();
                 let (output, layout) = (None, destination.layout);
                 Ok((ChainFile { encoded, level_bytes, written, output, layout }, notes))
             };
@@ -329,10 +325,7 @@ impl Chain {
     fn to_bytes<'py>(&self, py: Python<'py>, verify: bool) -> PyResult<Bound<'py, PyBytes>> {
         let layout = self.layout(py)?;
         let destination = Destination::memory("glb", layout.as_deref())?;
-        let encode = |watcher: &Watcher| {
-            let noting = Noting::new(watcher);
-            Ok(self.encode_scene(&destination, verify, watcher, &noting)?.0)
-        };
+        let encode = |watcher: &Watcher| Ok(self.encode_scene(&destination, verify, watcher)?.0);
         Ok(PyBytes::new(py, &self.watching(py, None)?.run(py, encode)?.result()?.bytes))
     }
 

@@ -5,12 +5,8 @@ use std::time::Instant;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use serde::Serialize;
 use tristrip::{Effort, StripifyOptions};
-use tristrip_pipeline::{
-    AnalyzeOptions, Bounded, DifferenceReport, MethodRow, Observer, PreparedModel, Survey, analyze,
-    bound_observed, compared_methods, verify,
-};
+use tristrip_pipeline::{Observer, Search, SimplifyProgress, Stage, analyze, bound, compare, verify};
 
 use super::data::SceneData;
 use crate::arguments::Arguments;
@@ -20,43 +16,19 @@ use crate::work::{Ended, Watcher, Watching};
 
 /// Computes lower bounds of a scene.
 pub(crate) fn bound<'py>(py: Python<'py>, scene: &SceneData, weld: bool) -> PyResult<Bound<'py, PyDict>> {
-    let found = Watching::default().run(py, |watcher| Ok(bound_observed(scene.as_read(), weld, watcher)?));
-    let bounded: Bounded = found?.result()?;
-    let found = PyDict::new(py);
-    found.set_item("mesh", report(py, &bounded.mesh)?)?;
-    found.set_item("parts", bounded.parts.len())?;
-    found.set_item("bound", report(py, &bounded.bounds)?)?;
-    let sequential: Vec<bool> = bounded.parts.iter().map(|part| part.sequential).collect();
-    found.set_item("sequential", sequential)?;
-    found.set_item("components", report(py, &bounded.components())?)?;
-    found.set_item("notes", &bounded.notes)?;
-    Ok(found)
+    let options = bound::Options::default().with_weld(weld);
+    let found = Watching::default().run(py, |watcher| Ok(bound::run(scene.as_read(), &options, watcher)?));
+    Ok(report(py, &found?.result()?)?.cast_into()?)
 }
 
 /// Analyzes the indices of a scene as its file has them.
 pub(crate) fn statistics<'py>(
     py: Python<'py>,
     scene: &SceneData,
-    options: &AnalyzeOptions,
-    flushed: bool,
+    options: &analyze::Options,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let model = scene.as_read();
-    let analysis = Watching::default().run(py, |_| Ok(analyze(model, options)))?.result()?;
-    let found = report(py, &analysis.figures)?.cast_into::<PyDict>()?;
-    found.set_item("indices_per_triangle", analysis.indices_per_triangle())?;
-    found.set_item("lengths", report(py, &analysis.lengths.bins())?)?;
-    found.set_item("flushed", flushed)?;
-    found.set_item("vertex_caches", report(py, &analysis.cache_reports())?)?;
-    found.set_item("parts", model.parts.len())?;
-    found.set_item("by_part", report(py, &analysis.part_reports(model))?)?;
-    found.set_item("notes", &model.notes)?;
-    Ok(found)
-}
-
-#[derive(Debug, Default, Serialize)]
-struct Seconds {
-    stripify: Option<f64>,
-    verify: Option<f64>,
+    let found = Watching::default().run(py, |watcher| Ok(analyze::run(scene.as_read(), options, watcher)?));
+    Ok(report(py, &found?.result()?)?.cast_into()?)
 }
 
 /// Runs all methods on a scene. An interrupt has the rows so far as its best result.
@@ -73,39 +45,56 @@ pub(crate) fn compare<'py>(
     if let Some(cost) = arguments.extract::<String>("cost")? {
         options = options.with_cost(cost.parse().map_err(Failure::from)?);
     }
-    let every_variant = arguments.flag("all")?;
+    let options = compare::Options::default().with_stripify(options).with_effort(effort);
+    let options = options.with_every_variant(arguments.flag("all")?);
     let watching = arguments.interruptible_search()?;
     arguments.finish("compare")?;
-    let rows = Mutex::new(Vec::new());
     let ended = watching.run(py, |watcher| {
-        let survey = Survey::new(scene.as_read(), options, watcher)?;
-        for options in compared_methods(options, effort, every_variant) {
-            if watcher.is_interrupted() {
-                break;
-            }
-            let row = row(&survey.prepared, &options.with_weld(survey.options.weld), watcher);
-            rows.lock().unwrap_or_else(PoisonError::into_inner).push(row);
+        let methods = MethodTimes { watcher, of_methods: Mutex::default() };
+        let mut compared = compare::run(scene.as_read(), &options, &methods)?;
+        let times = methods.of_methods.into_inner().unwrap_or_else(PoisonError::into_inner);
+        for (row, times) in compared.methods.iter_mut().zip(times) {
+            let time_of = |wanted: Stage| {
+                let at = times.iter().position(|&(stage, _)| stage == wanted)?;
+                Some(times.get(at + 1)?.1.duration_since(times[at].1).as_secs_f64())
+            };
+            row.seconds.stripify = time_of(Stage::Stripify);
+            row.seconds.verify = time_of(Stage::Prove);
         }
-        Ok(())
+        Ok(compared.methods)
     })?;
-    let rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(Ended { value: report(py, &rows)?.cast_into::<PyList>()?, error: ended.error })
+    Ok(Ended { value: report(py, &ended.value)?.cast_into::<PyList>()?, error: ended.error })
 }
 
-/// Runs one method; its row has figures only if the result is proven.
-fn row(prepared: &PreparedModel<'_>, options: &StripifyOptions, watcher: &Watcher) -> MethodRow<Seconds> {
-    let mut seconds = Seconds::default();
-    let watch = watcher.search(options);
-    let started = Instant::now();
-    let found = prepared.find_strips(options, &*watch);
-    seconds.stripify = Some(started.elapsed().as_secs_f64());
-    let figures = found.and_then(|strips| {
-        let started = Instant::now();
-        prepared.prove(&strips)?;
-        seconds.verify = Some(started.elapsed().as_secs_f64());
-        prepared.figures(&strips, options)
-    });
-    MethodRow::new(options, seconds, watch.stopped(), figures.map_err(|error| error.to_string()))
+/// Records when the stages of each method start. A method without a proven result has no time for its last stage.
+struct MethodTimes<'a> {
+    watcher: &'a Watcher,
+    of_methods: Mutex<Vec<Vec<(Stage, Instant)>>>,
+}
+
+impl Observer for MethodTimes<'_> {
+    fn stage(&self, stage: Stage) {
+        let mut methods = self.of_methods.lock().unwrap_or_else(PoisonError::into_inner);
+        if stage == Stage::Stripify {
+            methods.push(Vec::new());
+        }
+        if let Some(last) = methods.last_mut() {
+            last.push((stage, Instant::now()));
+        }
+        self.watcher.stage(stage);
+    }
+
+    fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
+        self.watcher.search(options)
+    }
+
+    fn simplifies(&self, progress: SimplifyProgress) -> bool {
+        self.watcher.simplifies(progress)
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.watcher.is_cancelled()
+    }
 }
 
 /// Proves that a scene draws exactly the faces of another.
@@ -115,18 +104,14 @@ pub(crate) fn prove<'py>(
     result: &SceneData,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (source, result) = (source.as_read(), result.as_read());
-    let verdict = Watching::default().run(py, |_| Ok(verify(source, result)?))?.result()?;
-    if let Err(difference) = verdict {
-        let error = raise(py, "NotProvenError", &difference.to_string());
-        error.value(py).setattr("difference", report(py, &DifferenceReport::of(&difference))?)?;
+    let found = Watching::default().run(py, |watcher| Ok(verify::run(source, result, watcher)?))?.result()?;
+    if let Some(difference) = &found.difference {
+        let error = raise(py, "NotProvenError", &difference.text);
+        error.value(py).setattr("difference", report(py, difference)?)?;
         return Err(error);
     }
-    let found = PyDict::new(py);
-    found.set_item("proven", true)?;
-    let faces: usize = source.parts.iter().map(|part| part.mesh.faces().face_count()).sum();
-    found.set_item("faces", faces)?;
-    let triangles: usize = result.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum();
-    found.set_item("triangles", triangles)?;
+    let found = report(py, &found)?.cast_into::<PyDict>()?;
+    found.del_item("difference")?;
     let notes = |name: &str, notes: &[String]| -> Vec<String> {
         notes.iter().map(|note| format!("{name}: {note}")).collect()
     };
@@ -138,8 +123,8 @@ pub(crate) fn prove<'py>(
 pub(crate) fn analyze_options(
     vertex_caches: Option<&Bound<'_, PyAny>>,
     flush: bool,
-) -> Result<AnalyzeOptions, Failure> {
-    let mut options = AnalyzeOptions::default();
+) -> Result<analyze::Options, Failure> {
+    let mut options = analyze::Options::default();
     if let Some(given) = vertex_caches {
         let text = match given.extract::<String>() {
             Ok(text) => text,

@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 
 use tristrip::Layout;
 use tristrip_io::{Drawing, Format, Model, PlainMaterial, ReadFile};
-use tristrip_pipeline::{ConvertOptions, Target, convert};
+use tristrip_pipeline::{Target, convert};
 
 use crate::errors::Failure;
 
@@ -140,7 +140,7 @@ impl SceneData {
         {
             return Ok((Arc::clone(bytes), format));
         }
-        let converted = convert(self.model(), &ConvertOptions::new(Format::Glb))?;
+        let converted = convert::run(self.model(), &convert::Options::new(Format::Glb), &())?;
         Ok((Arc::new(converted.encoded.bytes), Format::Glb))
     }
 

@@ -1,20 +1,15 @@
 //! Results as files and bytes, by the rules of the command.
 
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use tristrip::{Layout, StripifyOptions};
+use tristrip::Layout;
 use tristrip_io::Format;
-use tristrip_pipeline::{
-    Encoded, Event, Observer, Search, SimplifyProgress, Target, WRITTEN_FORMATS, WrittenFiles,
-    format_to_write, layout_to_write,
-};
+use tristrip_pipeline::{Target, WRITTEN_FORMATS, WrittenFiles, encode, format_to_write, layout_to_write};
 
 use crate::errors::Failure;
 use crate::strips::layout_of;
-use crate::work::Watcher;
 
 /// A destination with its layout.
 #[derive(Debug, Clone, Copy)]
@@ -51,7 +46,7 @@ impl<'a> Destination<'a> {
     }
 
     /// Writes a result; names the file of one that is not proven.
-    pub(crate) fn write(&self, encoded: &Encoded) -> Result<WrittenFiles, Failure> {
+    pub(crate) fn write(&self, encoded: &encode::Outcome) -> Result<WrittenFiles, Failure> {
         self.target.write(encoded).map_err(|error| self.unproven(error.into()))
     }
 
@@ -86,51 +81,11 @@ fn in_arguments(text: &str) -> String {
     text.replace(", or --to", "").replace("--layout list", "layout \"list\"")
 }
 
-/// Collects the notes and warnings of a computation.
-pub(crate) struct Noting<'a> {
-    watcher: &'a Watcher,
-    notes: Mutex<Vec<String>>,
-}
-
-impl<'a> Noting<'a> {
-    pub(crate) fn new(watcher: &'a Watcher) -> Self {
-        Self { watcher, notes: Mutex::default() }
-    }
-
-    /// Returns the notes, and those of a result.
-    pub(crate) fn into_notes(self, more: impl IntoIterator<Item = String>) -> Vec<String> {
-        let mut notes = self.notes.into_inner().unwrap_or_else(PoisonError::into_inner);
-        notes.extend(more);
-        notes
-    }
-}
-
-impl Observer for Noting<'_> {
-    fn event(&self, event: Event<'_>) {
-        if let Event::Note(text) | Event::Warning(text) = event {
-            self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(text.into());
-        }
-        self.watcher.event(event);
-    }
-
-    fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
-        self.watcher.search(options)
-    }
-
-    fn simplifies(&self, progress: SimplifyProgress) -> bool {
-        self.watcher.simplifies(progress)
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.watcher.is_cancelled()
-    }
-}
-
 /// Builds the report on a file, with the keys of the command's JSON.
 pub(crate) fn file_report<'py>(
     py: Python<'py>,
     destination: &Destination<'_>,
-    encoded: &Encoded,
+    encoded: &encode::Outcome,
     written: &WrittenFiles,
     notes: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -143,7 +98,8 @@ pub(crate) fn file_report<'py>(
     let beside: Vec<String> = written.beside.iter().map(|path| path.display().to_string()).collect();
     found.set_item("beside", beside)?;
     found.set_item("layout", destination.layout.name())?;
-    let notes: Vec<String> = notes.into_iter().chain(written.warnings.iter().cloned()).collect();
+    let notes = notes.into_iter().chain(encoded.all_notes()).chain(written.warnings.iter().cloned());
+    let notes: Vec<String> = notes.collect();
     found.set_item("notes", notes)?;
     Ok(found)
 }

@@ -8,14 +8,12 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 use tristrip_io::Format;
 use tristrip_io::gltf::Rounding;
-use tristrip_pipeline::{
-    Amount, CollapseRules, Encoded, Normals, Observer, Simplified, SimplifyFigures, SimplifyOptions,
-    simplify_observed,
-};
+use tristrip_pipeline::simplify::{self, CollapseRules, Normals};
+use tristrip_pipeline::{Amount, encode};
 
 use super::class::Scene;
 use super::data::SceneData;
-use super::output::{Destination, Noting, file_report};
+use super::output::{Destination, file_report};
 use super::picture;
 use crate::arguments::{Arguments, Keywords};
 use crate::errors::Failure;
@@ -31,9 +29,9 @@ pub(crate) struct SimplifiedScene {
     result: Arc<SceneData>,
     /// The arguments of `Scene.simplify`.
     arguments: Py<PyDict>,
-    options: SimplifyOptions,
+    options: simplify::Options,
     /// What files are made of; of a scene that was unpickled, it is computed when a file is asked for.
-    simplified: OnceLock<Simplified>,
+    simplified: OnceLock<simplify::Outcome>,
     report: Py<PyAny>,
     proven: bool,
     notes: Vec<String>,
@@ -46,10 +44,10 @@ pub(crate) struct SimplifiedScene {
 pub(crate) const USUAL_FORMAT: Format = Format::Glb;
 
 /// Takes the options of a simplification from the arguments of `Scene.simplify`.
-fn options_of(arguments: &Arguments<'_>) -> PyResult<SimplifyOptions> {
+fn options_of(arguments: &Arguments<'_>) -> PyResult<simplify::Options> {
     let error = arguments.take("error")?;
     let goal = goal(arguments.extract("ratio")?, arguments.extract("triangles")?, error.as_ref())?;
-    let mut options = SimplifyOptions::new(goal).with_rules(rules_of(arguments)?);
+    let mut options = simplify::Options::default().with_goal(goal).with_rules(rules_of(arguments)?);
     if let Some(normals) = arguments.extract::<String>("normals")? {
         let normals: Result<Normals, String> = normals.parse();
         options = options.with_normals(normals.map_err(|why| Failure::Parameter(format!("normals: {why}")))?);
@@ -92,8 +90,8 @@ pub(crate) fn simplify<'py>(
     let kept = arguments.rest()?;
     let py = kept.py();
     let mut options = options_of(arguments)?;
-    let ended = watching.run(py, |watcher| Ok(simplify_observed(source.model(), &options, watcher)?))?;
-    let (simplified, figures) = (&ended.value, report(py, &SimplifyFigures::of(&ended.value))?.unbind());
+    let ended = watching.run(py, |watcher| Ok(simplify::run(source.model(), &options, watcher)?))?;
+    let (simplified, figures) = (&ended.value, report(py, &ended.value)?.unbind());
     let interrupted = simplified.interrupted;
     if interrupted {
         // What is made of it later has the same number of triangles, and is not fitted if this is not.
@@ -125,8 +123,7 @@ impl SimplifiedScene {
         destination: &Destination<'_>,
         verify: bool,
         watcher: &Watcher,
-        observer: &dyn Observer,
-    ) -> Result<Encoded, Failure> {
+    ) -> Result<encode::Outcome, Failure> {
         let target = &destination.target;
         let model = self.source.model_for(target);
         let is_same = matches!(&model, Cow::Borrowed(model) if std::ptr::eq(*model, self.source.model()));
@@ -135,14 +132,14 @@ impl SimplifiedScene {
             let known = if let Some(known) = self.simplified.get() {
                 known
             } else {
-                let found = simplify_observed(&model, &self.options.with_measure(false), watcher)?;
+                let found = simplify::run(&model, &self.options.with_measure(false), watcher)?;
                 self.simplified.get_or_init(|| found)
             };
-            return Ok(known.encode_as(target.format, verify, observer)?);
+            return Ok(known.encode(target.format, verify, watcher)?);
         }
         let options = self.options.with_format(target.format).with_verify(verify).with_measure(false);
-        let again = simplify_observed(&model, &options, watcher)?;
-        Ok(again.encode(observer)?)
+        let again = simplify::run(&model, &options, watcher)?;
+        Ok(again.encode(target.format, verify, watcher)?)
     }
 
     fn destination<'a>(path: &'a Path, format: Option<&str>) -> Result<Destination<'a>, Failure> {
@@ -165,7 +162,7 @@ impl SimplifiedScene {
     }
 
     /// What was reached: a dictionary with the keys of the command's JSON, such as "triangles_before", "triangles_after", "moved_positions" (with `fit`),
-    /// "surface_error" (in mesh units), "surface_error_percent" (of the diagonal), "rms_deviation", "normal_deviation_degrees", "uv_deviation_percent", "stopped".
+    /// "surface_error" (in mesh units), "surface_error_percent" (of the diagonal), "rms_deviation", "normal_deviation_degrees", "uv_deviation_percent", "vertices_kept".
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let copied = self.report.bind(py).cast::<PyDict>()?.copy()?;
@@ -223,13 +220,10 @@ impl SimplifiedScene {
         arguments.finish("save")?;
         let destination = Self::destination(&path, format.as_deref())?;
         let saved = Watching::default().run(py, |watcher| {
-            let noting = Noting::new(watcher);
-            let encoded = self.encode(&destination, verify, watcher, &noting);
+            let encoded = self.encode(&destination, verify, watcher);
             let encoded = encoded.map_err(|failure| destination.unproven(failure))?;
             let written = destination.write(&encoded)?;
-            let notes = self.source.image_notes(&destination.target).into_iter();
-            let notes = notes.chain(noting.into_notes(encoded.losses.iter().cloned())).collect();
-            Ok((encoded, written, notes))
+            Ok((encoded, written, self.source.image_notes(&destination.target)))
         });
         let (encoded, written, notes) = saved?.result()?;
         file_report(py, &destination, &encoded, &written, notes)
@@ -243,7 +237,7 @@ impl SimplifiedScene {
     #[pyo3(signature = (format = "glb", *, verify = true))]
     fn to_bytes<'py>(&self, py: Python<'py>, format: &str, verify: bool) -> PyResult<Bound<'py, PyBytes>> {
         let destination = Destination::memory(format, Some("list"))?;
-        let encode = |watcher: &Watcher| self.encode(&destination, verify, watcher, watcher);
+        let encode = |watcher: &Watcher| self.encode(&destination, verify, watcher);
         Ok(PyBytes::new(py, &Watching::default().run(py, encode)?.result()?.bytes))
     }
 

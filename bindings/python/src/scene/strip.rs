@@ -5,17 +5,14 @@ use std::sync::Arc;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyList, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyList, PyMapping, PyTuple, PyType};
 use tristrip::StripifyOptions;
 use tristrip_io::VertexGroup;
-use tristrip_pipeline::{
-    EncodeOptions, FileFigures, MethodReport, Stopped, StripOptions, Stripped, encode_observed,
-    strip_observed, with_strips,
-};
+use tristrip_pipeline::{Stopped, encode, strip};
 
 use super::class::Scene;
 use super::data::SceneData;
-use super::output::{Destination, Noting, file_report};
+use super::output::{Destination, file_report};
 use super::picture;
 use crate::arguments::{Arguments, Keywords};
 use crate::errors::Failure;
@@ -36,17 +33,17 @@ use crate::work::{Ended, Watcher, Watching};
 #[derive(Debug)]
 pub(crate) struct StrippedScene {
     scene: Arc<SceneData>,
-    stripped: Stripped,
+    stripped: strip::Outcome,
 }
 
 impl StrippedScene {
-    pub(crate) fn new(scene: Arc<SceneData>, stripped: Stripped) -> Self {
+    pub(crate) fn new(scene: Arc<SceneData>, stripped: strip::Outcome) -> Self {
         Self { scene, stripped }
     }
 }
 
-fn options_of(destination: &Destination<'_>, reorder: bool, verify: bool) -> EncodeOptions {
-    let options = EncodeOptions::new(destination.target.format).with_layout(destination.layout);
+fn options_of(destination: &Destination<'_>, reorder: bool, verify: bool) -> encode::Options {
+    let options = encode::Options::new(destination.target.format).with_layout(destination.layout);
     options.with_list(!destination.is_chosen).with_reorder(reorder).with_verify(verify)
 }
 
@@ -54,10 +51,10 @@ fn options_of(destination: &Destination<'_>, reorder: bool, verify: bool) -> Enc
 pub(crate) fn strip(
     py: Python<'_>,
     scene: &Arc<SceneData>,
-    options: StripOptions,
+    options: strip::Options,
     watching: Watching,
-) -> Result<Ended<Stripped>, Failure> {
-    watching.run(py, |watcher| Ok(strip_observed(scene.as_read(), &options, watcher)?))
+) -> Result<Ended<strip::Outcome>, Failure> {
+    watching.run(py, |watcher| Ok(strip::run(scene.as_read(), &options, watcher)?))
 }
 
 #[pymethods]
@@ -71,9 +68,9 @@ impl StrippedScene {
     /// The strips of each part, over its vertices.
     #[getter]
     fn parts(&self) -> Vec<Strips> {
-        let Stripped { strips, options, stopped, proven, .. } = &self.stripped;
+        let strip::Outcome { strips, stripify, stopped, proven, .. } = &self.stripped;
         let of_part = |strips: &tristrip::Strips| {
-            Strips::new(strips.clone(), Some(*options), *stopped).with_proof(*proven)
+            Strips::new(strips.clone(), Some(*stripify), *stopped).with_proof(*proven)
         };
         strips.iter().map(of_part).collect()
     }
@@ -81,7 +78,7 @@ impl StrippedScene {
     /// The method and its options, as the command prints them.
     #[getter]
     fn method(&self) -> String {
-        MethodReport::of(&self.stripped.options).description()
+        self.stripped.method.description()
     }
 
     /// Why the search was stopped before its end: "budget", "interrupt", or None.
@@ -113,13 +110,12 @@ impl StrippedScene {
     /// Notes of the reader, and on what was dropped, changed or unusual.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        let stopped = self.stripped.stopped.map(|stopped| stopped.note().to_owned());
-        self.stripped.notes.iter().cloned().chain(stopped).collect()
+        self.stripped.notes.clone()
     }
 
     /// Return the metrics of all strips: a dictionary with the keys of the command's JSON, as `Strips.metrics`.
     fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        report(py, &self.stripped.figures)
+        report(py, &self.stripped.metrics)
     }
 
     /// Write the scene with its strips, as the command `strip -o` does.
@@ -157,22 +153,17 @@ impl StrippedScene {
         let before_bytes = self.scene.file_bytes();
         let saved = Watching::default().run(py, |watcher| {
             let model = self.scene.model_for(&destination.target);
-            let drawn = self.stripped.draw(&model, &options);
-            let noting = Noting::new(watcher);
-            let encoded = encode_observed(&model, &drawn.drawings, &options, &noting);
-            let encoded = encoded.map_err(|error| destination.unproven(error.into()))?;
-            let written = destination.write(&encoded)?;
-            let notes = drawn.parts().notes().into_iter().chain(self.scene.image_notes(&destination.target));
-            let notes = notes.chain(noting.into_notes(encoded.losses.iter().cloned())).collect();
-            Ok((encoded, written, notes, drawn.parts(), [drawn.before, drawn.after]))
+            let file = self.stripped.encode(&model, &options, watcher);
+            let mut file = file.map_err(|error| destination.unproven(error.into()))?;
+            file.before.bytes = before_bytes;
+            file.after.bytes = file.after.bytes.filter(|_| !destination.target.separate);
+            let written = destination.write(&file.encoded)?;
+            Ok((file, written, self.scene.image_notes(&destination.target)))
         });
-        let (encoded, written, notes, drawn, [before, after]) = saved?.result()?;
-        let found = file_report(py, &destination, &encoded, &written, notes)?;
-        found.set_item("drawn", report(py, &drawn)?)?;
-        found.set_item("before", report(py, &FileFigures::of(&before, before_bytes))?)?;
-        let bytes = (!destination.target.separate).then_some(encoded.bytes.len() as u64);
-        found.set_item("after", report(py, &FileFigures::of(&after, bytes))?)?;
-        let groups = encoded.groups.as_ref().map(|groups| vertex_order(py, groups)).transpose()?;
+        let (file, written, notes) = saved?.result()?;
+        let found = file_report(py, &destination, &file.encoded, &written, notes)?;
+        found.update(report(py, &file)?.cast::<PyMapping>()?)?;
+        let groups = file.encoded.groups.as_ref().map(|groups| vertex_order(py, groups)).transpose()?;
         found.set_item("vertex_order", groups)?;
         Ok(found)
     }
@@ -200,8 +191,7 @@ impl StrippedScene {
         let options = options_of(&destination, reorder_vertices, verify);
         let encoded = Watching::default().run(py, |watcher| {
             let model = self.scene.model_for(&destination.target);
-            let drawn = self.stripped.draw(&model, &options);
-            Ok(encode_observed(&model, &drawn.drawings, &options, watcher)?)
+            Ok(self.stripped.encode(&model, &options, watcher)?.encoded)
         });
         Ok(PyBytes::new(py, &encoded?.result()?.bytes))
     }
@@ -220,12 +210,12 @@ impl StrippedScene {
 
     fn __repr__(&self) -> String {
         let counted = tristrip_pipeline::text::counted;
-        let figures = &self.stripped.figures;
+        let metrics = &self.stripped.metrics;
         let words = [
             counted(self.stripped.strips.len(), "part"),
-            counted(figures.triangles, "triangle"),
-            counted(figures.strips, "strip"),
-            counted(figures.indices_restart, "index"),
+            counted(metrics.triangles, "triangle"),
+            counted(metrics.strips, "strip"),
+            counted(metrics.indices_restart, "index"),
         ];
         let proven = if self.stripped.proven { "proven" } else { "not proven" };
         format!("StrippedScene({}, {proven}, {})", words.join(", "), self.method())
@@ -238,7 +228,7 @@ impl StrippedScene {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, this) = (slf.py(), slf.get());
         let options =
-            serde_json::to_vec(&this.stripped.options).map_err(|e| Failure::Panic(e.to_string()))?;
+            serde_json::to_vec(&this.stripped.stripify).map_err(|e| Failure::Panic(e.to_string()))?;
         let state = (this.scene(), this.parts(), PyBytes::new(py, &options), this.stopped(), this.proven());
         Ok((slf.get_type().getattr("_restore")?, state.into_pyobject(py)?))
     }
@@ -254,11 +244,12 @@ impl StrippedScene {
     ) -> PyResult<Self> {
         let wrong = |error: serde_json::Error| Failure::Parameter(format!("pickle: {error}"));
         let stripify: StripifyOptions = serde_json::from_slice(options).map_err(wrong)?;
-        let options = StripOptions::default().with_stripify(stripify).with_verify(proven);
+        let options = strip::Options::default().with_stripify(stripify).with_verify(proven);
         let stopped = stopped.map(|why| if why == "budget" { Stopped::Budget } else { Stopped::Interrupt });
         let strips: Vec<_> = parts.iter().map(|strips| (**strips.get().inner()).clone()).collect();
         let scene = Arc::clone(&scene.get().data);
-        let again = |watcher: &Watcher| Ok(with_strips(scene.as_read(), strips, stopped, &options, watcher)?);
+        let again =
+            |watcher: &Watcher| Ok(strip::of_strips(scene.as_read(), strips, stopped, &options, watcher)?);
         let stripped = Watching::default().run(kind.py(), again)?.result()?;
         Ok(Self { scene, stripped })
     }

@@ -1,7 +1,7 @@
 //! The report of `tristrip lod`: the keys are those of the JSON output.
 
 use serde::Serialize;
-use tristrip_pipeline::{Figures, MethodReport, Stopped};
+use tristrip_pipeline::{MethodReport, Stopped, StripMetrics};
 
 use crate::batch::{InputReport, Outcome};
 use crate::task::LodTask;
@@ -41,9 +41,9 @@ pub(crate) struct LodReport {
     pub(crate) diagonal: Option<f64>,
     /// The surface error in pixels of the view, if there is one.
     pub(crate) pixels: Option<f64>,
-    /// Figures of the display strips.
+    /// The metrics of the display strips.
     #[serde(flatten)]
-    pub(crate) figures: Option<Figures>,
+    pub(crate) figures: Option<StripMetrics>,
     pub(crate) stopped: Option<Stopped>,
     pub(crate) parts: Option<usize>,
     pub(crate) notes: Vec<String>,

@@ -15,8 +15,8 @@ fn polygons_stay_polygons_if_the_format_has_them() {
         json(tristrip().args(["convert", "--json"]).arg(model("fish_control.ply")).arg("-o").arg(&obj));
     let expected = [
         "file",
-        "proven",
         "seconds",
+        "proven",
         "faces",
         "triangles",
         "strips",

@@ -55,7 +55,7 @@ fn cache_optimizes_for_its_vertex_cache_and_reports_its_misses() {
 #[test]
 fn json_has_the_documented_keys_in_order() {
     let report = json(tristrip().args(["strip", "--json"]).arg(model("fish_control.ply")));
-    let mut expected = vec!["file", "method", "cost", "effort", "seed", "proven", "seconds"];
+    let mut expected = vec!["file", "seconds", "method", "cost", "effort", "seed", "proven"];
     expected.extend(FIGURES);
     expected.extend([
         "stopped",
@@ -115,7 +115,7 @@ fn the_report_contains_the_method_and_its_options() {
     let mut command = tristrip();
     command.args(["strip", "--json", "--method", "stripe-local", "--triangulation", "partial"]);
     let report = json(command.args(["--ties", "random", "--seed", "7"]).arg(model("fish_control.ply")));
-    assert_eq!(keys(&report)[1..6], ["method", "triangulation", "ties", "seed", "proven"]);
+    assert_eq!(keys(&report)[2..7], ["method", "triangulation", "ties", "seed", "proven"]);
     assert_eq!(
         (&report["triangulation"], &report["ties"]),
         (&Value::from("partial"), &Value::from("random"))
@@ -283,7 +283,7 @@ fn a_bad_input_does_not_stop_the_others() {
     assert_eq!(proven, [Some(true), None, None, Some(true)]);
     assert_eq!(reports[1]["error"], "line 1: found `zero`, expected a number for z");
     assert_eq!(reports[0]["error"], Value::Null);
-    assert_eq!(keys(&reports[1]).len(), 20, "no figures for what could not be read");
+    assert_eq!(keys(&reports[1]), ["file", "seconds", "error"], "no outcome of what could not be read");
     let mut written: Vec<_> = fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name()).collect();
     written.sort();
     assert_eq!(written, ["fish_control.ply", "milktruck.ply"]);

@@ -14,7 +14,7 @@ fn the_same_faces_in_another_order_are_proven() {
     fs::write(&result, "v 1 1 0\nv 0 1 0\nv -0.0 0 0\nv 1 0 0\nf 3 1 2\nf 1 3 4\n").unwrap();
     let report = json(tristrip().args(["verify", "--json"]).arg(&source).arg(&result));
     let expected =
-        ["source", "result", "proven", "seconds", "faces", "triangles", "difference", "notes", "error"];
+        ["source", "result", "seconds", "proven", "faces", "triangles", "difference", "notes", "error"];
     assert_eq!(keys(&report), expected);
     assert_eq!((&report["proven"], &report["faces"]), (&Value::from(true), &Value::from(2)));
     tristrip()

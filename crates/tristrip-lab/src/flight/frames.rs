@@ -152,14 +152,14 @@ pub fn fly(
 }
 
 fn unproven(why: String) -> Error {
-    tristrip_pipeline::Error::Unproven(why).into()
+    tristrip_pipeline::Error::unproven(why).into()
 }
 
 /// Proves the display strips of a frame.
 fn prove(frame: usize, view: &SkipView) -> Result<(), Error> {
     let Err(error) = prove_view(view, &view.display_strips()) else { return Ok(()) };
     match error {
-        tristrip_pipeline::Error::Unproven(why) => Err(unproven(format!("frame {frame}: {why}"))),
+        tristrip_pipeline::Error::Unproven { why, .. } => Err(unproven(format!("frame {frame}: {why}"))),
         other => Err(other.into()),
     }
 }

@@ -101,8 +101,8 @@ impl MeasuredModel {
         let results: Vec<_> = results.collect();
         for ((recipe, _), result) in recipes.into_iter().zip(results) {
             let with_name = |error| match error {
-                Error::Pipeline(PipelineError::Unproven(why)) => {
-                    PipelineError::Unproven(format!("{name}, {}: {why}", recipe.flags)).into()
+                Error::Pipeline(PipelineError::Unproven { why, .. }) => {
+                    PipelineError::unproven(format!("{name}, {}: {why}", recipe.flags)).into()
                 }
                 other => other,
             };
@@ -228,7 +228,7 @@ fn strip_figures(
     strips: &[Strips],
     options: &StripifyOptions,
 ) -> Result<BTreeMap<String, f64>, Error> {
-    let mut figures = numbers_of(&prepared.figures(strips, options)?);
+    let mut figures = numbers_of(&prepared.metrics(strips, options)?);
     for cache in CACHES {
         let statistics: VertexCacheStatistics =
             strips.iter().map(|strips| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep)).sum();

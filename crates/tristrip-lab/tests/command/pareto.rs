@@ -8,7 +8,7 @@ use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use serde_json::Value;
-use tristrip_pipeline::{StripOptions, parse_method, strip};
+use tristrip_pipeline::{parse_method, strip};
 
 const KEYS: [&str; 9] = [
     "label",
@@ -78,8 +78,8 @@ fn points_equal_the_results_of_the_methods() {
         ("fewest 5", "--method fewest"),
         ("cache misses 2", "--method cache --objective misses"),
     ] {
-        let options = StripOptions::default().with_stripify(parse_method(flags).unwrap());
-        let alone = serde_json::to_value(strip(&source, &options).unwrap().figures).unwrap();
+        let options = strip::Options::default().with_stripify(parse_method(flags).unwrap());
+        let alone = serde_json::to_value(strip::run(&source, &options, &()).unwrap().metrics).unwrap();
         let point = point(&report, label);
         assert_eq!(point["indices_restart_per_triangle"], alone["indices_restart_per_triangle"], "{label}");
         assert_eq!(point["acmr"], alone["acmr_fifo_16"], "{label}");

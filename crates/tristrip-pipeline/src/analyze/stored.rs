@@ -40,11 +40,11 @@ impl DrawMode {
     }
 }
 
-/// The figures of a part, or the sum over all parts; the keys are those of the JSON report. Figures of strips are `None` if there are
+/// The index statistics of a part, or the sum over all parts; the keys are those of the JSON report. Those of strips are `None` if there are
 /// none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
-pub struct StoredFigures {
+pub struct StoredIndices {
     /// How the triangles are drawn.
     pub drawn: DrawMode,
     /// Real triangles.
@@ -69,7 +69,7 @@ pub struct StoredFigures {
 
 /// A histogram of strip lengths: bin k counts the strips of 2ᵏ to 2ᵏ⁺¹ − 1 triangles.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct StripLengths(Vec<LengthBin>);
+pub(super) struct StripLengths(Vec<LengthBin>);
 
 /// The strips of a range of lengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -107,8 +107,8 @@ impl StripLengths {
     }
 
     /// Returns the bins, the shortest strips first.
-    pub fn bins(&self) -> &[LengthBin] {
-        &self.0
+    pub(super) fn into_bins(self) -> Vec<LengthBin> {
+        self.0
     }
 }
 
@@ -121,22 +121,22 @@ impl LengthBin {
 
 /// A part, with what is computed once for all vertex caches.
 #[derive(Debug)]
-pub(crate) struct StoredPart<'a> {
+pub(crate) struct MeasuredPart<'a> {
     part: &'a Part,
     /// The indices of a list.
     list: Cow<'a, [u32]>,
     /// The strips, split where they are joined by degenerate triangles.
     strips: Strips,
-    pub(super) figures: StoredFigures,
+    pub(super) stored: StoredIndices,
     pub(super) lengths: StripLengths,
 }
 
-impl<'a> StoredPart<'a> {
+impl<'a> MeasuredPart<'a> {
     /// Counts the triangles, indices and strips of a part.
     pub(super) fn of(part: &'a Part) -> Self {
         let mut strips = Strips::default();
         let mut list = Cow::default();
-        let mut figures = StoredFigures {
+        let mut found = StoredIndices {
             drawn: DrawMode::List,
             triangles: 0,
             vertices: 0,
@@ -149,30 +149,30 @@ impl<'a> StoredPart<'a> {
             vertices_sent: None,
         };
         if let Some(stored) = &part.stored {
-            figures.indices = stored.indices();
-            figures.restarts = stored.restarts;
-            figures.triangles = part.mesh.faces().face_count();
-            figures.vertices = VertexCacheStatistics::of(&stored.runs, ANY_CACHE, FlushPolicy::Keep).vertices;
+            found.indices = stored.indices();
+            found.restarts = stored.restarts;
+            found.triangles = part.mesh.faces().face_count();
+            found.vertices = VertexCacheStatistics::of(&stored.runs, ANY_CACHE, FlushPolicy::Keep).vertices;
             let drawn: usize = stored.runs.iter().map(|run| run.len().saturating_sub(2)).sum();
-            figures.degenerate = drawn.saturating_sub(figures.triangles);
-            figures.drawn = if stored.fans { DrawMode::Fans } else { DrawMode::Strips };
+            found.degenerate = drawn.saturating_sub(found.triangles);
+            found.drawn = if stored.fans { DrawMode::Fans } else { DrawMode::Strips };
             if !stored.fans {
                 stored.runs.iter().flat_map(split_joined).for_each(|strip| strips.push(strip));
                 let metrics = Metrics::of(&strips);
-                figures.strips = Some(metrics.strips);
-                figures.isolated = Some(metrics.isolated);
-                figures.swaps = Some(metrics.swaps);
-                figures.vertices_sent = Some(metrics.vertices_sent);
+                found.strips = Some(metrics.strips);
+                found.isolated = Some(metrics.isolated);
+                found.swaps = Some(metrics.swaps);
+                found.vertices_sent = Some(metrics.vertices_sent);
             }
         } else {
             list = part.mesh.faces().fans();
-            figures.indices = list.len();
+            found.indices = list.len();
             let used = VertexCacheStatistics::of_list(list.as_chunks().0, ANY_CACHE);
-            (figures.triangles, figures.vertices) = (used.triangles, used.vertices);
-            figures.degenerate = list.len() / 3 - figures.triangles;
+            (found.triangles, found.vertices) = (used.triangles, used.vertices);
+            found.degenerate = list.len() / 3 - found.triangles;
         }
         let lengths = StripLengths::of(&strips);
-        Self { part, list, strips, figures, lengths }
+        Self { part, list, strips, stored: found, lengths }
     }
 
     /// Returns the vertices of the indices, in order.
@@ -194,13 +194,13 @@ impl<'a> StoredPart<'a> {
             Some(_) => VertexCacheStatistics::of_each(&self.strips, caches, flush_policy),
         };
         // The simulation counts the triangles of a fan as if it were a strip.
-        each.iter_mut().for_each(|used| used.triangles = self.figures.triangles);
+        each.iter_mut().for_each(|used| used.triangles = self.stored.triangles);
         each
     }
 }
 
 /// Counts the vertices that parts use. Vertices that parts share are counted once.
-pub(super) fn vertices_of(parts: &[StoredPart<'_>]) -> usize {
+pub(super) fn vertices_of(parts: &[MeasuredPart<'_>]) -> usize {
     let mut used: HashMap<*const [f32; 3], Vec<bool>> = HashMap::new();
     for part in parts {
         let positions = part.part.mesh.positions();
@@ -211,7 +211,7 @@ pub(super) fn vertices_of(parts: &[StoredPart<'_>]) -> usize {
 }
 
 /// Sums over parts; shared vertices are counted once per part.
-impl std::iter::Sum for StoredFigures {
+impl std::iter::Sum for StoredIndices {
     fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
         let add = |a: Option<usize>, b: Option<usize>| a.map_or(b, |a| Some(a + b.unwrap_or(0)));
         let both = |a: Self, b: Self| Self {
@@ -226,7 +226,7 @@ impl std::iter::Sum for StoredFigures {
             swaps: add(a.swaps, b.swaps),
             vertices_sent: add(a.vertices_sent, b.vertices_sent),
         };
-        parts.reduce(both).unwrap_or_else(|| StoredPart::of(&Part::default()).figures)
+        parts.reduce(both).unwrap_or_else(|| MeasuredPart::of(&Part::default()).stored)
     }
 }
 

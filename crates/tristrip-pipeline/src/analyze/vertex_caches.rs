@@ -11,7 +11,7 @@ const MAX_LENGTH: usize = 1024;
 ///
 /// ```
 /// use tristrip::vertex_cache::VertexCache;
-/// use tristrip_pipeline::VertexCacheList;
+/// use tristrip_pipeline::analyze::VertexCacheList;
 /// let list: VertexCacheList = "fifo:3..4,lru:8".parse()?;
 /// assert_eq!(list.0, [VertexCache::fifo(3), VertexCache::fifo(4), VertexCache::lru(8)]);
 /// # Ok::<(), String>(())

@@ -12,9 +12,9 @@ use tristrip_io::{Format, Model, SceneLevels};
 
 use super::{Chain, coverage};
 use crate::drawing::choose;
-use crate::encode::{EncodeOptions, Encoded, encode_observed};
+use crate::encode;
 use crate::error::Error;
-use crate::observer::{Event, Observer, Stage, begin};
+use crate::observer::{Observer, Stage, begin};
 use crate::parts::meshes;
 use crate::prepared::PreparedModel;
 use crate::text::counted;
@@ -24,7 +24,7 @@ use crate::text::counted;
 #[non_exhaustive]
 pub struct EncodedChain {
     /// The file.
-    pub encoded: Encoded,
+    pub encoded: encode::Outcome,
     /// For each level, the finest first, the bytes of the indices and vertices that it uses.
     pub level_bytes: Vec<usize>,
 }
@@ -38,18 +38,18 @@ impl Chain {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{ChainOptions, EncodeOptions, chain};
+    /// use tristrip_pipeline::{ChainOptions, chain, encode};
     /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
     /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
     /// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Glb);
-    /// let file = chain(&model, &options)?.encode(&model, &EncodeOptions::new(Format::Glb), &())?;
+    /// let file = chain(&model, &options)?.encode(&model, &encode::Options::new(Format::Glb), &())?;
     /// assert_eq!((file.encoded.faces, file.level_bytes.len()), (Some(4 + 2), 2));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     pub fn encode(
         &self,
         model: &Model,
-        options: &EncodeOptions,
+        options: &encode::Options,
         observer: &dyn Observer,
     ) -> Result<EncodedChain, Error> {
         if options.format != Format::Glb {
@@ -58,9 +58,6 @@ impl Chain {
             return Err(tristrip_io::Error::Unsupported(message.into()).into());
         }
         self.check_format(*options)?;
-        // A model without a scene becomes one, and may lose what glTF cannot hold.
-        let drawings = vec![tristrip_io::Drawing::Faces; model.parts.len()];
-        let losses = tristrip_io::losses(&self.leveled.model, &drawings, options.format);
         let coverage = |parts: &[usize]| {
             let extents: Vec<_> = parts.iter().map(|&part| &self.extents[part]).collect();
             coverage::coverages(&extents)
@@ -69,13 +66,14 @@ impl Chain {
         let mut encoded = self.strip_and_encode(&scene.model, *options, observer)?;
         let (level_bytes, faces) = self.prove_scene(model, &scene, &mut encoded.bytes, *options, observer)?;
         encoded.faces = faces;
-        encoded.losses = losses;
+        // A model without a scene became one, and may lose what glTF cannot hold.
+        let drawings = vec![tristrip_io::Drawing::Faces; model.parts.len()];
+        encoded.notes.extend(tristrip_io::losses(&self.leveled.model, &drawings, options.format));
         if scene.nodes_without > 0 {
             let nodes = counted(scene.nodes_without, "node");
-            let note =
-                format!("{nodes} without lower levels: KHR_animation_pointer animates their morph weights");
-            observer.event(Event::Note(&note));
-            encoded.notes.push(note);
+            encoded.notes.push(format!(
+                "{nodes} without lower levels: KHR_animation_pointer animates their morph weights"
+            ));
         }
         Ok(EncodedChain { encoded, level_bytes })
     }
@@ -88,11 +86,11 @@ impl Chain {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{ChainOptions, EncodeOptions, chain};
+    /// use tristrip_pipeline::{ChainOptions, chain, encode};
     /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
     /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
     /// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Ply);
-    /// let half = chain(&model, &options)?.encode_level(&model, 1, &EncodeOptions::new(Format::Ply), &())?;
+    /// let half = chain(&model, &options)?.encode_level(&model, 1, &encode::Options::new(Format::Ply), &())?;
     /// assert_eq!(half.faces, Some(2));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
@@ -100,9 +98,9 @@ impl Chain {
         &self,
         model: &Model,
         level: usize,
-        options: &EncodeOptions,
+        options: &encode::Options,
         observer: &dyn Observer,
-    ) -> Result<Encoded, Error> {
+    ) -> Result<encode::Outcome, Error> {
         self.check_format(*options)?;
         let last = self.levels.len() - 1;
         let triangles = self.leveled.triangles.get(level).ok_or(Error::Level { found: level, last })?;
@@ -116,13 +114,12 @@ impl Chain {
             encoded.faces = Some(self.prove_level(model, level, &meshes(&again))?);
             drop(again);
             encoded.bytes = Arc::unwrap_or_clone(shared);
-            observer.event(Event::ReadBack { faces: encoded.faces.unwrap_or(0) });
         }
         Ok(encoded)
     }
 
     /// Checks that a file has the format that the vertices were numbered for.
-    fn check_format(&self, options: EncodeOptions) -> Result<(), Error> {
+    fn check_format(&self, options: encode::Options) -> Result<(), Error> {
         let (found, expected) = (options.format, self.options.format);
         if found == expected {
             return Ok(());
@@ -135,20 +132,20 @@ impl Chain {
     fn strip_and_encode(
         &self,
         model: &Model,
-        options: EncodeOptions,
+        options: encode::Options,
         observer: &dyn Observer,
-    ) -> Result<Encoded, Error> {
+    ) -> Result<encode::Outcome, Error> {
         let stripify: StripifyOptions = self.options.stripify;
         let prepared = PreparedModel::new(model, stripify.weld);
         let (strips, stopped) = prepared.search(&stripify, observer)?;
-        let (_, of_parts) = prepared.figures_with_parts(&strips, &stripify)?;
+        let (_, of_parts) = prepared.metrics_with_parts(&strips, &stripify)?;
         if options.verify {
             prepared.prove(&strips)?;
         }
         drop(prepared);
         let keep_found = stripify.method == Method::Cache;
         let drawn = choose(model, (&strips, &of_parts), options, keep_found);
-        let mut encoded = encode_observed(model, &drawn.drawings, &options.with_verify(false), observer)?;
+        let mut encoded = encode::run(model, &drawn.drawings, &options.with_verify(false), observer)?;
         encoded.notes.extend(stopped.map(|stopped| stopped.note().to_owned()));
         Ok(encoded)
     }
@@ -159,13 +156,13 @@ impl Chain {
         model: &Model,
         scene: &SceneLevels,
         bytes: &mut Vec<u8>,
-        options: EncodeOptions,
+        options: encode::Options,
         observer: &dyn Observer,
     ) -> Result<(Vec<usize>, Option<usize>), Error> {
         begin(observer, Stage::ReadBack)?;
         let shared = Arc::new(std::mem::take(bytes));
         let again = tristrip_io::read_shared(&shared, options.format).map_err(|error| unproven(&error))?;
-        let Some(found) = &again.scene else { return Err(Error::Unproven("found no scene".into())) };
+        let Some(found) = &again.scene else { return Err(Error::unproven("found no scene")) };
         let mesh_of_parts = found.mesh_of_parts();
         let (mut level_bytes, mut faces) = (Vec::new(), 0);
         for (level, drawn) in scene.meshes.iter().enumerate() {
@@ -179,9 +176,6 @@ impl Chain {
         }
         drop(again);
         *bytes = Arc::unwrap_or_clone(shared);
-        if options.verify {
-            observer.event(Event::ReadBack { faces });
-        }
         Ok((level_bytes, options.verify.then_some(faces)))
     }
 
@@ -195,11 +189,11 @@ impl Chain {
         let expected: Vec<Mesh> = expected.collect::<Result<_, tristrip::Error>>()?;
         match verify_models(&expected.iter().collect::<Vec<_>>(), found)? {
             Ok(proof) => Ok(proof.faces),
-            Err(why) => Err(Error::Unproven(format!("level {level}: {why}"))),
+            Err(why) => Err(Error::unproven(format!("level {level}: {why}"))),
         }
     }
 }
 
 fn unproven(error: &tristrip_io::Error) -> Error {
-    Error::Unproven(error.to_string())
+    Error::unproven(error.to_string())
 }

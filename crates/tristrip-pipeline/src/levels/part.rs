@@ -135,7 +135,7 @@ impl LevelPart {
         self.check(level)?;
         let expected = Faces::from_triangles(self.sequence.drawn(level)?.into_flattened())?;
         let drawn: Vec<[u32; 3]> = display.triangles().collect();
-        verify_drawing(&expected, &drawn).map_err(|why| Error::Unproven(format!("level {level}: {why}")))?;
+        verify_drawing(&expected, &drawn).map_err(|why| Error::unproven(format!("level {level}: {why}")))?;
         Ok(())
     }
 
@@ -164,7 +164,7 @@ impl LevelPart {
     pub fn positions_of_collapses(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Error> {
         if positions.len() != self.vertex_count {
             let (found, expected) = (positions.len(), self.vertex_count);
-            return Err(Error::Unproven(format!("found a part of {found} vertices, expected {expected}")));
+            return Err(Error::unproven(format!("found a part of {found} vertices, expected {expected}")));
         }
         let mut vertices: Vec<u32> = (0..self.used.count().unwrap_or(self.vertex_count) as u32).collect();
         self.used.outward(&mut vertices);
@@ -237,7 +237,7 @@ mod tests {
         for filter in DisplayFilter::ALL {
             let display = part.display(0, filter, RepairOptions::default()).unwrap();
             part.prove(0, &display).unwrap();
-            assert!(matches!(part.prove(1, &display), Err(Error::Unproven(_))));
+            assert!(matches!(part.prove(1, &display), Err(Error::Unproven { .. })));
         }
         assert_eq!(part.triangles(0).unwrap(), [0, 1, 2, 4, 2, 5]);
         assert!(matches!(part.triangles(2), Err(Error::Level { found: 2, last: 1 })));

@@ -11,7 +11,7 @@ use tristrip_io::Model;
 
 use super::part::LevelPart;
 use crate::error::Error;
-use crate::figures::Figures;
+use crate::metrics::StripMetrics;
 use crate::observer::{Event, Observer, Stage, begin};
 use crate::parts::map;
 use crate::places::Places;
@@ -32,7 +32,7 @@ pub struct DisplayedView {
     /// The display strips of each part, over the vertices of its collapses; see [`LevelPart::outward`].
     pub strips: Vec<Strips>,
     /// The metrics of the display strips.
-    pub figures: Figures,
+    pub figures: StripMetrics,
     /// Whether the display strips are proven to draw exactly the triangles of the view.
     pub proven: bool,
     /// Notes on parts that are drawn in full, and on borders between parts.
@@ -52,7 +52,7 @@ pub(super) fn displayed(
     begin(observer, Stage::Filter)?;
     if model.parts.len() != parts.len() {
         let (found, expected) = (model.parts.len(), parts.len());
-        return Err(Error::Unproven(format!("found a model of {found} parts, expected {expected}")));
+        return Err(Error::unproven(format!("found a model of {found} parts, expected {expected}")));
     }
     let places = Places::of(model);
     let seen = places.of_part.iter().map(|&list| match &places.lists[list][..] {
@@ -89,7 +89,7 @@ pub(super) fn displayed(
     begin(observer, Stage::Measure)?;
     let vertex_counts = parts.iter().map(LevelPart::vertex_count);
     let measured: Vec<_> = strips.iter().zip(vertex_counts).collect();
-    let figures = Figures::of(&measured, options)?;
+    let figures = StripMetrics::of(&measured, options)?;
     observer.event(Event::Measured(&figures));
 
     let triangles: Vec<Vec<[u32; 3]>> = views.iter().map(SkipView::renamed_triangles).collect();
@@ -155,6 +155,6 @@ fn update_all(
 fn prove(triangles: &[[u32; 3]], strips: &Strips) -> Result<(), Error> {
     let expected = Faces::from_triangles(triangles.as_flattened().to_vec())?;
     let drawn: Vec<[u32; 3]> = strips.triangles().collect();
-    verify_drawing(&expected, &drawn).map_err(|why| Error::Unproven(format!("view: {why}")))?;
+    verify_drawing(&expected, &drawn).map_err(|why| Error::unproven(format!("view: {why}")))?;
     Ok(())
 }

@@ -5,7 +5,7 @@ use tristrip_io::{Drawing, Model};
 
 use super::part::without_unused;
 use super::{DisplayedLevel, DisplayedView, ModelLevels};
-use crate::encode::{EncodeOptions, Encoded, encode_observed, kept_vertices};
+use crate::encode::{self, kept_vertices};
 use crate::error::Error;
 use crate::observer::Observer;
 
@@ -18,9 +18,9 @@ impl ModelLevels {
         &self,
         model: &Model,
         displayed: &DisplayedLevel,
-        options: &EncodeOptions,
+        options: &encode::Options,
         observer: &dyn Observer,
-    ) -> Result<Encoded, Error> {
+    ) -> Result<encode::Outcome, Error> {
         let levels = self.parts.iter().zip(&displayed.of_parts);
         let triangles = levels.map(|(part, &level)| part.triangles(level)).collect::<Result<Vec<_>, _>>()?;
         self.encode_drawn(model, (&displayed.strips, triangles), *options, observer)
@@ -34,9 +34,9 @@ impl ModelLevels {
         &self,
         model: &Model,
         view: &DisplayedView,
-        options: &EncodeOptions,
+        options: &encode::Options,
         observer: &dyn Observer,
-    ) -> Result<Encoded, Error> {
+    ) -> Result<encode::Outcome, Error> {
         self.encode_drawn(model, (&view.strips, view.triangles.clone()), *options, observer)
     }
 
@@ -45,9 +45,9 @@ impl ModelLevels {
         &self,
         model: &Model,
         (strips, triangles): (&[Strips], Vec<Vec<u32>>),
-        options: EncodeOptions,
+        options: encode::Options,
         observer: &dyn Observer,
-    ) -> Result<Encoded, Error> {
+    ) -> Result<encode::Outcome, Error> {
         let drawn = self.parts.iter().zip(strips).zip(&triangles);
         let outward = drawn.map(|((part, strips), drawn)| {
             Ok(without_unused(&part.outward(strips)?, drawn, part.vertex_count()))
@@ -57,9 +57,9 @@ impl ModelLevels {
         let strips = strips.iter().enumerate().map(|(part, strips)| Ok(smaller.strips(part, strips)?));
         let strips: Vec<Strips> = strips.collect::<Result<_, Error>>()?;
         let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-        let mut notes = kept_vertices(&smaller, observer);
-        let encoded = encode_observed(&smaller.model, &drawings, &options, observer)?;
+        let mut notes = kept_vertices(&smaller);
+        let encoded = encode::run(&smaller.model, &drawings, &options, observer)?;
         notes.extend(encoded.notes);
-        Ok(Encoded { notes, ..encoded })
+        Ok(encode::Outcome { notes, ..encoded })
     }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Packed;
-use crate::figures::rounded;
+use crate::metrics::rounded;
 
 /// The counts of a packed model; the keys are those of the JSON report of `tristrip pack`. All are `None` before it is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]

@@ -34,7 +34,7 @@ use tristrip::{CollapseSequence, Error as MeshError, Mesh};
 use super::order::{LevelOrder, PartCollapses};
 use super::parts::{Part, diagonal};
 use super::vanishing::Vanishing;
-use crate::collapses::Collapses;
+use crate::collapses::{Collapses, KeptVertices, percent_of};
 use crate::error::Error;
 use crate::goal::Deviation;
 use crate::observer::{Observer, SimplifyProgress};
@@ -49,9 +49,9 @@ const WATCHED_ROUND: (usize, usize) = (16, 1000);
 /// What collapses may do, and what they cost.
 ///
 /// ```
-/// use tristrip_pipeline::{CollapseRules, Goal, SimplifyOptions};
+/// use tristrip_pipeline::{CollapseRules, simplify};
 /// let tiles = CollapseRules { lock_borders: true, ..CollapseRules::default() };
-/// assert!(!tiles.permissive && SimplifyOptions::new(Goal::default()).with_rules(tiles).rules == tiles);
+/// assert!(!tiles.permissive && simplify::Options::default().with_rules(tiles).rules == tiles);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CollapseRules {
@@ -409,6 +409,8 @@ impl AllCollapses {
     pub(crate) fn summary(&self, parts: &[Part<'_>]) -> Result<Collapses, Error> {
         let after = self.parts.iter().map(|done| done.sequence.triangle_count(0));
         let errors = self.parts.iter().map(|done| done.sequence.error(0));
+        let surface_error = errors.collect::<Result<Vec<f32>, _>>()?.into_iter().fold(0.0, f32::max);
+        let diagonal = diagonal(parts);
         Ok(Collapses {
             collapse_count: self.step_count(),
             triangles_before: parts.iter().map(Part::triangle_count).sum(),
@@ -416,9 +418,10 @@ impl AllCollapses {
             target_triangles: self.goal,
             target_error: self.error,
             reached: self.stopped.is_none() && !self.interrupted,
-            stopped: self.stopped,
-            surface_error: errors.collect::<Result<Vec<f32>, _>>()?.into_iter().fold(0.0, f32::max),
-            diagonal: diagonal(parts),
+            vertices_kept: self.stopped.map(KeptVertices::from),
+            surface_error,
+            surface_error_percent: percent_of(surface_error.into(), diagonal),
+            diagonal,
             vanished_components: self.vanished,
             locked_vertices: parts.iter().map(Part::locked_count).sum(),
         })

@@ -26,7 +26,7 @@ use super::parts::Part;
 use crate::error::Error;
 use crate::parts::map;
 use crate::text::counted;
-pub use mode::{NormalCounts, Normals};
+pub use mode::{Normals, PartNormals};
 use tangents::tangents;
 
 /// The growth of the share of the area with normals that do not fit ([`NormalFit`]) above which the normals of a part are repaired: at
@@ -106,8 +106,8 @@ impl Rebuilding {
     }
 
     /// Counts the parts by what happens to their normals.
-    pub(super) fn counts(&self, parts: &[Part<'_>]) -> NormalCounts {
-        let mut counts = NormalCounts::default();
+    pub(super) fn counts(&self, parts: &[Part<'_>]) -> PartNormals {
+        let mut counts = PartNormals::default();
         for (part, making) in parts.iter().zip(&self.of_parts) {
             match making {
                 None => counts.kept += usize::from(has(&part.compact.mesh, "NORMAL")),

@@ -6,7 +6,7 @@ use crate::text::{count, counted};
 
 /// Returns a sentence on the goal, if it was not reached.
 pub(crate) fn warning(collapses: &Collapses, limit: Deviation, locks_borders: bool) -> Option<String> {
-    let (stopped, target) = (collapses.stopped?, collapses.target_triangles?);
+    let (stopped, target) = (collapses.vertices_kept?, collapses.target_triangles?);
     let limit = format!("the error limit of {limit}");
     let (locked, unlocked) = match (locks_borders, collapses.locked_vertices) {
         (true, 0) => {
@@ -50,31 +50,30 @@ pub(crate) fn warning(collapses: &Collapses, limit: Deviation, locks_borders: bo
 
 #[cfg(test)]
 mod tests {
-    use tristrip::simplify::Stopped;
-
     use super::*;
+    use crate::collapses::KeptVertices;
 
     #[test]
     fn the_commonest_reason_is_named_with_a_hint() {
-        let mut stopped = Stopped::default();
+        let mut stopped = KeptVertices::default();
         (stopped.error, stopped.seam) = (1200, 1200);
         let mut collapses = Collapses::default();
         (collapses.triangles_after, collapses.target_triangles) = (1380, Some(292));
         let warn =
             |collapses: &Collapses, locks_borders| warning(collapses, Deviation::default(), locks_borders);
         assert_eq!(warn(&collapses, false), None);
-        collapses.stopped = Some(stopped);
+        collapses.vertices_kept = Some(stopped);
         assert_eq!(
             warn(&collapses, false).unwrap(),
             "1,380 triangles remain, 292 were asked for: 1,200 vertices would exceed the error limit of 1 % of the diagonal; a larger \
              limit allows fewer triangles"
         );
         stopped.seam = 1201;
-        collapses.stopped = Some(stopped);
+        collapses.vertices_kept = Some(stopped);
         assert!(warn(&collapses, false).unwrap().contains("1,201 vertices lie on seams"));
         // Vertices are locked at borders, or where other parts touch them.
         stopped.locked = 1300;
-        collapses.stopped = Some(stopped);
+        collapses.vertices_kept = Some(stopped);
         assert!(warn(&collapses, false).unwrap().contains("1,300 vertices touch parts in other places"));
         assert!(
             warn(&collapses, true)

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{ChunkFigures, StreamFigures, Unpacked};
-use crate::figures::rounded;
+use crate::metrics::rounded;
 
 /// The counts of a level; the keys are those of the JSON report of `tristrip unpack`. All are `None` before it is decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]

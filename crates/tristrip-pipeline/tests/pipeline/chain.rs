@@ -7,8 +7,7 @@ use std::path::Path;
 use tristrip::{Layout, Method, StripifyOptions};
 use tristrip_io::{Format, Model, read, read_path};
 use tristrip_pipeline::{
-    Amount, Chain, ChainOptions, Deviation, EncodeOptions, Error, Goal, Normals, SimplifyOptions, chain,
-    simplify, verify,
+    Amount, Chain, ChainOptions, Deviation, Error, Goal, Normals, chain, encode, simplify, verify,
 };
 
 fn model(name: &str) -> Model {
@@ -37,16 +36,19 @@ fn each_level_is_the_simplification_to_its_size() {
             let goal =
                 Goal { amount: Some(Amount::Ratio(figures.ratio)), deviation: Deviation::Percent(100.0) };
             // The levels share their vertices, so that normals are kept.
-            let kept = SimplifyOptions::new(goal).with_normals(Normals::Keep);
-            let simplified = simplify(&source, &kept).unwrap();
+            let kept = simplify::Options::default().with_goal(goal).with_normals(Normals::Keep);
+            let simplified = simplify::run(&source, &kept, &()).unwrap();
             assert_eq!(figures.triangles, simplified.collapses.triangles_after, "{name}, level {level}");
             assert_eq!(figures.vertices, simplified.redrawn.used, "{name}, level {level}");
             assert_eq!(figures.reached, simplified.collapses.reached, "{name}, level {level}");
             let error = simplified.collapses.surface_error;
             assert!((figures.surface_error - error).abs() <= 1e-6 * error, "{name}, level {level}");
-            let file = all.encode_level(&source, level, &EncodeOptions::new(Format::Ply), &()).unwrap();
+            let file = all.encode_level(&source, level, &encode::Options::new(Format::Ply), &()).unwrap();
             let again = read(&file.bytes, Format::Ply).unwrap();
-            assert!(verify(&simplified.redrawn.model, &again).unwrap().is_ok(), "{name}, level {level}");
+            assert!(
+                verify::run(&simplified.redrawn.model, &again, &()).unwrap().proven,
+                "{name}, level {level}"
+            );
         }
     }
 }
@@ -56,7 +58,7 @@ fn the_vertices_of_a_level_are_the_first_of_the_finest() {
     let source = model("hand.ply");
     let all = chain(&source, &options(Format::Ply)).unwrap();
     let positions = |level: usize| {
-        let file = all.encode_level(&source, level, &EncodeOptions::new(Format::Ply), &()).unwrap();
+        let file = all.encode_level(&source, level, &encode::Options::new(Format::Ply), &()).unwrap();
         let again = read(&file.bytes, Format::Ply).unwrap();
         again.parts[0].mesh.positions().iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>()
     };
@@ -87,7 +89,7 @@ fn one_scene_holds_all_levels_over_no_more_vertices_than_the_source() {
     let vertices: usize = source.parts.iter().map(|part| part.mesh.vertex_count()).sum();
     assert!(all.levels[0].vertices <= vertices);
     for layout in Layout::ALL {
-        let file = all.encode(&source, &EncodeOptions::new(Format::Glb).with_layout(layout), &()).unwrap();
+        let file = all.encode(&source, &encode::Options::new(Format::Glb).with_layout(layout), &()).unwrap();
         let triangles = all.levels.iter().map(|level| level.triangles).sum::<usize>();
         assert_eq!(file.encoded.faces, Some(triangles), "{layout:?}");
         // The error limit ends the two coarsest levels at the same collapse.
@@ -112,7 +114,7 @@ fn a_level_beyond_the_error_limit_is_not_reached() {
     let warning = all.warning.as_deref().unwrap();
     assert!(warning.contains("not reached: ") && warning.contains("error limit of 0.05 %"), "{warning}");
     // Levels that are the same share their mesh.
-    let file = all.encode(&source, &EncodeOptions::new(Format::Glb), &()).unwrap();
+    let file = all.encode(&source, &encode::Options::new(Format::Glb), &()).unwrap();
     assert!(read(&file.encoded.bytes, Format::Glb).unwrap().parts.len() <= 4);
     let any = chain(&source, &options(Format::Glb).with_deviation(Deviation::Percent(100.0))).unwrap();
     assert_eq!((any.warning, any.levels.iter().all(|level| level.reached)), (None, true));
@@ -123,7 +125,7 @@ fn lists_are_in_the_order_of_a_vertex_cache() {
     let source = model("hand.ply");
     let cached = StripifyOptions::default().with_method(Method::Cache);
     let misses = |chain: &Chain| {
-        let list = EncodeOptions::new(Format::Glb).with_layout(Layout::List);
+        let list = encode::Options::new(Format::Glb).with_layout(Layout::List);
         let file = chain.encode(&source, &list, &()).unwrap();
         let again = read(&file.encoded.bytes, Format::Glb).unwrap();
         let lists = again.parts.iter().map(|part| part.mesh.faces().as_triangles().unwrap().to_vec());
@@ -147,7 +149,7 @@ fn the_bytes_do_not_depend_on_the_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let all = chain(&source, &options(Format::Glb)).unwrap();
-            all.encode(&source, &EncodeOptions::new(Format::Glb), &()).unwrap().encoded.bytes
+            all.encode(&source, &encode::Options::new(Format::Glb), &()).unwrap().encoded.bytes
         })
     };
     assert_eq!(bytes(1), bytes(3));
@@ -157,10 +159,10 @@ fn the_bytes_do_not_depend_on_the_threads() {
 fn a_chain_is_written_in_its_format() {
     let source = model("fish_control.ply");
     let all = chain(&source, &options(Format::Ply)).unwrap();
-    assert!(all.encode(&source, &EncodeOptions::new(Format::Ply), &()).is_err(), "one level per file");
-    assert!(all.encode(&source, &EncodeOptions::new(Format::Glb), &()).is_err(), "numbered for PLY");
+    assert!(all.encode(&source, &encode::Options::new(Format::Ply), &()).is_err(), "one level per file");
+    assert!(all.encode(&source, &encode::Options::new(Format::Glb), &()).is_err(), "numbered for PLY");
     assert!(matches!(
-        all.encode_level(&source, 4, &EncodeOptions::new(Format::Ply), &()),
+        all.encode_level(&source, 4, &encode::Options::new(Format::Ply), &()),
         Err(Error::Level { found: 4, last: 3 })
     ));
 }
@@ -170,6 +172,6 @@ fn a_chain_is_written_in_its_format() {
 fn a_level_of_another_model_is_refused() {
     let (fish, bishop) = (model("fish_control.ply"), model("catmark_bishop.ply"));
     let all = chain(&fish, &options(Format::Glb)).unwrap();
-    assert!(all.encode(&bishop, &EncodeOptions::new(Format::Glb), &()).is_err());
-    assert!(all.encode_level(&bishop, 0, &EncodeOptions::new(Format::Glb), &()).is_err());
+    assert!(all.encode(&bishop, &encode::Options::new(Format::Glb), &()).is_err());
+    assert!(all.encode_level(&bishop, 0, &encode::Options::new(Format::Glb), &()).is_err());
 }

@@ -7,10 +7,7 @@ use std::path::PathBuf;
 
 use tristrip::{Layout, Method, StripifyOptions};
 use tristrip_io::{Format, Model, read, read_path};
-use tristrip_pipeline::{
-    AnalyzeOptions, ConvertOptions, DrawnAs, EncodeOptions, StripOptions, Stripped, analyze, convert, strip,
-    verify,
-};
+use tristrip_pipeline::{DrawnAs, analyze, convert, encode, strip, verify};
 
 /// Returns a grid of `n` by `n` squares as OBJ, cut into triangles, of which one in `shared` shares its vertices with the next: 0 for none.
 fn flat_shaded(n: usize, shared: usize) -> Model {
@@ -37,9 +34,13 @@ fn flat_shaded(n: usize, shared: usize) -> Model {
 }
 
 /// Strips a model by a method.
-fn stripped(model: &Model, method: Method) -> Stripped {
-    strip(model, &StripOptions::default().with_stripify(StripifyOptions::default().with_method(method)))
-        .unwrap()
+fn stripped(model: &Model, method: Method) -> strip::Outcome {
+    strip::run(
+        model,
+        &strip::Options::default().with_stripify(StripifyOptions::default().with_method(method)),
+        &(),
+    )
+    .unwrap()
 }
 
 /// Checks that each written file is proven, has the indices that were reported, and no more than its source.
@@ -47,7 +48,7 @@ fn check(model: &Model, method: Method) {
     let found = stripped(model, method);
     for format in [Format::Glb, Format::Ply] {
         for reorder in [false, true] {
-            let options = EncodeOptions::new(format).with_reorder(reorder);
+            let options = encode::Options::new(format).with_reorder(reorder);
             let drawn = found.draw(model, &options);
             // Restarts of the source may be fewer than the joins of a GLB.
             let restarts =
@@ -55,14 +56,14 @@ fn check(model: &Model, method: Method) {
             if format == Format::Ply || restarts == 0 {
                 assert!(drawn.after.indices <= drawn.before.indices, "{drawn:?}");
             }
-            let encoded = found.encode(model, &options).unwrap();
+            let encoded = found.encode(model, &options, &()).unwrap().encoded;
             let again = read(&encoded.bytes, format).unwrap();
-            assert!(verify(model, &again).unwrap().is_ok());
-            let analysis = analyze(&again, &AnalyzeOptions::default());
+            assert!(verify::run(model, &again, &()).unwrap().proven);
+            let analysis = analyze::run(&again, &analyze::Options::default(), &()).unwrap();
             // The parts of a PLY are joined, and so are their rows of strips.
             let joins = if format == Format::Ply { model.parts.len() - 1 } else { 0 };
-            assert!(analysis.figures.indices.abs_diff(drawn.after.indices) <= joins);
-            assert_eq!(analysis.figures.triangles, drawn.after.triangles);
+            assert!(analysis.stored.indices.abs_diff(drawn.after.indices) <= joins);
+            assert_eq!(analysis.stored.triangles, drawn.after.triangles);
         }
     }
 }
@@ -73,10 +74,10 @@ fn flat_shaded_models_stay_lists() {
         let model = flat_shaded(2 + seed, [0, 0, 5, 3][seed % 4]);
         check(&model, Method::Best);
         let found = stripped(&model, Method::Sequential);
-        let drawn = found.draw(&model, &EncodeOptions::new(Format::Glb));
+        let drawn = found.draw(&model, &encode::Options::new(Format::Glb));
         assert_eq!(drawn.drawn_as, [DrawnAs::List]);
         assert_eq!(drawn.after, drawn.before, "the faces are written as they are");
-        let explicit = EncodeOptions::new(Format::Glb).with_layout(Layout::Degenerate);
+        let explicit = encode::Options::new(Format::Glb).with_layout(Layout::Degenerate);
         let strips = found.draw(&model, &explicit);
         assert_eq!(strips.drawn_as, [DrawnAs::Found], "a layout excludes the list");
         assert!(strips.after.indices > strips.before.indices);
@@ -94,8 +95,8 @@ fn quads_of_their_own_stay_polygons_in_a_ply() {
     }
     let model = read(text.as_bytes(), Format::Obj).unwrap();
     let found = stripped(&model, Method::Best);
-    assert_eq!(found.draw(&model, &EncodeOptions::new(Format::Ply)).after.indices, 24, "corners");
-    let encoded = found.encode(&model, &EncodeOptions::new(Format::Ply)).unwrap();
+    assert_eq!(found.draw(&model, &encode::Options::new(Format::Ply)).after.indices, 24, "corners");
+    let encoded = found.encode(&model, &encode::Options::new(Format::Ply), &()).unwrap().encoded;
     let again = read(&encoded.bytes, Format::Ply).unwrap();
     assert_eq!(again.parts[0].mesh.faces().iter().map(<[u32]>::len).collect::<Vec<_>>(), [4; 6]);
 }
@@ -114,15 +115,15 @@ fn stored_strips_win_over_worse_ones() {
     };
     let best = stripped(&grid, Method::Best);
     for (format, layout) in [(Format::Glb, Layout::Degenerate), (Format::Ply, Layout::Restart)] {
-        let options = EncodeOptions::new(format).with_layout(layout);
-        let source = read(&best.encode(&grid, &options).unwrap().bytes, format).unwrap();
+        let options = encode::Options::new(format).with_layout(layout);
+        let source = read(&best.encode(&grid, &options, &()).unwrap().encoded.bytes, format).unwrap();
         check(&source, Method::Best);
         let mut stored = 0;
         for &method in Method::ALL.iter().filter(|&&method| method != Method::Cache) {
             let found = stripped(&source, method);
             let drawn = found.draw(&source, &options);
             let restart = layout == Layout::Restart;
-            let figures = &found.figures;
+            let figures = &found.metrics;
             let indices = if restart { figures.indices_restart } else { figures.indices_degenerate };
             assert_eq!(drawn.after.indices, indices.min(drawn.before.indices));
             assert_eq!(drawn.drawn_as[0] == DrawnAs::Stored, drawn.before.indices < indices);
@@ -137,7 +138,7 @@ fn stored_strips_win_over_worse_ones() {
 fn strips_for_a_vertex_cache_are_drawn_as_they_are() {
     let model = flat_shaded(4, 0);
     let found = stripped(&model, Method::Cache);
-    assert_eq!(found.draw(&model, &EncodeOptions::new(Format::Glb)).drawn_as, [DrawnAs::Found]);
+    assert_eq!(found.draw(&model, &encode::Options::new(Format::Glb)).drawn_as, [DrawnAs::Found]);
 }
 
 /// Also the textured scenes of the folder that the environment variable `TRISTRIP_MODELS` names.
@@ -165,12 +166,14 @@ fn scenes_and_models_never_grow() {
 fn a_glb_with_restarts_has_a_note() {
     let model = flat_shaded(3, 0);
     let found = stripped(&model, Method::Sequential);
-    let notes =
-        |format, layout| found.encode(&model, &EncodeOptions::new(format).with_layout(layout)).unwrap().notes;
+    let notes = |format, layout| {
+        found.encode(&model, &encode::Options::new(format).with_layout(layout), &()).unwrap().encoded.notes
+    };
     assert!(notes(Format::Glb, Layout::Restart)[0].contains("KHR_mesh_primitive_restart"));
     assert!(
         notes(Format::Glb, Layout::Degenerate).is_empty() && notes(Format::Ply, Layout::Restart).is_empty()
     );
-    let converted = convert(&model, &ConvertOptions::new(Format::Glb).with_layout(Layout::Restart)).unwrap();
+    let converted =
+        convert::run(&model, &convert::Options::new(Format::Glb).with_layout(Layout::Restart), &()).unwrap();
     assert!(converted.encoded.notes[0].contains("three.js"));
 }

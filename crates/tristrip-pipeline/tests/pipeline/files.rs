@@ -6,7 +6,7 @@ use std::path::Path;
 
 use tristrip::Layout;
 use tristrip_io::{Drawing, Format, Materials, Model, PlainMaterial, load_materials, read};
-use tristrip_pipeline::{EncodeOptions, Encoded, Error, Target, encode, format_to_write, layout_to_write};
+use tristrip_pipeline::{Error, Target, encode, format_to_write, layout_to_write};
 
 const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
 
@@ -19,8 +19,8 @@ fn model() -> Model {
     model
 }
 
-fn encoded(model: &Model, format: Format) -> Encoded {
-    encode(model, &[Drawing::Faces], &EncodeOptions::new(format)).unwrap()
+fn encoded(model: &Model, format: Format) -> encode::Outcome {
+    encode::run(model, &[Drawing::Faces], &encode::Options::new(format), &()).unwrap()
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use tristrip::lod::RepairOptions;
 use tristrip::{Layout, Method, StripifyOptions};
 use tristrip_io::{Format, Model, read, read_path};
-use tristrip_pipeline::{DisplayFilter, EncodeOptions, LevelsOptions, levels};
+use tristrip_pipeline::{DisplayFilter, LevelsOptions, encode, levels};
 
 const FILES: [(Format, Layout); 6] = [
     (Format::Glb, Layout::Degenerate),
@@ -28,7 +28,7 @@ fn check(name: &str, model: &Model, files: &[(Format, Layout)]) {
         for filter in DisplayFilter::ALL {
             let shown = all.display(level, filter, RepairOptions::default(), &()).unwrap();
             for &(format, layout) in files {
-                let options = EncodeOptions::new(format).with_layout(layout);
+                let options = encode::Options::new(format).with_layout(layout);
                 let encoded = all.encode(model, &shown, &options, &());
                 let faces = encoded.as_ref().map(|encoded| encoded.faces).map_err(ToString::to_string);
                 let triangles = all.triangle_count(level).unwrap();

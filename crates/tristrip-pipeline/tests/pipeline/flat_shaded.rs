@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use tristrip::{Faces, Mesh};
 use tristrip_io::{Format, Model, Part, StoredStrips, read};
-use tristrip_pipeline::{Drawn, DrawnAs, EncodeOptions, StripOptions, Stripped, strip};
+use tristrip_pipeline::{Drawn, DrawnAs, encode, strip};
 
 const MODELS: usize = 20;
 
@@ -72,13 +72,13 @@ fn written(model: &Model) -> usize {
 }
 
 /// Checks a file in one format, and returns how it draws the model.
-fn check<'a>(model: &'a Model, found: &'a Stripped, format: Format) -> Drawn<'a> {
-    let options = EncodeOptions::new(format);
+fn check<'a>(model: &'a Model, found: &'a strip::Outcome, format: Format) -> Drawn<'a> {
+    let options = encode::Options::new(format);
     let drawn = found.draw(model, &options);
     let faces = model.parts[0].mesh.faces();
     let list = 3 * faces.triangle_count();
     assert!(drawn.after.indices <= drawn.before.indices.min(list), "{format:?}: {drawn:?}");
-    let encoded = found.encode(model, &options).unwrap();
+    let encoded = found.encode(model, &options, &()).unwrap().encoded;
     assert_eq!(encoded.faces, Some(faces.face_count()), "{format:?}: proven");
     let again = read(&encoded.bytes, format).unwrap();
     // Polygons stay polygons in a PLY; the other formats get triangles.
@@ -96,7 +96,7 @@ fn no_format_gets_more_indices_than_the_input_or_a_list() {
     let (mut lists, mut strips) = (0, 0);
     for seed in 0..MODELS {
         let model = model(seed);
-        let found = strip(&model, &StripOptions::default()).unwrap();
+        let found = strip::run(&model, &strip::Options::default(), &()).unwrap();
         for format in [Format::Glb, Format::Ply, Format::Obj] {
             let drawn = check(&model, &found, format);
             if format != Format::Obj {

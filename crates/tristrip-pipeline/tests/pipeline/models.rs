@@ -12,9 +12,8 @@ use tristrip::stripify::{Progress, Watch};
 use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
 use tristrip_pipeline::{
-    Amount, ConvertOptions, Deviation, DisplayFilter, EncodeOptions, Error, Event, Goal, LevelsOptions,
-    ModelLevels, Observer, PreparedModel, Search, SimplifyOptions, Stage, Stopped, StripOptions, bound,
-    convert, encode, levels, simplify, strip, strip_observed, verify,
+    Amount, Deviation, DisplayFilter, Error, Goal, LevelsOptions, ModelLevels, Observer, PreparedModel,
+    Search, Stage, Stopped, bound, convert, encode, levels, simplify, strip, verify,
 };
 
 /// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.
@@ -36,31 +35,34 @@ fn two_parts() -> Model {
 #[test]
 fn strips_of_all_parts_are_written_and_proven_in_every_format() {
     let model = two_parts();
-    let stripped = strip(&model, &StripOptions::default()).unwrap();
+    let stripped = strip::run(&model, &strip::Options::default(), &()).unwrap();
     assert_eq!((stripped.strips.len(), stripped.mesh.faces, stripped.proven), (2, 64, true));
     for format in [Format::Glb, Format::Ply, Format::Obj] {
         for reorder in [false, true] {
-            let encoded = stripped.encode(&model, &EncodeOptions::new(format).with_reorder(reorder)).unwrap();
+            let encoded =
+                stripped.encode(&model, &encode::Options::new(format).with_reorder(reorder), &()).unwrap();
+            let encoded = encoded.encoded;
             assert_eq!((encoded.faces, encoded.groups.is_some()), (Some(64), reorder));
             let again = read(&encoded.bytes, format).unwrap();
-            assert_eq!(verify(&model, &again).unwrap().map(|proof| proof.faces), Ok(64));
+            let verified = verify::run(&model, &again, &()).unwrap();
+            assert_eq!((verified.proven, verified.faces), (true, 64));
         }
     }
     let faces = [Drawing::Faces, Drawing::Faces];
-    let reordered = encode(&model, &faces, &EncodeOptions::new(Format::Ply).with_reorder(true));
+    let reordered = encode::run(&model, &faces, &encode::Options::new(Format::Ply).with_reorder(true), &());
     assert_eq!(reordered.unwrap().faces, Some(64), "faces are numbered by first use, too");
 }
 
 #[test]
 fn no_strips_are_better_than_the_bound() {
     let model = two_parts();
-    let bounded = bound(&model, false).unwrap();
-    assert_eq!(bounded.parts.len(), 2);
+    let bounded = bound::run(&model, &bound::Options::default(), &()).unwrap();
+    assert_eq!(bounded.parts, 2);
     for method in [Method::Fewest, Method::Best, Method::Input] {
-        let options = StripOptions::default().with_stripify(StripifyOptions::default().with_method(method));
-        let figures = strip(&model, &options).unwrap().figures;
-        assert!(figures.strips >= bounded.bounds.strips);
-        assert!(figures.indices_restart >= bounded.bounds.indices_restart);
+        let options = strip::Options::default().with_stripify(StripifyOptions::default().with_method(method));
+        let figures = strip::run(&model, &options, &()).unwrap().metrics;
+        assert!(figures.strips >= bounded.bound.strips);
+        assert!(figures.indices_restart >= bounded.bound.indices_restart);
     }
 }
 
@@ -79,7 +81,7 @@ fn both_sides_of_a_shared_border_are_simplified_together() {
     let model = two_parts();
     let (amount, deviation) = (Some(Amount::Triangles(20)), Deviation::Percent(100.0));
     let goal = Goal { amount, deviation };
-    let simplified = simplify(&model, &SimplifyOptions::new(goal)).unwrap();
+    let simplified = simplify::run(&model, &simplify::Options::default().with_goal(goal), &()).unwrap();
     assert_eq!((simplified.collapses.locked_vertices, simplified.collapses.reached), (0, true));
     let borders: Vec<Vec<u32>> = simplified
         .redrawn
@@ -89,7 +91,10 @@ fn both_sides_of_a_shared_border_are_simplified_together() {
         .map(|part| border(&part.mesh, part.mesh.faces().corners()))
         .collect();
     assert!(borders[0] == borders[1] && borders[0].len() < 9, "{borders:?}");
-    assert_eq!(simplified.encode(&()).unwrap().faces, Some(simplified.collapses.triangles_after));
+    assert_eq!(
+        simplified.encode(Format::Ply, true, &()).unwrap().faces,
+        Some(simplified.collapses.triangles_after)
+    );
     // So does every level of detail.
     let all = levels(&model, &LevelsOptions::default()).unwrap();
     for level in 0..=all.collapse_count() {
@@ -112,7 +117,7 @@ fn every_level_and_filter_is_proven_and_can_be_written() {
                 (displayed.figures.triangles, displayed.proven),
                 (all.triangle_count(level).unwrap(), true)
             );
-            let encoded = all.encode(&model, &displayed, &EncodeOptions::new(Format::Glb), &()).unwrap();
+            let encoded = all.encode(&model, &displayed, &encode::Options::new(Format::Glb), &()).unwrap();
             assert_eq!(encoded.faces, Some(displayed.figures.triangles));
         }
     }
@@ -126,9 +131,9 @@ fn strips_of_another_model_are_refused() {
     strips.push(&[0, 1, 1000]);
     let prepared = PreparedModel::new(&model, false);
     let both = [strips.clone(), strips.clone()];
-    assert!(matches!(prepared.prove(&both), Err(Error::Unproven(_))));
-    assert!(matches!(prepared.prove(&both[..1]), Err(Error::Unproven(_))));
-    assert!(prepared.figures(&both, &StripifyOptions::default()).is_err());
+    assert!(matches!(prepared.prove(&both), Err(Error::Unproven { .. })));
+    assert!(matches!(prepared.prove(&both[..1]), Err(Error::Unproven { .. })));
+    assert!(prepared.metrics(&both, &StripifyOptions::default()).is_err());
     assert!(ModelLevels::from_strips(&prepared, &both, &LevelsOptions::default(), &()).is_err());
     assert!(ModelLevels::from_strips(&prepared, &both[..1], &LevelsOptions::default(), &()).is_err());
     let all = levels(&model, &LevelsOptions::default()).unwrap();
@@ -138,15 +143,17 @@ fn strips_of_another_model_are_refused() {
 #[test]
 fn converted_strips_stay_strips_and_faces_stay_faces() {
     let model = two_parts();
-    let faces = convert(&model, &ConvertOptions::new(Format::Ply)).unwrap();
-    assert!(faces.strips.iter().all(Option::is_none));
-    let strips = convert(&model, &ConvertOptions::new(Format::Glb).with_layout(Layout::Degenerate)).unwrap();
-    assert!(strips.strips.iter().all(Option::is_some));
+    let faces = convert::run(&model, &convert::Options::new(Format::Ply), &()).unwrap();
+    assert!(faces.strips.is_none());
+    let strips =
+        convert::run(&model, &convert::Options::new(Format::Glb).with_layout(Layout::Degenerate), &())
+            .unwrap();
+    assert!(strips.drawn.iter().all(Option::is_some));
     let again = read(&strips.encoded.bytes, Format::Glb).unwrap();
-    let kept = convert(&again, &ConvertOptions::new(Format::Ply)).unwrap();
-    assert!(kept.strips.iter().all(Option::is_some));
-    let as_list = convert(&again, &ConvertOptions::new(Format::Obj)).unwrap();
-    assert!(as_list.strips.iter().all(Option::is_none));
+    let kept = convert::run(&again, &convert::Options::new(Format::Ply), &()).unwrap();
+    assert!(kept.drawn.iter().all(Option::is_some));
+    let as_list = convert::run(&again, &convert::Options::new(Format::Obj), &()).unwrap();
+    assert!(as_list.strips.is_none());
 }
 
 /// Cancels at the stage with a number, and stops searches at once.
@@ -178,10 +185,8 @@ impl Search for AtOnce<'_> {
 }
 
 impl Observer for Stopping {
-    fn event(&self, event: Event<'_>) {
-        if let Event::Begin(stage) = event {
-            self.stages.lock().unwrap().push(stage);
-        }
+    fn stage(&self, stage: Stage) {
+        self.stages.lock().unwrap().push(stage);
     }
 
     fn search(&self, _: &StripifyOptions) -> Box<dyn Search + '_> {
@@ -197,10 +202,10 @@ impl Observer for Stopping {
 fn an_observer_cancels_at_each_stage_and_stops_searches() {
     let model = two_parts();
     let best = StripifyOptions::default().with_method(Method::Best).with_effort(Effort::new(9).unwrap());
-    let options = StripOptions::default().with_stripify(best);
+    let options = strip::Options::default().with_stripify(best);
     let run = |cancel_at| {
         let observer = Stopping::new(cancel_at);
-        let result = strip_observed(&model, &options, &observer);
+        let result = strip::run(&model, &options, &observer);
         (result, observer.stages.into_inner().unwrap())
     };
     let (stopped, stages) = run(usize::MAX);

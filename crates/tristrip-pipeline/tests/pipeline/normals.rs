@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use tristrip::{Attribute, AttributeData, Faces, Mesh};
 use tristrip_io::{Format, Model, Part, read};
-use tristrip_pipeline::{Amount, Deviation, Goal, Normals, Simplified, SimplifyOptions, simplify};
+use tristrip_pipeline::{Amount, Deviation, Goal, Normals, simplify};
 
 const COLUMNS: usize = 36;
 const ROWS: usize = 20;
@@ -61,10 +61,15 @@ fn wavy(row: usize) -> f64 {
     2.0 + 0.5 * (row as f64 / 3.0).sin()
 }
 
-fn simplified(model: &Model, normals: Normals, format: Format) -> Simplified {
+fn simplified(model: &Model, normals: Normals, format: Format) -> simplify::Outcome {
     let amount = Some(Amount::Ratio("20%".parse().unwrap()));
     let goal = Goal { amount, deviation: Deviation::Percent(100.0) };
-    simplify(model, &SimplifyOptions::new(goal).with_normals(normals).with_format(format)).unwrap()
+    simplify::run(
+        model,
+        &simplify::Options::default().with_goal(goal).with_normals(normals).with_format(format),
+        &(),
+    )
+    .unwrap()
 }
 
 /// Calls a check with the positions and the normals of each triangle.
@@ -86,7 +91,7 @@ fn flat_shaded_models_get_the_normals_of_the_faces_left() {
         let result = simplified(&source, Normals::Auto, format);
         assert!(result.proven && result.collapses.reached && result.normals.flat == 1);
         // The texture is repeated nowhere, so that its one seam stays.
-        let bytes = result.encode(&()).unwrap().bytes;
+        let bytes = result.encode(format, true, &()).unwrap().bytes;
         let again = read(&bytes, format).unwrap();
         let mesh = &again.parts[0].mesh;
         assert_eq!(mesh.faces().face_count(), result.collapses.triangles_after);
@@ -107,7 +112,8 @@ fn fitted_faces_have_their_own_normals() {
     let source = model(&triangles(wavy), |face, _| normal_of(face));
     let amount = Some(Amount::Ratio("20%".parse().unwrap()));
     let goal = Goal { amount, deviation: Deviation::Percent(100.0) };
-    let result = simplify(&source, &SimplifyOptions::new(goal).with_fit(true)).unwrap();
+    let result =
+        simplify::run(&source, &simplify::Options::default().with_goal(goal).with_fit(true), &()).unwrap();
     assert!(result.moved_positions > Some(100), "{:?}", result.moved_positions);
     for_each_triangle(&result.redrawn.model.parts[0].mesh, |positions, normals| {
         let face = normal_of(positions);
@@ -119,8 +125,9 @@ fn fitted_faces_have_their_own_normals() {
 #[test]
 fn smooth_models_keep_their_normals() {
     let source = model(&triangles(wavy), |_, axis| axis);
-    let [auto, keep] = [Normals::Auto, Normals::Keep]
-        .map(|normals| simplified(&source, normals, Format::Glb).encode(&()).unwrap().bytes);
+    let [auto, keep] = [Normals::Auto, Normals::Keep].map(|normals| {
+        simplified(&source, normals, Format::Glb).encode(Format::Glb, true, &()).unwrap().bytes
+    });
     assert!(auto == keep);
 }
 
@@ -161,7 +168,10 @@ fn parts_are_treated_one_by_one() {
     source.parts.extend(model(&moved, |_, axis| axis).parts);
     // Parts share a number of triangles, but not an error limit.
     let goal = Goal { amount: None, deviation: Deviation::Units(0.05) };
-    let simplified = |source| simplify(source, &SimplifyOptions::new(goal).with_format(Format::Glb)).unwrap();
+    let simplified = |source| {
+        simplify::run(source, &simplify::Options::default().with_goal(goal).with_format(Format::Glb), &())
+            .unwrap()
+    };
     let result = simplified(&source);
     assert_eq!((result.normals.flat, result.normals.kept, result.normals.creased), (1, 1, 0));
     let alone = simplified(&model(&moved, |_, axis| axis));
@@ -212,7 +222,8 @@ fn normals_that_no_longer_fit_are_repaired() {
     assert!(before.flat > 0.6 && before.unfit < 0.01, "{before:?}");
     let few = |normals| {
         let goal = Goal { amount: Some(Amount::Triangles(12)), deviation: Deviation::Percent(100.0) };
-        simplify(&source, &SimplifyOptions::new(goal).with_normals(normals)).unwrap()
+        simplify::run(&source, &simplify::Options::default().with_goal(goal).with_normals(normals), &())
+            .unwrap()
     };
     let (auto, keep) = (few(Normals::Auto), few(Normals::Keep));
     assert_eq!((auto.normals.repaired, auto.normals.kept), (1, 0));

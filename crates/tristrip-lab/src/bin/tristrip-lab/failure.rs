@@ -31,7 +31,7 @@ impl From<tristrip::Error> for Failure {
 impl From<tristrip_pipeline::Error> for Failure {
     fn from(error: tristrip_pipeline::Error) -> Self {
         match error {
-            tristrip_pipeline::Error::Unproven(why) => Self::Failed(format!("not proven: {why}")),
+            tristrip_pipeline::Error::Unproven { why, .. } => Self::Failed(format!("not proven: {why}")),
             tristrip_pipeline::Error::Format(error) => error.into(),
             other => Self::Failed(other.to_string()),
         }

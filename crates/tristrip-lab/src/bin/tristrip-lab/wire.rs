@@ -6,7 +6,7 @@ use serde::Serialize;
 use tristrip_io::{Drawing, Format};
 use tristrip_lab::wire::{self, Published};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{EncodeOptions, Joined, Level, LevelsOptions, StreamGoal, encode, join};
+use tristrip_pipeline::{Joined, Level, LevelsOptions, StreamGoal, encode, join};
 use tristrip_render::text;
 
 use crate::args::{PackArgs, UnpackArgs};
@@ -117,7 +117,7 @@ fn unpacked(args: &UnpackArgs, console: &Console, report: &mut UnpackReport) -> 
         return Err(Failure::Usage(format!("{}: unknown format; {known}", output.display())));
     };
     let drawings = vec![Drawing::Faces; level.model.parts.len()];
-    let encoded = encode(&level.model, &drawings, &EncodeOptions::new(format))?;
+    let encoded = encode::run(&level.model, &drawings, &encode::Options::new(format), &())?;
     tristrip_io::replace_file(output, &encoded.bytes)?;
     report.output = Some(output.display().to_string());
     Ok(())

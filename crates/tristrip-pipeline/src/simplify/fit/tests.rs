@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::*;
-use crate::{Amount, Goal, Ratio, Simplified, SimplifyOptions, simplify};
+use crate::{Amount, Goal, Ratio, simplify};
 use tristrip::random::Random;
 use tristrip_io::{Format, Model, read};
 
@@ -77,19 +77,19 @@ fn shared(model: &Model, source: &Model) -> [usize; 2] {
     [shared().count(), shared().filter(|position| !old.contains(*position)).count()]
 }
 
-fn simplified(model: &Model, fit: bool) -> Simplified {
+fn simplified(model: &Model, fit: bool) -> simplify::Outcome {
     let goal = Goal { amount: Ratio::new(0.1).map(Amount::Ratio), ..Goal::default() };
-    simplify(model, &SimplifyOptions::new(goal).with_fit(fit)).unwrap()
+    simplify::run(model, &simplify::Options::default().with_goal(goal).with_fit(fit), &()).unwrap()
 }
 
 #[test]
 fn a_ball_is_closer_and_stays_closed() {
     let model = ball(24, 40, false);
     let [before, after] = [false, true].map(|fit| simplified(&model, fit));
-    let change = |done: &Simplified| done.change.unwrap();
-    assert!(change(&after).rms < 0.6 * change(&before).rms, "{:?} {:?}", after.change, before.change);
+    let change = |done: &simplify::Outcome| done.deviations.unwrap().change;
+    assert!(change(&after).rms < 0.6 * change(&before).rms, "{:?} {:?}", after.deviations, before.deviations);
     assert!(change(&after).largest < change(&before).largest);
-    let faces = |done: &Simplified| -> usize {
+    let faces = |done: &simplify::Outcome| -> usize {
         done.redrawn.model.parts.iter().map(|part| part.mesh.faces().face_count()).sum()
     };
     assert_eq!((faces(&before), before.moved_positions), (faces(&after), None));
@@ -106,13 +106,15 @@ fn a_ball_is_closer_and_stays_closed() {
 /// A GLB of two materials: read back, it is the fitted model, and the border between them is closed.
 #[test]
 fn scenes_are_fitted_and_written() {
-    let whole = simplify(&ball(24, 40, false), &SimplifyOptions::new(Goal::default())).unwrap();
-    let scene = read(&whole.encode_as(Format::Glb, true, &()).unwrap().bytes, Format::Glb).unwrap();
+    let whole =
+        simplify::run(&ball(24, 40, false), &simplify::Options::default().with_goal(Goal::default()), &())
+            .unwrap();
+    let scene = read(&whole.encode(Format::Glb, true, &()).unwrap().bytes, Format::Glb).unwrap();
     let goal = Goal { amount: Ratio::new(0.1).map(Amount::Ratio), ..Goal::default() };
-    let options = SimplifyOptions::new(goal).with_fit(true).with_format(Format::Glb);
-    let done = simplify(&scene, &options).unwrap();
+    let options = simplify::Options::default().with_goal(goal).with_fit(true).with_format(Format::Glb);
+    let done = simplify::run(&scene, &options, &()).unwrap();
     assert!(done.notes.is_empty() && done.redrawn.kept == 0, "{:?}", done.notes);
-    let back = read(&done.encode(&()).unwrap().bytes, Format::Glb).unwrap();
+    let back = read(&done.encode(Format::Glb, true, &()).unwrap().bytes, Format::Glb).unwrap();
     assert!(scene.scene.is_some() && triangles(&back) == triangles(&done.redrawn.model));
     let [border, moved] = shared(&back, &scene);
     assert!(border > 5 && moved == border && open_edges(&back) == 0, "{border} {moved}");
@@ -138,7 +140,8 @@ fn large_triangles_take_no_points_from_small_ones() {
     model.parts.extend(floor.parts);
     let goal =
         Goal { amount: Ratio::new(0.2).map(Amount::Ratio), deviation: crate::Deviation::Percent(100.0) };
-    let done = simplify(&model, &SimplifyOptions::new(goal).with_fit(true)).unwrap();
+    let done =
+        simplify::run(&model, &simplify::Options::default().with_goal(goal).with_fit(true), &()).unwrap();
     assert!(done.moved_positions.unwrap() > 100);
     for part in &done.redrawn.model.parts[..2] {
         for p in part.mesh.positions() {
@@ -171,7 +174,12 @@ fn fans_of_many_triangles_take_little_time() {
     }
     let model = read(text.as_bytes(), Format::Obj).unwrap();
     let goal = Goal { amount: Ratio::new(0.5).map(Amount::Ratio), ..Goal::default() };
-    let done = simplify(&model, &SimplifyOptions::new(goal).with_fit(true).with_measure(false)).unwrap();
+    let done = simplify::run(
+        &model,
+        &simplify::Options::default().with_goal(goal).with_fit(true).with_measure(false),
+        &(),
+    )
+    .unwrap();
     assert!(done.moved_positions.is_some());
 }
 
@@ -212,8 +220,10 @@ fn the_largest_distance_does_not_grow() {
         let of = |fit| {
             let amount = Ratio::new(0.15).map(Amount::Ratio);
             let goal = Goal { amount, deviation: crate::Deviation::Percent(100.0) };
-            let done = simplify(&model, &SimplifyOptions::new(goal).with_fit(fit)).unwrap();
-            done.change.unwrap()
+            let done =
+                simplify::run(&model, &simplify::Options::default().with_goal(goal).with_fit(fit), &())
+                    .unwrap();
+            done.deviations.unwrap().change
         };
         let [kept, fitted] = [of(false), of(true)];
         assert!(fitted.largest <= 1.05 * kept.largest, "{fitted:?} {kept:?}");
@@ -225,7 +235,7 @@ fn the_largest_distance_does_not_grow() {
 fn the_fit_can_be_interrupted() {
     use std::sync::atomic::{AtomicBool, Ordering};
 
-    use crate::{Error, Event, Observer, SimplifyProgress, Stage, simplify_observed};
+    use crate::{Error, Observer, SimplifyProgress, Stage};
 
     struct Ends {
         is_ended: AtomicBool,
@@ -233,10 +243,8 @@ fn the_fit_can_be_interrupted() {
         at: Stage,
     }
     impl Observer for Ends {
-        fn event(&self, event: Event<'_>) {
-            if let Event::Begin(stage) = event {
-                self.is_ended.fetch_or(stage == self.at, Ordering::Relaxed);
-            }
+        fn stage(&self, stage: Stage) {
+            self.is_ended.fetch_or(stage == self.at, Ordering::Relaxed);
         }
         fn simplifies(&self, _: SimplifyProgress) -> bool {
             !self.is_ended.load(Ordering::Relaxed)
@@ -249,13 +257,13 @@ fn the_fit_can_be_interrupted() {
     let goal = Goal { amount: Ratio::new(0.1).map(Amount::Ratio), ..Goal::default() };
     for at in [Stage::Fit, Stage::Prove, Stage::Compare] {
         for verify in [true, false] {
-            let options = SimplifyOptions::new(goal).with_fit(true).with_verify(verify);
+            let options = simplify::Options::default().with_goal(goal).with_fit(true).with_verify(verify);
             let run =
-                |cancels| simplify_observed(&model, &options, &Ends { is_ended: false.into(), cancels, at });
+                |cancels| simplify::run(&model, &options, &Ends { is_ended: false.into(), cancels, at });
             let is_asked_later = at != Stage::Compare && (verify || at == Stage::Fit);
             let done = run(false).unwrap();
             assert_eq!(done.interrupted, is_asked_later, "{at:?} {verify}");
-            assert_eq!(done.change.is_some(), !is_asked_later);
+            assert_eq!(done.deviations.is_some(), !is_asked_later);
             assert_eq!(done.moved_positions.is_some(), at != Stage::Prove || !verify);
             assert_eq!(matches!(run(true), Err(Error::Cancelled)), is_asked_later, "{at:?} {verify}");
         }

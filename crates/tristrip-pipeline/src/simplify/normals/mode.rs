@@ -74,7 +74,7 @@ impl FromStr for Normals {
 /// The numbers of parts by what happened to their normals; parts without normals do not count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[non_exhaustive]
-pub struct NormalCounts {
+pub struct PartNormals {
     /// Parts whose vertices kept their normals.
     pub kept: usize,
     /// Parts whose vertices kept their normals except where these no longer fitted the faces.

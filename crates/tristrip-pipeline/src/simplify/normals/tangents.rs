@@ -30,7 +30,7 @@ pub(super) fn tangents(mesh: &Mesh, triangles: &[u32], normals: &[[f32; 3]]) -> 
         let is_small = most_corners(mesh, triangles)? <= MAX_CORNERS;
         let mut corners = Corners { mesh, uv, triangles, normals, tangents };
         if is_small && generate_tangents(&mut corners).is_err() {
-            return Err(Error::Unproven("tangents could not be computed".into()));
+            return Err(Error::unproven("tangents could not be computed"));
         }
         tangents = corners.tangents;
     }

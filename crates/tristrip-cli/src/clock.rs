@@ -1,0 +1,174 @@
+//! The time of each stage of an input, measured by an observer of the pipeline, which also shows the progress and watches searches.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::ProgressBar;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+use tristrip::StripifyOptions;
+use tristrip_pipeline::{Observer, Search, Stage};
+
+use crate::console::Console;
+use crate::search::SearchWatch;
+
+/// The keys of `seconds` in a report, each with the stages whose times it sums.
+pub(crate) type SecondsKeys = &'static [(&'static str, &'static [Stage])];
+
+/// The keys of commands that build or read strips.
+pub(crate) const STRIP_SECONDS: SecondsKeys = &[
+    ("load", &[Stage::Load]),
+    ("dual", &[Stage::Prepare]),
+    ("stripify", &[Stage::Stripify]),
+    ("verify", &[Stage::Prove, Stage::ReadBack]),
+    ("write", &[Stage::Reorder, Stage::Encode, Stage::Write]),
+];
+
+/// The time of each stage in seconds; serialized as a map with the keys of its command, `null` for stages that did not run.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Seconds {
+    keys: SecondsKeys,
+    times: BTreeMap<Stage, f64>,
+}
+
+impl Seconds {
+    /// Returns the sum of the times of stages; `None` if none of them ran.
+    fn of(&self, stages: &[Stage]) -> Option<f64> {
+        stages.iter().filter_map(|stage| self.times.get(stage)).copied().reduce(|a, b| a + b)
+    }
+}
+
+impl Serialize for Seconds {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.keys.len()))?;
+        for (key, stages) in self.keys {
+            map.serialize_entry(key, &self.of(stages))?;
+        }
+        map.end()
+    }
+}
+
+/// Measures the stages of an input. A stage ends when the next one starts, or with [`StageClock::observe`].
+pub(crate) struct StageClock {
+    bar: ProgressBar,
+    budget: Option<Duration>,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    current: Option<(Stage, Instant)>,
+    times: BTreeMap<Stage, f64>,
+}
+
+impl State {
+    fn end(&mut self) {
+        if let Some((stage, started)) = self.current.take() {
+            *self.times.entry(stage).or_default() += started.elapsed().as_secs_f64();
+        }
+    }
+}
+
+impl StageClock {
+    /// Creates a clock that shows stages in the progress display, and stops each search after a time.
+    pub(crate) fn new(console: &Console, budget: Option<Duration>) -> Self {
+        Self { bar: console.progress(), budget, state: Mutex::default() }
+    }
+
+    /// Creates a clock without times, for a part of the work that is reported by itself; [`StageClock::add`] takes its times over.
+    pub(crate) fn fresh(&self) -> Self {
+        Self { bar: self.bar.clone(), budget: self.budget, state: Mutex::default() }
+    }
+
+    /// Calls an operation with this observer, and ends its last stage.
+    pub(crate) fn observe<R>(&self, operation: impl FnOnce(&dyn Observer) -> R) -> R {
+        let result = operation(self);
+        self.end();
+        result
+    }
+
+    /// Ends the current stage, if there is one.
+    pub(crate) fn end(&self) {
+        self.state().end();
+    }
+
+    /// Calls `work` as a stage.
+    pub(crate) fn timed<R>(&self, stage: Stage, work: impl FnOnce() -> R) -> R {
+        self.observe(|observer| {
+            observer.stage(stage);
+            work()
+        })
+    }
+
+    /// Adds the time of a stage that was measured elsewhere.
+    pub(crate) fn add_seconds(&self, stage: Stage, seconds: f64) {
+        *self.state().times.entry(stage).or_default() += seconds;
+    }
+
+    /// Adds the times of another clock.
+    pub(crate) fn add(&self, other: &Self) {
+        for (&stage, &seconds) in &other.state().times {
+            self.add_seconds(stage, seconds);
+        }
+    }
+
+    /// Returns the time of some stages so far; `None` if none of them ran.
+    pub(crate) fn seconds(&self, stages: &[Stage]) -> Option<f64> {
+        let times = self.state().times.clone();
+        Seconds { keys: &[], times }.of(stages)
+    }
+
+    /// Returns the times for a report with these keys.
+    pub(crate) fn into_seconds(self, keys: SecondsKeys) -> Seconds {
+        let mut state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        // A stage that failed took its time, too.
+        state.end();
+        Seconds { keys, times: state.times }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Observer for StageClock {
+    fn stage(&self, stage: Stage) {
+        self.bar.set_message(stage.to_string());
+        let mut state = self.state();
+        state.end();
+        state.current = Some((stage, Instant::now()));
+    }
+
+    fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
+        Box::new(SearchWatch::new(self.bar.clone(), self.budget, options))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_are_sums_of_stages_and_null_for_those_that_did_not_run() {
+        let clock = StageClock { bar: ProgressBar::hidden(), budget: None, state: Mutex::default() };
+        clock.observe(|observer| {
+            [Stage::Prepare, Stage::Survey, Stage::Prove].map(|stage| observer.stage(stage))
+        });
+        for (stage, seconds) in [(Stage::Load, 1.0), (Stage::Encode, 2.0), (Stage::Write, 4.0)] {
+            clock.add_seconds(stage, seconds);
+        }
+        let file = clock.fresh();
+        file.add_seconds(Stage::Write, 8.0);
+        clock.add(&file);
+        assert_eq!(clock.seconds(&[Stage::Write]), Some(12.0));
+        assert_eq!(clock.seconds(&[Stage::Fit, Stage::Stripify]), None);
+        let seconds = serde_json::to_value(clock.into_seconds(STRIP_SECONDS)).unwrap();
+        let keys: Vec<_> = seconds.as_object().unwrap().keys().collect();
+        assert_eq!(keys, ["load", "dual", "stripify", "verify", "write"]);
+        assert_eq!((seconds["load"].as_f64(), seconds["write"].as_f64()), (Some(1.0), Some(14.0)));
+        assert!(
+            seconds["dual"].is_number() && seconds["verify"].is_number() && seconds["stripify"].is_null()
+        );
+    }
+}

@@ -1,0 +1,230 @@
+//! All methods on the same model side by side, each result proven.
+
+use serde::Serialize;
+use tristrip::stripify::{
+    Acceptance, FaceTriangulation, LastTie, Localization, Patches, Ties, TunnelOptions,
+};
+use tristrip::{Effort, Method, StripifyOptions};
+use tristrip_io::Model;
+
+use crate::error::Error;
+use crate::figures::MeshProperties;
+use crate::method::MethodReport;
+use crate::metrics::StripMetrics;
+use crate::observer::{Observer, Stage, Stopped, begin};
+use crate::prepared::{PreparedModel, Survey};
+
+/// Which methods are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Options {
+    /// The options that all methods share, such as the seed. The method is not used.
+    pub stripify: StripifyOptions,
+    /// The effort of the methods that search; `best` also runs at its default effort.
+    pub effort: Effort,
+    /// Whether every variant of a method is compared, instead of one or a few of each family.
+    pub every_variant: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { stripify: StripifyOptions::default(), effort: Effort::default(), every_variant: false }
+    }
+}
+
+impl Options {
+    /// Sets the options that all methods share.
+    #[must_use]
+    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
+        Self { stripify, ..self }
+    }
+
+    /// Sets the effort of the methods that search.
+    #[must_use]
+    pub fn with_effort(self, effort: Effort) -> Self {
+        Self { effort, ..self }
+    }
+
+    /// Sets whether every variant of a method is compared.
+    #[must_use]
+    pub fn with_every_variant(self, every_variant: bool) -> Self {
+        Self { every_variant, ..self }
+    }
+
+    /// Returns the options of each row: `best` at its default effort, then all methods at the effort.
+    ///
+    /// ```
+    /// use tristrip::StripifyOptions;
+    /// use tristrip_pipeline::compare::Options;
+    /// let every = Options::default().with_every_variant(true);
+    /// let default = every.with_effort(StripifyOptions::default().effort_or_default());
+    /// // `best` has a second row at an effort other than its default.
+    /// assert_eq!((default.methods().len(), every.methods().len()), (45, 46));
+    /// ```
+    pub fn methods(&self) -> Vec<StripifyOptions> {
+        let default = self.stripify.with_method(Method::Best);
+        let all = methods_to_compare(self.every_variant).into_iter();
+        let all = all.map(|method| self.stripify.with_method(method).with_effort(self.effort));
+        let is_default = |options: &StripifyOptions| {
+            options.method == Method::Best && options.effort_or_default() == default.effort_or_default()
+        };
+        std::iter::once(default).chain(all.filter(|options| !is_default(options))).collect()
+    }
+}
+
+/// The results of all methods on a model; the keys are those of the JSON report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Outcome {
+    /// The counts of the mesh.
+    pub mesh: MeshProperties,
+    /// The number of parts.
+    pub parts: usize,
+    /// Notes of the reader, and on what was dropped, changed or unusual.
+    pub notes: Vec<String>,
+    /// A row for each method; fewer if an interrupt stopped a search, whose row is then the last one.
+    pub methods: Vec<Row>,
+}
+
+/// The result of one method.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Row {
+    /// The method and its options.
+    #[serde(flatten)]
+    pub method: MethodReport,
+    /// Whether the result is proven.
+    pub proven: bool,
+    /// The times of the method. The pipeline reads no clock: the caller fills them in.
+    pub seconds: MethodSeconds,
+    /// The metrics of a proven result.
+    #[serde(flatten)]
+    pub metrics: Option<StripMetrics>,
+    /// Why the search was stopped, if it was.
+    pub stopped: Option<Stopped>,
+    /// Why there is no result.
+    pub error: Option<String>,
+}
+
+/// The times of a method, in seconds; `None` for what was not measured.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct MethodSeconds {
+    /// The time of [`Stage::Stripify`].
+    pub stripify: Option<f64>,
+    /// The time of [`Stage::Prove`].
+    pub verify: Option<f64>,
+}
+
+/// Builds strips by all methods, proves and measures them. A method without a proven result has a row that says why. Each method starts
+/// with [`Stage::Stripify`].
+///
+/// # Errors
+/// The observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::compare;
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
+/// let compared = compare::run(&model, &compare::Options::default(), &())?;
+/// assert!(compared.methods.iter().all(|row| row.proven));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
+    let Survey { prepared, options: adapted, mesh, notes } = Survey::new(model, options.stripify, observer)?;
+    let mut methods = Vec::new();
+    for stripify in options.methods() {
+        let row = row(&prepared, &stripify.with_weld(adapted.weld), observer)?;
+        let is_interrupted = row.stopped == Some(Stopped::Interrupt);
+        methods.push(row);
+        if is_interrupted {
+            break;
+        }
+    }
+    Ok(Outcome { mesh, parts: prepared.parts().len(), notes, methods })
+}
+
+/// Runs one method; its row has metrics only if the result is proven.
+fn row(
+    prepared: &PreparedModel<'_>,
+    options: &StripifyOptions,
+    observer: &dyn Observer,
+) -> Result<Row, Error> {
+    begin(observer, Stage::Stripify)?;
+    let watch = observer.search(options);
+    let measured = prepared.find_strips(options, &*watch).and_then(|strips| {
+        observer.stage(Stage::Prove);
+        prepared.prove(&strips)?;
+        observer.stage(Stage::Measure);
+        prepared.metrics(&strips, options)
+    });
+    let stopped = watch.stopped();
+    let (metrics, error) = match measured {
+        Ok(metrics) => (Some(metrics), None),
+        Err(error) => (None, Some(error.to_string())),
+    };
+    let (method, seconds) = (MethodReport::of(options), MethodSeconds::default());
+    Ok(Row { method, proven: metrics.is_some(), seconds, metrics, stopped, error })
+}
+
+/// The variant of `eta` that is compared: with the default length it takes a quarter of an hour for a million triangles.
+const ETA_TO_COMPARE: Method = Method::Eta {
+    tunnels: TunnelOptions::ETA.with_length(49),
+    acceptance: Acceptance::DepthFirst,
+    localization: Localization::OnDemand,
+};
+
+/// Returns the methods to compare: one or a few per family, or every variant.
+fn methods_to_compare(every_variant: bool) -> Vec<Method> {
+    let mut methods = vec![
+        Method::Best,
+        Method::Fewest,
+        Method::Cache,
+        Method::Input,
+        Method::Sequential,
+        Method::SGI,
+        Method::QUAD_ROWS,
+    ];
+    let local = |triangulation, ties| Method::StripeLocal { triangulation, ties };
+    let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff, ties: Ties::default() };
+    if every_variant {
+        methods.extend([
+            Method::TUNNEL,
+            ETA_TO_COMPARE,
+            Method::GuidedTunnels(TunnelOptions::default()),
+            Method::Sgi { last_tie: LastTie::First },
+        ]);
+        for triangulation in FaceTriangulation::ALL {
+            methods.extend(Ties::ALL.map(|ties| local(triangulation, ties)));
+        }
+        for patches in Patches::ALL {
+            methods.extend([5, 10, 15, 20, 25].map(|cutoff| global(patches, cutoff)));
+        }
+    } else {
+        methods.extend([
+            local(FaceTriangulation::Static, Ties::Sequential),
+            local(FaceTriangulation::Whole, Ties::Sequential),
+            local(FaceTriangulation::Partial, Ties::Sequential),
+            local(FaceTriangulation::Whole, Ties::LookAhead),
+            global(Patches::Rows, 5),
+            global(Patches::Full, 5),
+        ]);
+    }
+    methods
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn all_variants_have_distinct_names() {
+        let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
+        let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
+        assert_eq!(labels.len(), 7 + 4 + 24 + 10);
+        assert!(
+            labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
+        );
+        assert!(methods_to_compare(false).into_iter().all(|method| labels.contains(&label(method))));
+    }
+}
