@@ -201,7 +201,7 @@ impl Levels {
         progress: Option<Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Self> {
-        let arguments = method::flags(py, options, effort, cost)?;
+        let arguments = method::parameters(py, options, effort, cost)?;
         arguments.set_item("model", model)?;
         arguments.set_item("base", base)?;
         arguments.set_item("price", price)?;

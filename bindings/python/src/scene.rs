@@ -349,7 +349,7 @@ impl Scene {
     ///
     /// Args:
     ///     all: whether all variants of published methods are compared.
-    ///     effort: 0 to 9, of the methods that search; "best" also runs at its default effort.
+    ///     effort: 0 to 9, of the methods that search, or None for the default of each; "best" always runs at its default effort, too.
     ///     cost: what "best" minimizes, as of `stripify`.
     ///     seed: of the methods that break ties at random.
     ///     weld: whether vertices with the same bits in position and all attributes are one.
@@ -371,7 +371,7 @@ impl Scene {
     /// [1, 1, 1]
     #[pyo3(
         signature = (**given),
-        text_signature = "($self, *, all=False, effort=3, cost='restart', seed=0, weld=False, budget=None, progress=None, on_interrupt='raise')"
+        text_signature = "($self, *, all=False, effort=None, cost='restart', seed=0, weld=False, budget=None, progress=None, on_interrupt='raise')"
     )]
     fn compare<'py>(
         &self,

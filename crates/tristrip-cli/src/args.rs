@@ -12,14 +12,17 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::builder::styling::{AnsiColor, Styles};
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Error, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use tristrip::Cost;
 use tristrip::Effort;
+use tristrip::vertex_cache::VertexCache;
 use tristrip_pipeline::VertexCacheList;
 
 use crate::method::{MethodArgs, WeldArgs};
+use crate::topics::{TOPICS, Topic};
 use crate::values::{effort_parser, named};
 pub(crate) use detail::{BuildLodArgs, LodArgs, SimplifyArgs};
 pub(crate) use flight::FlyArgs;
@@ -38,14 +41,16 @@ const STYLES: Styles = Styles::styled()
     .valid(AnsiColor::Green.on_default())
     .invalid(AnsiColor::Yellow.on_default());
 
-/// Build and verify triangle strips for polygon meshes
+/// Make polygon meshes small, streamable and ready for levels of detail
 ///
-/// Reads OBJ, PLY, OFF, STL, glTF and GLB; writes GLB, PLY and OBJ. Before a result is written, it is proven to draw exactly the
-/// faces of its source, each once, with its winding.
+/// Read OBJ, PLY, OFF, STL, glTF and GLB; write GLB, glTF, PLY and OBJ. Every result is verified before it is written: each input face is
+/// drawn exactly once, with its original winding.
 #[derive(Debug, Parser)]
 #[command(name = "tristrip", bin_name = "tristrip", version, propagate_version = true, max_term_width = 100, styles = STYLES)]
 #[command(
-    after_help = "Exit codes: 0 done and proven; 1 not proven, or a bad input or output; 2 wrong usage."
+    disable_help_subcommand = true,
+    arg_required_else_help = true,
+    help_template = "{about-with-newline}\n{usage-heading} {usage}\n\n{after-help}\nOptions:\n{options}"
 )]
 struct Cli {
     #[command(flatten)]
@@ -74,7 +79,17 @@ pub(crate) enum Command {
     Repro(ReproArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
+    Help(HelpArgs),
 }
+
+/// The subcommands by task, in the order of the help.
+const GROUPS: [(&str, &[&str]); 5] = [
+    ("Shrink files", &["strip", "simplify", "convert"]),
+    ("Levels of detail", &["lod", "build-lod", "fly"]),
+    ("Stream and view", &["pack", "unpack", "serve", "view"]),
+    ("Inspect and verify", &["analyze", "compare", "bound", "inspect", "verify", "repro"]),
+    ("Help", &["help", "completions", "man"]),
+];
 
 /// Build triangle strips, verify them, and write them
 ///
@@ -84,7 +99,7 @@ pub(crate) enum Command {
   tristrip strip bunny.ply -o bunny.glb             strips that every glTF viewer draws
   tristrip strip scene.glb -o out.glb --layout restart
   tristrip strip models/*.obj -o stripped/ --to ply
-  tristrip strip bunny.ply --method best --effort 7 -o bunny.glb
+  tristrip strip bunny.ply --method best:effort=7 -o bunny.glb
   tristrip strip horse.ply --method fewest --budget 5s
   tristrip strip bunny.ply --method stripe --json   no file: only the report
   tristrip strip bunny.ply --pareto bunny.svg       all methods in one chart
@@ -112,6 +127,12 @@ pub(crate) struct StripArgs {
     /// at --effort. --budget applies to each search; --seed and --weld apply to all. Up to three inputs.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) pareto: Option<PathBuf>,
+    /// The vertex cache that --pareto measures with: fifo:N or lru:N, N entries [default: fifo:16]
+    #[arg(long, value_name = "CACHE", requires = "pareto", help_heading = "Output")]
+    pub(crate) vertex_cache: Option<VertexCache>,
+    /// The seed of the methods of --pareto
+    #[arg(long, value_name = "N", requires = "pareto", help_heading = "Output")]
+    pub(crate) seed: Option<u64>,
     /// Draw the strips in a PNG file, one colour per strip
     ///
     /// 1200 x 900 pixels, seen from the front with the y axis up. Strips that share an edge have different colours. The parts of a scene
@@ -133,9 +154,9 @@ pub(crate) struct CompareArgs {
     /// Also compare tunnel, eta, guided-tunnels and all 24 stripe-local and 10 stripe-global variants
     #[arg(long)]
     pub(crate) all: bool,
-    /// The search effort of best, fewest and cache, from 0 to 9
-    #[arg(long, value_name = "LEVEL", default_value = "3", value_parser = effort_parser())]
-    pub(crate) effort: Effort,
+    /// The search effort of best, fewest and cache, from 0 to 9 [default: 2; for fewest 5]
+    #[arg(long, value_name = "LEVEL", value_parser = effort_parser())]
+    pub(crate) effort: Option<Effort>,
     /// The cost that best minimizes
     #[arg(long, value_parser = named(Cost::ALL, Cost::name, Cost::summary), value_name = "COST", default_value_t = Cost::Restart)]
     pub(crate) cost: Cost,
@@ -276,6 +297,17 @@ pub(crate) struct CompletionsArgs {
     pub(crate) shell: Shell,
 }
 
+/// Explain a subcommand or a topic
+///
+/// `tristrip COMMAND -h` lists the options of a subcommand, `tristrip help COMMAND` explains them.
+#[derive(Debug, Args)]
+#[command(after_long_help = topics())]
+pub(crate) struct HelpArgs {
+    /// The subcommand or topic
+    #[arg(value_name = "NAME", value_parser = help_parser(), hide_possible_values = true)]
+    pub(crate) name: Option<String>,
+}
+
 /// Print the man page of the command or of a subcommand
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
@@ -322,13 +354,59 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
         Command::Repro(_) => "repro",
         Command::Completions(_) => "completions",
         Command::Man(_) => "man",
+        Command::Help(HelpArgs { name: Some(name) }) if Topic::find(name).is_none() => {
+            return Err(help(&[name]));
+        }
+        Command::Help(HelpArgs { name: None }) => return Err(help(&[])),
+        Command::Help(_) => "help",
     };
     Ok(ParsedCommand { command, shared, subcommand })
 }
 
-/// Returns the command with all subcommands, of which `--version` prints the name of the command.
+/// Returns the long help of the command or of a subcommand, as clap has it: an error that is printed to standard output.
+fn help(subcommand: &[&String]) -> Error {
+    let words = ["tristrip"].into_iter().chain(subcommand.iter().map(|name| name.as_str()));
+    match command_line().try_get_matches_from(words.chain(["--help"])) {
+        Err(help) => help,
+        Ok(_) => command_line().error(ErrorKind::InvalidSubcommand, "there is no help"),
+    }
+}
+
+/// Returns the command with all subcommands; `--version` of a subcommand prints the name of the command.
 pub(crate) fn command_line() -> clap::Command {
-    Cli::command().mut_subcommands(|subcommand| subcommand.display_name("tristrip"))
+    let command = Cli::command().mut_subcommands(|subcommand| subcommand.display_name("tristrip"));
+    let groups = groups(&command);
+    let exit_codes = "Exit codes: 0 done and proven; 1 not proven, or a bad input or output; 2 wrong usage.";
+    let hint = "`tristrip COMMAND -h` lists the options of a command, `tristrip help COMMAND` explains them.";
+    command
+        .after_help(format!("{groups}\n{hint}\n"))
+        .after_long_help(format!("{groups}\n{hint}\n\n{}\n{exit_codes}\n", topics()))
+}
+
+/// Returns the subcommands by task, each with its line of help.
+fn groups(command: &clap::Command) -> String {
+    let mut text = String::new();
+    for (title, names) in GROUPS {
+        text.push_str(&format!("{title}:\n"));
+        for name in names {
+            let about = command.find_subcommand(name).and_then(clap::Command::get_about);
+            text.push_str(&format!("  {name:<12}{}\n", about.map(ToString::to_string).unwrap_or_default()));
+        }
+    }
+    text
+}
+
+/// Returns the topics of `tristrip help`.
+fn topics() -> String {
+    let lines = TOPICS.iter().map(|topic| format!("  {:<16}{}\n", topic.name, topic.summary));
+    format!("Topics of `tristrip help`:\n{}", lines.collect::<String>())
+}
+
+/// Returns a parser of the names of subcommands and topics.
+fn help_parser() -> PossibleValuesParser {
+    let topics = TOPICS.iter().map(|topic| PossibleValue::new(topic.name).help(topic.summary));
+    let subcommands = GROUPS.iter().flat_map(|(_, names)| names.iter());
+    PossibleValuesParser::new(subcommands.map(PossibleValue::new).chain(topics))
 }
 
 /// Returns the error of flags that do not fit together, with the usage of the subcommand.

@@ -38,6 +38,7 @@ mod simplify;
 mod stage;
 mod strip;
 mod task;
+mod topics;
 mod unpack;
 mod values;
 mod verify;

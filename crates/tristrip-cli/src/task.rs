@@ -18,9 +18,10 @@ use tristrip_io::gltf::Rounding;
 use tristrip_lab::repro::{Selection, sections};
 use tristrip_pipeline::{Amount, AnalyzeOptions, Goal, SimplifyOptions, VertexCacheList};
 
-use crate::args::{self, AnalyzeArgs, Command, OutputArgs, SharedArgs};
+use crate::args::{self, AnalyzeArgs, Command, HelpArgs, OutputArgs, SharedArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, write_to_stdout};
 use crate::shell;
+use crate::topics::Topic;
 use checks::{check_chart, check_distinct_files, check_picture};
 pub(crate) use levels::{BuildLodTask, ChainTask, LodTask};
 use levels::{build_lod_task, chain_task, lod_task};
@@ -51,7 +52,7 @@ pub(crate) enum Task {
     Serve(Box<ServeTask>),
     View(ViewTask),
     Repro(ReproTask),
-    /// A text to print: completions, or a man page.
+    /// A text to print: completions, a man page or a topic.
     Print(Vec<u8>),
 }
 
@@ -85,8 +86,8 @@ pub(crate) struct CompareTask {
     pub(crate) every_variant: bool,
     pub(crate) markdown: bool,
     pub(crate) options: StripifyOptions,
-    /// The effort of the methods that search; `best` also runs at its default effort.
-    pub(crate) effort: Effort,
+    /// The effort of the methods that search, instead of their defaults; `best` also runs at its default effort.
+    pub(crate) effort: Option<Effort>,
     pub(crate) budget: Option<Duration>,
 }
 
@@ -204,7 +205,13 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
     Ok(match command {
         Command::Strip(args) => {
             let jobs = jobs_of(args.general, &args.output)?;
-            let options = args.method.validate(args.pareto.is_some())?;
+            let mut options = args.method.validate(args.pareto.is_some())?;
+            if let Some(cache) = args.vertex_cache {
+                options = options.with_vertex_cache(cache);
+            }
+            if let Some(seed) = args.seed {
+                options = options.with_seed(seed);
+            }
             let pareto =
                 args.pareto.map(|path| pareto_task(path, args.method.effort(), &jobs)).transpose()?;
             let budget = args.method.budget();
@@ -281,6 +288,10 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
         }
         Command::Completions(args) => Task::Print(shell::completions(args.shell)),
         Command::Man(args) => Task::Print(shell::man(args.subcommand.as_deref())?),
+        Command::Help(HelpArgs { name }) => {
+            let topic = name.as_deref().and_then(Topic::find).ok_or("there is no such topic")?;
+            Task::Print(topic.text().into_bytes())
+        }
     })
 }
 

@@ -1013,7 +1013,7 @@ class Scene:
         self,
         *,
         all: bool = False,
-        effort: int = 3,
+        effort: int | None = None,
         cost: Cost = "restart",
         seed: int = 0,
         weld: bool = False,

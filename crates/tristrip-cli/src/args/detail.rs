@@ -16,12 +16,9 @@ use crate::values::{Amount, Vector, effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
-/// The cheapest collapse comes first. A removed vertex is replaced by one of its neighbours; without --fit no vertex moves, and none is added. The
-/// surface keeps its holes and, unless that costs too much, its shape; small components within the error limit of others vanish. If a goal cannot be reached within
-/// the error limit, or without tearing or folding the surface, simplification stops earlier, and a warning says why; this is not an error. Parts of
-/// one mesh that share positions (materials in OBJ, primitives in glTF) are simplified as one surface: both sides of a border between them collapse
-/// together. Vertices that touch a mesh which another node of the scene places stay, so that no gaps open. Unused vertices are removed from the
-/// file, except from a GLB that was read from glTF, where other parts of the scene refer to vertices by number. Without -o, only report.
+/// The surface keeps its holes and, as far as the goal allows, its shape. All parts of a scene are simplified together. If a goal cannot be
+/// reached within the error limit, or without tearing or folding the surface, simplification stops earlier and prints a warning. Without -o,
+/// only report. `tristrip help simplification` explains all options in detail.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip simplify bunny.ply --ratio 5% -o bunny-small.ply
@@ -35,53 +32,32 @@ pub(crate) struct SimplifyArgs {
     pub(crate) general: GeneralArgs,
     /// The ratio of all triangles to keep: 0.05 or 5%
     ///
-    /// The parts share the triangles: the collapse that costs least comes next, wherever it is, so that dense parts give most of them and all
-    /// parts of a scene have about the same error in the end. Without --ratio or --triangles, as few are kept as --error allows; with
-    /// one of them, the limit that is reached first ends the simplification.
+    /// All parts of a model share the triangles. Without --ratio or --triangles, simplify as far as --error allows; with one of them,
+    /// simplification ends at whichever limit is reached first.
     #[arg(long, value_name = "RATIO", conflicts_with = "triangles", allow_negative_numbers = true)]
     pub(crate) ratio: Option<Ratio>,
-    /// The number of triangles to keep; the parts share them as with --ratio
+    /// The number of triangles to keep
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) triangles: Option<usize>,
     #[command(flatten)]
     pub(crate) collapse: CollapseArgs,
     /// Whether normals are kept or rebuilt
-    ///
-    /// Vertices keep their normals, which then lie on other faces: those of a rounded edge that is gone would darken the flat sides beside it.
-    /// In a part of which a third is flat, where the share of the area with normals more than 45 degrees off their faces grows by more than
-    /// 2 %, such corners get another one: of the normals that the model had at the place the nearest to the face, or the mean of
-    /// the faces around it up to the hard edges, or that of the face.
-    ///
-    /// In a flat-shaded model every corner has the normal of its face, and every edge is a seam of normals that hardly anything can collapse
-    /// across. A part is flat-shaded if 98 % of its corners have the normal of their face within 2 degrees, and normals differ at a
-    /// quarter of its edges or more. Rebuilt parts are simplified by their shape, texture coordinates and colours; then each corner gets the
-    /// normal of its face, and tangents are computed again. With rebuild, all other parts are simplified likewise, and all their corners
-    /// get the nearest normal or the mean; edges are hard above the angle that best separates the hard edges of the part from the
-    /// smooth ones. This helps models with many hard edges to get smaller. Normals that a morph target changes are kept.
     #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default())]
     pub(crate) normals: Normals,
-    /// Move the vertices that are left closer to the original surface
+    /// Move the remaining vertices closer to the original surface
     ///
-    /// Vertices of the input lie on its surface, so that all of the simplified surface is on one side of it where it is curved. With this flag the positions
-    /// are found for which the squares of the distances between both surfaces add up to the least, in both directions: the root mean square falls by a third
-    /// or more. Both sides of a border between the parts of a mesh move together. Positions at open borders stay, those that touch parts in other places of the
-    /// scene, and those that a GLB cannot change: of a morph target, or stored as whole numbers. The result has vertices that the input does not
-    /// have: levels of detail that share the vertices of the input (`lod --chain`) cannot be fitted.
+    /// The root mean square of the distances falls by a third or more. The result has vertices that the input does not have.
     #[arg(long)]
     pub(crate) fit: bool,
     /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
-    ///
-    /// Weights change by less than 1/255 each, rotations by less than 0.004 degrees. Without it weights are rounded to 16 bits, which
-    /// changes them by less than 1/65535, and animations play the same within a millionth of each track's greatest value. Either way numbers
-    /// that place nodes have no more digits than 32-bit floats need.
     #[arg(long)]
     pub(crate) compact: bool,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     /// Draw the model before and after in a PNG file, from eight sides
     ///
-    /// The upper row is the input, the lower row the result, each in eight views of 256 x 256 pixels from beyond the corners of the bounding
-    /// box, with base colours and textures. A scene is drawn as its nodes place it, without animations and joints. One input.
+    /// The upper row shows the input, the lower row the result, in eight views of 256 x 256 pixels with base colours and textures. A scene is
+    /// drawn as its nodes place it, without animations and joints. One input.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) picture: Option<PathBuf>,
 }
@@ -268,7 +244,7 @@ pub(crate) struct LodArgs {
 #[command(after_long_help = "Examples:
   tristrip build-lod bunny.ply -o bunny.tlod
   tristrip build-lod dragon.ply -o dragon.tlod --order shortest-edge --json
-  tristrip build-lod bunny.ply -o bunny.tlod --method best --effort 5")]
+  tristrip build-lod bunny.ply -o bunny.tlod --method best:effort=5")]
 pub(crate) struct BuildLodArgs {
     /// A mesh file, or - for standard input
     #[arg(value_name = "INPUT")]

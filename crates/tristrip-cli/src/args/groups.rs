@@ -23,7 +23,7 @@ pub(crate) struct GeneralArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct FromArgs {
-    /// The format of standard input, or of files with a misleading extension
+    /// The format of the input, if neither extension nor content tells it
     ///
     /// By default the file name extension decides, or the content if the extension is unknown.
     #[arg(long, value_name = "FORMAT", value_parser = format_parser(&Format::ALL))]
@@ -54,10 +54,10 @@ pub(crate) struct SharedArgs {
 pub(crate) struct OutputArgs {
     #[command(flatten)]
     pub(crate) target: TargetArgs,
-    /// The layout of strips in the index buffer [default: degenerate for GLB, restart for PLY, list for OBJ]
+    /// The layout of strips [default: degenerate for GLB, restart for PLY, list for OBJ]
     ///
     /// By default, `strip` writes a part as a triangle list where that takes fewer indices than strips. A GLB in layout restart needs the
-    /// draft extension for primitive restart: viewers that ignore it, such as three.js, draw it wrong.
+    /// draft extension for primitive restart; viewers that ignore it, such as three.js, draw it wrong.
     #[arg(long, value_parser = named(Layout::ALL, Layout::name, layout_help), value_name = "LAYOUT", requires = "output")]
     pub(crate) layout: Option<Layout>,
 }
@@ -67,8 +67,9 @@ pub(crate) struct OutputArgs {
 pub(crate) struct TargetArgs {
     /// The file to write, a directory for several inputs, or - for standard output
     ///
-    /// The extension selects the format: .glb, .gltf, .ply or .obj. A .gltf has its buffer beside it, in a file of the same name with the
-    /// extension .bin. A file is written under a temporary name and then renamed; one that exists is replaced. In a directory, each output has the name of its input, with the extension of --to.
+    /// The extension selects the format: .glb, .gltf, .ply or .obj. The buffer of a .gltf is written next to it, with the extension .bin.
+    /// Files are written under a temporary name and then renamed; existing files are replaced. In a directory, each output has the name of
+    /// its input, with the extension of --to.
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: Option<PathBuf>,
     /// The format to write [default: by the extension; glb in a directory]
@@ -82,40 +83,28 @@ pub(crate) struct TargetArgs {
 /// What collapses may do, and what they cost.
 #[derive(Debug, Args)]
 pub(crate) struct CollapseArgs {
-    /// The maximum surface error: 0.01 in mesh units, or 0.1% of the diagonal of the model's bounding box; 100% for any [default: 1%]
+    /// The maximum surface error in mesh units, or in % of the bounding-box diagonal [default: 1%]
     ///
-    /// The error of a collapse is the largest distance from the triangles that it leaves to the vertices that they replace, those of earlier
-    /// collapses included, or from the old triangles to the middles of its new edges. Near the limit the new triangles are also compared with the
-    /// full mesh. A number of triangles or a level that needs a larger error is not reached, and a warning says so. `lod` without --chain has no
-    /// such limit: there --error draws the coarsest level within it.
+    /// 0.01 is in mesh units, 0.1% relative to the diagonal; 100% accepts any error. Simplification stops with a warning rather than exceed it.
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
-    /// How much attributes count relative to the shape: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
+    /// The weights of attributes: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
     ///
-    /// Normals that turn by a radian count like a surface that moves by 4% of the longest side, tangents like 3%, and colours that change from
-    /// none to full like 10%; texture coordinates count by one and a half times the distance that the texture moves over the surface, and
-    /// joints by the distance that a vertex moves elsewhere if a joint turns by a tenth of a radian. 0 ignores them.
+    /// Attributes are part of the price of a collapse. 0 ignores an attribute.
     #[arg(long, value_name = "WEIGHTS")]
     pub(crate) weight: Option<AttributeWeights>,
     /// What a collapse costs
-    ///
-    /// By planes alone it takes about a third of the time. Errors are then root mean squares of distances to planes: the largest distance between the
-    /// surfaces may be greater than --error, and the mean distance is about a third greater at as many triangles. By quadric the cheapest pair of all is
-    /// collapsed next, as Garland and Heckbert published it: the cost is a sum of squared distances to planes, those along borders 1000 times, its root is the error, attributes
-    /// do not count, and one thread does all.
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default())]
     pub(crate) price: Price,
-    /// Let holes close, handles vanish and textures shift at their seams: for clutter that is to become very small
+    /// Allow holes to close, handles to vanish and textures to shift at seams, for very small results
     #[arg(long)]
     pub(crate) permissive: bool,
     /// Keep all vertices at open borders, so that the tiles of a terrain still fit together
     #[arg(long)]
     pub(crate) lock_borders: bool,
-    /// How far the two sides of an open border may be apart to collapse together: in mesh units, or of the diagonal [default: 0.0001%]
+    /// Join the two sides of an open border up to this distance or % of the diagonal [default: 0.0001%]
     ///
-    /// Scanners and CAD write the positions of such a border with small differences; a crack opens where each side is simplified by itself. It
-    /// should be less than the edges are long: a border is joined to itself otherwise. Positions stay what they are. 0 joins equal positions
-    /// only. Parts that different nodes place are not joined.
+    /// Both sides then collapse together, and no crack opens between them. Positions are not changed. 0 joins equal positions only.
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true)]
     pub(crate) weld_distance: Option<Deviation>,
 }

@@ -161,7 +161,7 @@ fn flags_that_do_not_fit_are_wrong_usage() {
         (&["a.ply", "-o", "a.glb"][..], "a.glb: build-lod writes .tlod; use this extension"),
         (&["a.ply", "-o", "-"], "-: build-lod writes .tlod; use this extension"),
         (&["a.ply", "-o", "a.tlod", "--weld"], "--weld does not fit build-lod"),
-        (&["a.ply", "-o", "a.tlod", "--cutoff", "5"], "--cutoff belongs to"),
+        (&["a.ply", "-o", "a.tlod", "-m", "best:cutoff=5"], "found `cutoff` in `best:cutoff=5`"),
         (&["a.ply", "-o", "a.tlod", "--order", "none"], "possible values: quadric, shortest-edge"),
         (&["a.ply"], "--output <OUTPUT>"),
         (&["a.ply", "b.ply", "-o", "a.tlod"], "unexpected argument 'b.ply'"),

@@ -75,7 +75,7 @@ fn points_equal_the_reports_of_the_methods() {
         ("guided-tunnels", &["-m", "guided-tunnels"]),
         ("best 2", &["-m", "best", "--effort", "2"]),
         ("fewest 5", &["-m", "fewest"]),
-        ("cache misses 2", &["-m", "cache", "--objective", "misses"]),
+        ("cache misses 2", &["-m", "cache:objective=misses"]),
     ] {
         let alone = json(tristrip().args(["strip", "--json"]).args(flags).arg(model("wingnut.ply")));
         let point = point(&report, label);

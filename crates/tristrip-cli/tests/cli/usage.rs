@@ -23,46 +23,38 @@ fn negative_numbers_are_values_out_of_range() {
 }
 
 #[test]
-fn options_belong_to_their_methods() {
-    refused(
-        &["strip", "a.ply", "--ties", "random"],
-        "--ties belongs to --method stripe-local or stripe-global, not to best",
-    );
-    refused(&["strip", "a.ply", "-m", "sgi", "--triangulation", "static"], "--triangulation belongs to");
-    refused(&["strip", "a.ply", "-m", "stripe-local", "--patches", "rows"], "--patches belongs to");
-    refused(&["strip", "a.ply", "-m", "sequential", "--cutoff", "5"], "--cutoff belongs to");
-    refused(&["strip", "a.ply", "-m", "sgi", "--seed", "1"], "--seed belongs to --method best, fewest");
-    refused(&["strip", "a.ply", "-m", "stripe", "--last-tie", "first"], "--last-tie belongs to --method sgi");
+fn parameters_belong_to_their_methods() {
+    for (method, message) in [
+        ("magic", "found `magic`, expected best, sequential, fewest, cache"),
+        (
+            "best:ties=random",
+            "found `ties` in `best:ties=random`, expected one of the parameters cost, effort and seed",
+        ),
+        ("sgi:seed=1", "found `seed` in `sgi:seed=1`, expected the parameter last-tie"),
+        ("sequential:cutoff=5", "expected no parameters for sequential"),
+        (
+            "stripe:cutoff=0",
+            "parameter `cutoff`: found `0` in `stripe:cutoff=0`, expected an integer of at least 1",
+        ),
+        ("stripe:patches=all", "found `all` in `stripe:patches=all`, expected one of: rows, full"),
+        ("best:effort=10", "found `10` in `best:effort=10`, expected an integer from 0 to 9"),
+        ("cache:vertex-cache=fifo:0", "`fifo:N` or `lru:N`, N from 1 to 65536"),
+        ("best:cost", "found `cost` in `best:cost`, expected PARAMETER=VALUE"),
+    ] {
+        refused(&["strip", "a.ply", "-m", method], message);
+        refused(&["strip", "a.ply", "-m", method], "`tristrip help methods` describes all methods");
+    }
     refused(
         &["strip", "a.ply", "-m", "eta", "--effort", "3"],
-        "--effort belongs to --method best, fewest or cache",
+        "--effort belongs to methods best, fewest and cache, not to eta",
+    );
+    refused(
+        &["strip", "a.ply", "-m", "best:effort=3", "--effort", "3"],
+        "--effort cannot be used with the parameter effort of --method",
     );
     refused(&["strip", "a.ply", "-m", "best", "--effort", "10"], "10 is not in 0..=9");
-    refused(&["strip", "a.ply", "-m", "fewest", "--cost", "gl"], "--cost belongs to --method best");
     refused(&["strip", "a.ply", "-m", "sgi", "--budget", "1s"], "--budget belongs to");
     refused(&["strip", "a.ply", "-m", "best", "--budget", "soon"], "--budget");
-    refused(&["strip", "a.ply", "-m", "best", "--tunnel-length", "3"], "--tunnel-length belongs to");
-    refused(&["strip", "a.ply", "-m", "tunnel", "--threshold", "3"], "--threshold belongs to --method eta");
-    refused(&["strip", "a.ply", "-m", "tunnel", "--start", "sgi"], "--start belongs to --method eta");
-    refused(
-        &["strip", "a.ply", "-m", "guided-tunnels", "--acceptance", "breadth-first"],
-        "--acceptance belongs to --method eta, not to guided-tunnels",
-    );
-    refused(&["strip", "a.ply", "-m", "tunnel", "--localization", "none"], "--localization belongs to");
-    refused(&["strip", "a.ply", "-m", "stripe", "--cutoff", "0"], "--cutoff");
-    refused(
-        &["strip", "a.ply", "-m", "best", "--vertex-cache", "fifo:8"],
-        "--vertex-cache belongs to --method cache",
-    );
-    refused(
-        &["strip", "a.ply", "--objective", "misses"],
-        "--objective belongs to --method cache, not to best",
-    );
-    refused(
-        &["strip", "a.ply", "-m", "cache", "--vertex-cache", "fifo:0"],
-        "`fifo:N` or `lru:N`, N from 1 to 65536",
-    );
-    refused(&["strip", "a.ply", "-m", "magic"], "possible values: best");
 }
 
 #[test]
@@ -121,7 +113,6 @@ fn flags_are_checked() {
     refused(&["strip", "a", "b", "c", "d", "--pareto", "a.svg"], "--pareto takes at most 3 inputs");
     let both = ["strip", "a.ply", "--pareto", "a.svg", "--to", "ply", "-o", "a.svg"];
     refused(&both, "-o and --pareto name the same file");
-    refused(&["strip", "a.ply", "--pareto", "a.svg", "--objective", "misses"], "--objective belongs to");
     refused(&["simplify", "a.ply", "--weight", "uv=-1"], "uv=-1");
     refused(&["simplify", "a.ply", "--ratio", "1.5"], "found `1.5`, expected a ratio from 0 to 1");
     refused(&["simplify", "a.ply", "--ratio", "5%", "--triangles", "9"], "cannot be used with");
