@@ -23,6 +23,7 @@ LIBRARIES = {
     "tristrip-io": False,
     "tristrip-pipeline": False,
     "tristrip-lab": False,
+    "tristrip-render": False,
     "tristrip-serve": False,
     "tristrip-cli": True,
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use tristrip_lab::text;
+use tristrip_render::text;
 
 use crate::measure::{MethodRow, Outcome};
 use crate::scaling::Scaling;

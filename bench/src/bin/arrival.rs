@@ -20,8 +20,8 @@ use tristrip_bench::failure::Failure;
 use tristrip_bench::text::Table;
 use tristrip_io::gltf::{ProgressiveGlb, Scene};
 use tristrip_io::read_path;
-use tristrip_lab::rate::draw_arrival;
 use tristrip_pipeline::{PackOptions, pack};
+use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
 /// The chunks that are compared with the full mesh, about: each takes ten seconds for a million triangles.
 const COMPARED: usize = 12;
@@ -146,7 +146,7 @@ fn write_docs(
     let curves: Vec<(String, Vec<(f64, f64)>)> = curves.iter().map(points).collect();
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy();
     let title = format!("{name} at {} Mbit/s", args.megabits);
-    fs::write(folder.join("arrival.svg"), draw_arrival(&title, &curves)?)?;
+    fs::write(folder.join("arrival.svg"), draw(&title, &curves)?)?;
     let page = format!(
         "# While a file arrives\n\n\
          What can be shown of the {name} at {} megabits per second: the distance from the full mesh against time. A progressive file shows its base mesh first; other files are shown when \
@@ -158,4 +158,20 @@ fn write_docs(
     );
     fs::write(folder.join("arrival.md"), page)?;
     Ok(())
+}
+
+/// Draws the distance of the levels shown from the full mesh against the seconds since the download began: steps for each named
+/// file, from its first image on. Distances are in percent of the diagonal; those of 0 are left out.
+fn draw(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> Result<String, tristrip_render::Error> {
+    let series = |(name, points): &(String, Vec<(f64, f64)>)| {
+        let mark = if points.len() > 1 { Mark::Steps } else { Mark::Points };
+        Series::new(name, mark, points.iter().copied().filter(|&(_, rms)| rms > 0.0).collect())
+    };
+    let panel = Panel::new(
+        &format!("Distance against time: {title}"),
+        Axis::new("seconds since the download began", Scale::Linear { from_zero: true }),
+        Axis::new("RMS distance, % of the diagonal", Scale::Log10),
+        curves.iter().map(series).collect(),
+    );
+    svg(&[panel], 1)
 }

@@ -19,10 +19,10 @@ use tristrip_bench::failure::Failure;
 use tristrip_bench::scenes::{self, name, packed};
 use tristrip_bench::text::Table;
 use tristrip_io::{Format, Model, read, read_path, replace_file};
-use tristrip_lab::render::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 use tristrip_pipeline::{
     Amount, CollapseRules, Deviation, Goal, Normals, Ratio, SimplifyOptions, simplify, simplify_parts,
 };
+use tristrip_render::images::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 
 /// The shares of the triangles that are kept.
 const SHARES: [f64; 2] = [0.5, 0.2];

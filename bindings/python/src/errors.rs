@@ -63,6 +63,15 @@ impl From<tristrip_pipeline::Error> for Failure {
     }
 }
 
+impl From<tristrip_render::Error> for Failure {
+    fn from(error: tristrip_render::Error) -> Self {
+        match error {
+            tristrip_render::Error::Pipeline(error) => error.into(),
+            other => Self::Parameter(other.to_string()),
+        }
+    }
+}
+
 impl From<tristrip_lab::Error> for Failure {
     fn from(error: tristrip_lab::Error) -> Self {
         use tristrip_lab::Error;

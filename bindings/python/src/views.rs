@@ -18,11 +18,11 @@ use tristrip_io::tlod::{self, TlodLimits};
 use tristrip_lab::flight::{
     Axis, CameraPath, FlightObserver, FlightOptions, FlightPath, FlightReport, Lens, fly, prove_drawing,
 };
-use tristrip_lab::render::{RenderOptions, strips_seen, triangles_seen};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
     DisplayFilter, MethodReport, Observer, Stopped, ViewModelOptions, ViewModelReport, view_model,
 };
+use tristrip_render::images::{RenderOptions, strips_seen, triangles_seen};
 
 use crate::arguments::{Arguments, Keywords};
 use crate::arrays::triangle_rows;

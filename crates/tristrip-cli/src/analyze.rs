@@ -4,10 +4,10 @@ use std::cell::RefCell;
 
 use serde::Serialize;
 use tristrip::vertex_cache::FlushPolicy;
-use tristrip_lab::analysis::{self, Curve};
-use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{DrawMode, LengthBin, PartReport, StoredFigures, VertexCacheReport};
+use tristrip_render::analysis::{self, Curve};
+use tristrip_render::text::table;
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;

@@ -1,9 +1,9 @@
 //! `tristrip bound`: lower bounds on strips, vertices and indices, and how they were found.
 
 use serde::Serialize;
-use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{BoundGap, Bounds, ComponentReport, Event, MeshFigures, bound_observed};
+use tristrip_render::text::table;
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;

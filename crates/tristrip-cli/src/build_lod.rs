@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde::Serialize;
 use tristrip_io::Model;
-use tristrip_lab::text;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
     Event, MethodReport, Stopped, ViewModel, ViewModelOptions, ViewModelReport, view_model,
 };
+use tristrip_render::text;
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 use tristrip::StripifyOptions;
-use tristrip_lab::text::{markdown, table};
 use tristrip_pipeline::text::{counted, grouped};
 use tristrip_pipeline::{
     Event, Figures, MeshFigures, MethodReport, PreparedModel, Search, Survey, compared_methods,
 };
+use tristrip_render::text::{markdown, table};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;

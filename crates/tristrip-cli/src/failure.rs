@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use tristrip_lab::system_message;
+use tristrip_io::system_message;
 use tristrip_pipeline::text::count;
 
 /// What to do about a missing file with a name that a shell would expand.
@@ -82,6 +82,15 @@ impl From<tristrip_lab::Error> for Failure {
     fn from(error: tristrip_lab::Error) -> Self {
         match error {
             tristrip_lab::Error::Pipeline(error) => error.into(),
+            other => Self::Output(other.to_string()),
+        }
+    }
+}
+
+impl From<tristrip_render::Error> for Failure {
+    fn from(error: tristrip_render::Error) -> Self {
+        match error {
+            tristrip_render::Error::Pipeline(error) => error.into(),
             other => Self::Output(other.to_string()),
         }
     }

@@ -1,9 +1,9 @@
 //! The figures of strips and meshes as text.
 
 use tristrip::vertex_cache::VertexCache;
-use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{Figures, MeshFigures};
+use tristrip_render::text::table;
 
 /// Returns a table of the metrics, compared with the plain triangle list.
 pub(crate) fn summary(figures: &Figures) -> String {

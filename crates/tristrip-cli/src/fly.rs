@@ -9,10 +9,10 @@ use tristrip::lod::{Camera, SkipStrips, SkipView};
 use tristrip_lab::flight::{
     FlightObserver, FlightOptions, FlightReport, FrameRow, as_markdown, as_text, draw, fly,
 };
-use tristrip_lab::render::{RenderOptions, strips_seen, triangles_seen};
-use tristrip_lab::text;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{MethodReport, Stopped, ViewModel, ViewModelOptions};
+use tristrip_render::images::{RenderOptions, strips_seen, triangles_seen};
+use tristrip_render::text;
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;

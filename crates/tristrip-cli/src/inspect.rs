@@ -1,9 +1,9 @@
 //! `tristrip inspect`: what a progressive GLB holds, and what it costs.
 
 use serde::Serialize;
-use tristrip_lab::{rate, text};
 use tristrip_pipeline::text::count;
 use tristrip_pipeline::{ComponentBits, StreamFigures, StreamReport, stream_figures};
+use tristrip_render::{rate, text};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;

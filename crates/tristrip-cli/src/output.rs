@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use tristrip_lab::text;
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Encoded, Error, Event, Observer};
+use tristrip_render::text;
 
 use crate::console::Console;
 use crate::failure::Failure;

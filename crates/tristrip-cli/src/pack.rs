@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde::Serialize;
 use tristrip_io::Model;
-use tristrip_lab::text;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{Joined, LevelsOptions, Packed, PackedReport, join, pack, pack_as_published};
+use tristrip_render::text;
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;

@@ -4,9 +4,9 @@ use std::sync::Mutex;
 
 use tristrip::StripifyOptions;
 use tristrip_lab::repro::{ReproObserver, ReproReport, reproduce};
-use tristrip_lab::text::table;
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Observer, Search};
+use tristrip_render::text::table;
 
 use crate::console::Console;
 use crate::failure::Failure;

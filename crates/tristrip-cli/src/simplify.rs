@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde::Serialize;
 use tristrip_io::{Format, Model};
-use tristrip_lab::render::{Mode, TexturedModel, rows_of_sides};
-use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{Event, SimplifyFigures, simplify_observed};
+use tristrip_render::images::{Mode, TexturedModel, rows_of_sides};
+use tristrip_render::text::table;
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::collapses::CollapseFields;

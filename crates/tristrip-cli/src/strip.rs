@@ -6,13 +6,13 @@ use serde::Serialize;
 use tristrip::StripifyOptions;
 use tristrip_io::Model;
 use tristrip_lab::pareto::{self, ParetoObserver, ParetoPoint};
-use tristrip_lab::render::{self, RenderOptions};
-use tristrip_lab::text as lab_text;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
     BoundGap, DrawnAs, DrawnParts, EncodeOptions, Event, Figures, FileFigures, MeshFigures, MethodReport,
     Observer, PreparedModel, Search, Stopped, StripOptions, Stripped, encode_observed, strip_observed,
 };
+use tristrip_render::images::{self, RenderOptions};
+use tristrip_render::text as render_text;
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::bound::gap_line;
@@ -66,7 +66,7 @@ struct StripReport {
 
 /// Returns the row of a file in a table.
 fn file_row(name: &str, figures: &FileFigures) -> Vec<String> {
-    let bytes = figures.bytes.map_or_else(|| "unknown".into(), |bytes| lab_text::bytes(bytes as usize));
+    let bytes = figures.bytes.map_or_else(|| "unknown".into(), |bytes| render_text::bytes(bytes as usize));
     vec![format!("  {name}"), count(figures.indices), format!("{:.3}", figures.acmr_fifo_16), bytes]
 }
 
@@ -74,7 +74,7 @@ fn file_row(name: &str, figures: &FileFigures) -> Vec<String> {
 fn before_and_after(report: &StripReport) -> String {
     let (Some(before), Some(after)) = (&report.before, &report.after) else { return String::new() };
     let head = ["", "indices", "ACMR, FIFO 16", "file"].map(str::to_owned).to_vec();
-    lab_text::table(&[head, file_row("before", before), file_row("after", after)], 1..4)
+    render_text::table(&[head, file_row("before", before), file_row("after", after)], 1..4)
 }
 
 impl InputReport for StripReport {
@@ -238,7 +238,7 @@ fn draw(path: &Path, model: &Model, stripped: &Stripped, console: &Console) -> R
     let options = RenderOptions::default();
     let positions = model.parts.iter().map(|part| part.mesh.positions());
     let parts: Vec<_> = positions.zip(&stripped.strips).collect();
-    let (picture, seconds) = timed(|| render::strips(&parts, &options));
+    let (picture, seconds) = timed(|| images::strips(&parts, &options));
     tristrip_io::replace_file(path, &picture?).map_err(|error| Failure::writing(&error))?;
     let what = format!("{}, {} × {} pixels", path.display(), options.width, options.height);
     console.stage("picture", &what, Some(seconds));

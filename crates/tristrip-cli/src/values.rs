@@ -10,7 +10,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tristrip::Effort;
 use tristrip::Layout;
 use tristrip_io::Format;
-use tristrip_lab::render::MAX_SIZE;
+use tristrip_render::images::MAX_SIZE;
 
 /// Returns a parser for the names of formats, which are their file name extensions.
 pub(crate) fn format_parser(formats: &'static [Format]) -> impl TypedValueParser<Value = Format> {

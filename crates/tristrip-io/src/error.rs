@@ -50,3 +50,20 @@ impl Error {
         Self::Format { at: at.into(), found: found.into(), expected: expected.into() }
     }
 }
+
+/// Returns the message of a system error, without its number.
+///
+/// ```
+/// let error = std::io::Error::from(std::io::ErrorKind::NotFound);
+/// assert_eq!(tristrip_io::system_message(&error), "no such file or directory");
+/// ```
+pub fn system_message(error: &std::io::Error) -> String {
+    if error.kind() == std::io::ErrorKind::NotFound {
+        return "no such file or directory".into();
+    }
+    let message = error.to_string();
+    match message.find(" (os error") {
+        Some(end) => message[..end].to_lowercase(),
+        None => message,
+    }
+}

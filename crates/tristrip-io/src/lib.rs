@@ -52,7 +52,7 @@ pub mod tlod;
 mod vertex_group;
 
 pub use any_format::{losses, material_losses, plain_materials, read, read_shared, write};
-pub use error::Error;
+pub use error::{Error, system_message};
 pub use format::Format;
 #[cfg(feature = "fs")]
 pub use gltf::images::EmbeddedImages;

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::Path;
 
+use tristrip_io::system_message;
+
 /// Why something could not be measured, drawn or reproduced.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -32,12 +34,9 @@ pub enum Error {
     /// The data of a paper is invalid.
     #[error("{0}")]
     Data(String),
-    /// A chart could not be drawn.
-    #[error("chart: {0}")]
-    Chart(String),
-    /// A picture cannot be drawn as requested.
-    #[error("picture: {0}")]
-    Picture(String),
+    /// A chart or an image could not be drawn.
+    #[error(transparent)]
+    Render(tristrip_render::Error),
     /// The user interrupted before all results were there.
     #[error("{0}: interrupted")]
     Interrupted(&'static str),
@@ -56,19 +55,11 @@ impl From<tristrip::Error> for Error {
     }
 }
 
-/// Returns the message of a system error, without its number.
-///
-/// ```
-/// let error = std::io::Error::from(std::io::ErrorKind::NotFound);
-/// assert_eq!(tristrip_lab::system_message(&error), "no such file or directory");
-/// ```
-pub fn system_message(error: &io::Error) -> String {
-    if error.kind() == io::ErrorKind::NotFound {
-        return "no such file or directory".into();
-    }
-    let message = error.to_string();
-    match message.find(" (os error") {
-        Some(end) => message[..end].to_lowercase(),
-        None => message,
+impl From<tristrip_render::Error> for Error {
+    fn from(error: tristrip_render::Error) -> Self {
+        match error {
+            tristrip_render::Error::Pipeline(error) => Self::Pipeline(error),
+            other => Self::Render(other),
+        }
     }
 }

@@ -22,8 +22,8 @@ use tristrip_pipeline::{
 };
 
 use crate::error::Error;
-use crate::text::table;
 pub use chart::draw;
+use tristrip_render::text::table;
 
 /// The efforts of `best` and `cache`: their default, and a longer search.
 const EFFORTS: [u8; 2] = [2, 5];

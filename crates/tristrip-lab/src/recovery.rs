@@ -23,9 +23,9 @@ use tristrip_pipeline::text::count;
 use tristrip_pipeline::{ModelCursor, ModelLevels, rounded};
 
 use crate::error::Error;
-use crate::text::{bytes, table};
 pub use chart::draw;
 pub use sweep::Sweep;
+use tristrip_render::text::{bytes, table};
 
 /// The shares of all levels that the tests recover, in percent.
 pub const SHARES: [usize; 6] = [1, 3, 6, 10, 15, 20];

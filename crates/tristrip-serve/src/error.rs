@@ -3,7 +3,7 @@
 use std::io;
 use std::net::SocketAddr;
 
-use tristrip_lab::system_message;
+use tristrip_io::system_message;
 
 /// Why a server cannot start or go on.
 #[derive(Debug, thiserror::Error)]

@@ -1,4 +1,4 @@
-//! Pictures of models for the gallery, drawn by the rasterizer of `tristrip-lab`: PNG with a transparent background.
+//! Pictures of models for the gallery, drawn by the rasterizer of `tristrip-render`: PNG with a transparent background.
 //!
 //! A progressive file is drawn at a level with few triangles, so that a large model takes no longer than a small one. Another model that is too large is shown as a cube: one with too many triangles,
 //! counted in each place where the scene shows them, or whose triangles hide one another too often.
@@ -6,8 +6,8 @@
 use tristrip::Layout;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Format, Model};
-use tristrip_lab::render::{Mode, RenderOptions, TexturedModel};
 use tristrip_pipeline::{StreamGoal, unpack};
+use tristrip_render::images::{Mode, RenderOptions, TexturedModel};
 
 use crate::deadline::Deadline;
 use crate::folder::Folder;
@@ -72,7 +72,7 @@ fn of_model(model: &Model) -> Result<Vec<u8>, String> {
             let is_small = textured.sample_count(&options)? <= MOST_SAMPLES;
             if is_small { textured.picture(mode, &options).map(Some) } else { Ok(None) }
         };
-        draw().map_err(|error: tristrip_lab::Error| error.to_string())
+        draw().map_err(|error: tristrip_render::Error| error.to_string())
     };
     // The materials of an OBJ are drawn as those of the glTF that they become.
     if model.scene.is_none() && model.materials.as_ref().is_some_and(|materials| !materials.is_empty()) {

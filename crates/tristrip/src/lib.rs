@@ -20,6 +20,7 @@ mod cover;
 mod csr;
 mod dual;
 mod effort;
+mod entropy;
 mod error;
 mod ids;
 mod index;

@@ -10,7 +10,7 @@
 //! Splits come in batches. A batch is a set of collapses whose removed points have no triangle in common, so that they can be told in any order: fan by fan, such
 //! that fans near each other follow one another. What a batch says about a fan is whether it is split (module `splits`), which of its corners move, and where the new point is
 //! (`places`) and what attributes its vertex has (`channels`), as differences from what the mesh around it makes expect. Each of these is a row of
-//! decisions and choices whose probabilities are learned (`slots`, `scores`, `numbers`), written by a range coder (`range_coder`). Positions are on a grid whose step is halved as the error of the levels
+//! decisions and choices for the range coder and the adaptive models of the module `entropy`. Positions are on a grid whose step is halved as the error of the levels
 //! gets smaller (`refiner`). The encoder plans (`plan`) and rehearses (`run`, `fit`) before it writes (`encoder`).
 //!
 //! On an attribute seam, and where a surface is not manifold, a point has several fans (`surface`), which are split together.
@@ -43,18 +43,14 @@ mod fit;
 mod grid;
 mod head;
 mod levels;
-mod numbers;
 mod options;
 mod part;
 mod places;
 mod plan;
-mod range_coder;
 mod refiner;
 mod run;
 #[cfg(test)]
 mod samples;
-mod scores;
-mod slots;
 mod source;
 mod splits;
 mod strips;

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use tristrip::Strips;
 use tristrip_io::Model;
-use tristrip_lab::render::{self, MAX_SIZE, Mode, RenderOptions, TexturedModel};
+use tristrip_render::images::{self, MAX_SIZE, Mode, RenderOptions, TexturedModel};
 
 use super::data::SceneData;
 use crate::errors::Failure;
@@ -24,7 +24,7 @@ pub(crate) fn of_scene<'py>(
     let drawn = Watching::default().run(py, |_| {
         let model = scene.pictured()?;
         let drawn = TexturedModel::new(&model).and_then(|model| model.picture(mode, &options));
-        drawn.map_err(failure)
+        drawn.map_err(Failure::from)
     });
     Ok(PyBytes::new(py, &drawn?.result()?))
 }
@@ -40,7 +40,7 @@ pub(crate) fn of_strips<'py>(
     let drawn = Watching::default().run(py, |_| {
         let positions = model.parts.iter().map(|part| part.mesh.positions());
         let parts: Vec<_> = positions.zip(strips).collect();
-        render::strips(&parts, &options).map_err(failure)
+        Ok(images::strips(&parts, &options)?)
     });
     Ok(PyBytes::new(py, &drawn?.result()?))
 }
@@ -54,9 +54,9 @@ pub(crate) fn before_and_after<'py>(
     let size = pixels(size)?;
     let drawn = Watching::default().run(py, |_| {
         let [before, after] = [scenes[0].pictured()?, scenes[1].pictured()?];
-        let before = TexturedModel::new(&before).map_err(failure)?;
-        let after = TexturedModel::new(&after).map_err(failure)?;
-        render::rows_of_sides(&[&before, &after], Mode::Textured, size).map_err(failure)
+        let before = TexturedModel::new(&before)?;
+        let after = TexturedModel::new(&after)?;
+        Ok(images::rows_of_sides(&[&before, &after], Mode::Textured, size)?)
     });
     Ok(PyBytes::new(py, &drawn?.result()?))
 }
@@ -65,11 +65,4 @@ pub(crate) fn before_and_after<'py>(
 fn pixels(size: i64) -> Result<u32, Failure> {
     let known = u32::try_from(size).ok().filter(|size| (1..=MAX_SIZE).contains(size));
     known.ok_or_else(|| Failure::option("size", size, "1 to 8192 pixels"))
-}
-
-fn failure(error: tristrip_lab::Error) -> Failure {
-    match error {
-        tristrip_lab::Error::Pipeline(error) => error.into(),
-        other => Failure::Parameter(other.to_string()),
-    }
 }

@@ -1,9 +1,9 @@
 //! The report of `tristrip lod --chain`: the keys are those of the JSON output.
 
 use serde::Serialize;
-use tristrip_lab::text::{bytes, table};
 use tristrip_pipeline::text::count;
 use tristrip_pipeline::{Collapses, LevelReport, MethodReport};
+use tristrip_render::text::{bytes, table};
 
 use crate::batch::{InputReport, Outcome};
 

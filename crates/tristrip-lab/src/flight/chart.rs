@@ -1,8 +1,8 @@
 //! The chart of a flight: triangles and vertices sent, and the time of each frame.
 
 use super::frames::FrameRow;
-use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
+use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
 /// The most points of a curve. Of more frames, each point is the greatest value of several.
 const POINTS: usize = 600;
@@ -42,5 +42,5 @@ pub fn draw(name: &str, rows: &[FrameRow]) -> Result<String, Error> {
         Panel::new(&format!("Drawn per frame: {name}"), axis("frame"), axis("count"), drawn),
         Panel::new("Time of an update, without the first", axis("frame"), axis("milliseconds"), vec![times]),
     ];
-    svg(&panels, 1)
+    Ok(svg(&panels, 1)?)
 }

@@ -3,7 +3,7 @@
 use tristrip_pipeline::text::{count, counted};
 
 use super::frames::{FlightSummary, FrameRow, FrameValues};
-use crate::text::{bytes, markdown, table};
+use tristrip_render::text::{bytes, markdown, table};
 
 /// The most rows of the table of frames.
 const TABLE_ROWS: usize = 60;

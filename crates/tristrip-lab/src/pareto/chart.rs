@@ -1,8 +1,8 @@
 //! The chart of all methods: one panel per model. The optimal methods are joined by steps and labelled, the others are grey.
 
 use super::{LIST, ParetoPoint};
-use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
+use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
 /// A point of the file's own order is drawn unless it makes an axis longer than the range of the methods by more than this factor.
 const MAX_STRETCH: f64 = 2.0;
@@ -27,7 +27,7 @@ const MAX_NAMES: usize = 3;
 /// ```
 pub fn draw(models: &[(String, &[ParetoPoint])]) -> Result<String, Error> {
     let panels: Vec<Panel> = models.iter().map(|(name, points)| panel(name, points)).collect();
-    svg(&panels, 1)
+    Ok(svg(&panels, 1)?)
 }
 
 fn panel(name: &str, points: &[ParetoPoint]) -> Panel {

@@ -1,8 +1,8 @@
 //! The chart of recovery times: one panel per input and sweep, one line per level model.
 
 use super::{ModelRecovery, Sweep};
-use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
+use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
 /// Draws a panel per input and sweep, from the name and the measurements of each input.
 ///
@@ -27,7 +27,7 @@ pub fn draw(inputs: &[(String, &[ModelRecovery])]) -> Result<String, Error> {
             Sweep::ALL.into_iter().filter(|&sweep| has(sweep)).map(|sweep| panel(name, measured, sweep)),
         );
     }
-    svg(&panels, 1)
+    Ok(svg(&panels, 1)?)
 }
 
 fn panel(name: &str, measured: &[ModelRecovery], sweep: Sweep) -> Panel {

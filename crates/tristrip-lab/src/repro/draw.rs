@@ -8,9 +8,9 @@ use super::paper_report::{ChartReport, PanelReport, SeriesReport};
 use super::recipe::Recipe;
 use super::runner::Runner;
 use super::view_figures::PANEL;
-use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
-use crate::render::sheet;
+use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
+use tristrip_render::images::sheet;
 
 /// Requests the measurements of a chart.
 pub(super) fn request(chart: &ChartData, runner: &mut Runner) {

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use super::coverage::CLAIMS;
 use super::paper::{Better, Paper, PublishedColumn, PublishedSize, PublishedTable, Quantity, Tolerance};
 use super::paper_report::{ClaimReport, PaperReport, RowReport, TableReport};
-use crate::text::markdown;
 use tristrip::simplify::MergeOrder;
 use tristrip_pipeline::text::grouped;
+use tristrip_render::text::markdown;
 
 /// A section of a paper on its page.
 pub(super) struct PageSection<'a> {

@@ -14,7 +14,8 @@ use super::paper::ModelSet;
 use super::recipe::Recipe;
 use super::view_data::TreeOrder;
 use super::view_figures::ViewRequests;
-use crate::error::{Error, system_message};
+use crate::error::Error;
+use tristrip_io::system_message;
 
 /// The models on which something is measured.
 #[derive(Debug, Default)]

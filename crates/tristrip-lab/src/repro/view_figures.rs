@@ -36,7 +36,7 @@ use tristrip_pipeline::PreparedModel;
 use super::view_data::{Detail, TreeOrder, ViewPanel};
 use crate::error::Error;
 use crate::flight::{FlightObserver, FlightOptions, FlightPath, FrameRow, Lens, fly, is_among};
-use crate::render::Picture;
+use tristrip_render::images::SheetImage;
 
 /// The frames of an orbit, and how many of them are proven and sampled.
 const FRAMES: usize = 300;
@@ -200,16 +200,16 @@ impl BuiltModel<'_> {
             };
             views.push((strips, seen_from, panel.strips));
         }
-        let pictures: Vec<Picture<'_>> = views
+        let pictures: Vec<SheetImage<'_>> = views
             .iter()
-            .map(|(strips, camera, is_coloured)| Picture {
+            .map(|(strips, camera, is_coloured)| SheetImage {
                 positions: self.mesh.positions(),
                 strips,
                 camera,
                 is_coloured: *is_coloured,
             })
             .collect();
-        crate::render::sheet(&pictures, PANEL)
+        Ok(tristrip_render::images::sheet(&pictures, PANEL)?)
     }
 }
 

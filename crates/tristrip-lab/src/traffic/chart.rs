@@ -1,9 +1,9 @@
 //! The chart of levels: the vertices that each filter sends from the base mesh to the full mesh, one panel per model.
 
 use super::rows::LevelRow;
-use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
 use tristrip_pipeline::DisplayFilter;
+use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
 /// Draws a panel per model, from its name and rows.
 ///
@@ -21,7 +21,7 @@ use tristrip_pipeline::DisplayFilter;
 /// ```
 pub fn draw(models: &[(String, &[LevelRow])]) -> Result<String, Error> {
     let panels: Vec<Panel> = models.iter().map(|(name, rows)| panel(name, rows)).collect();
-    svg(&panels, 1)
+    Ok(svg(&panels, 1)?)
 }
 
 fn panel(name: &str, rows: &[LevelRow]) -> Panel {

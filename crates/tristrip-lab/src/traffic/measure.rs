@@ -8,7 +8,7 @@ use tristrip_pipeline::{DisplayFilter, rounded};
 use super::rows::{LevelRow, VerticesSent};
 use super::updates::{TrafficModel, scanned, sent_by_repair};
 use crate::error::Error;
-use crate::text::table;
+use tristrip_render::text::table;
 
 /// Measures ascending levels of a model. With `verify`, the display strips of each level and filter are proven.
 ///

@@ -14,7 +14,7 @@ use tristrip_pipeline::{DisplayFilter, LevelPart, ModelLevels, rounded};
 
 use super::rows::{FilterTotal, SINGLE_TRIANGLES};
 use crate::error::Error;
-use crate::text::table;
+use tristrip_render::text::table;
 
 /// Counts the vertices that every filter sends for a part, at each of its levels from the full mesh to the base mesh; the filters are
 /// in the order of [`DisplayFilter::ALL`].

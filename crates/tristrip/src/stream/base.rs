@@ -11,11 +11,11 @@
 
 use super::fans::Fan;
 use super::fans::{Place, square_distance};
-use super::numbers::code_small;
-use super::range_coder::{BitCoder, code_bits};
 use super::refiner::Refiner;
-use super::slots::Simple;
 use super::surface::{NONE, next, previous};
+use crate::entropy::numbers::code_small;
+use crate::entropy::range_coder::{BitCoder, code_bits};
+use crate::entropy::slots::Simple;
 
 /// A base mesh to be encoded.
 #[derive(Debug, Default)]

@@ -3,9 +3,9 @@
 //! Each component of a new vertex is expected to be the mean of those of the vertices around it, and coded as the difference; indices of joints are expected to be those of the
 //! kept vertex.
 
-use super::numbers::{Level, NumberModel, logarithm};
-use super::range_coder::{BitCoder, code_bits};
-use super::slots::Simple;
+use crate::entropy::numbers::{Level, NumberModel, logarithm};
+use crate::entropy::range_coder::{BitCoder, code_bits};
+use crate::entropy::slots::Simple;
 
 /// What the integers of a channel are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -17,10 +17,10 @@ use super::head::Head;
 use super::options::StreamOptions;
 use super::places::USUAL_WEIGHTS;
 use super::plan::Plan;
-use super::range_coder::RangeEncoder;
 use super::run::{Pass, Rehearsing, Run};
 use super::source::Source;
 use crate::collapse::CollapseSequence;
+use crate::entropy::range_coder::RangeEncoder;
 use crate::error::Error;
 use crate::mesh::Mesh;
 

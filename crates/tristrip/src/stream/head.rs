@@ -3,10 +3,10 @@
 use super::channels::{ChannelKind, ChannelModel};
 use super::chunk::{Reader, push_number};
 use super::grid::{Channel, Grid, ValueType};
-use super::numbers::code_small;
 use super::places::{ESTIMATES, MOST_BITS, USUAL_WEIGHTS, Weights};
-use super::range_coder::BitCoder;
-use super::slots::Simple;
+use crate::entropy::numbers::code_small;
+use crate::entropy::range_coder::BitCoder;
+use crate::entropy::slots::Simple;
 
 /// The most attributes of a mesh, and the most bytes of a name.
 const MOST_CHANNELS: u32 = 64;

@@ -8,13 +8,13 @@ use super::costs::StreamCosts;
 use super::fault::Fault;
 use super::head::{Head, code_weights};
 use super::places::USUAL_WEIGHTS;
-use super::range_coder::{BitCoder, RangeDecoder};
 use super::refiner::{FOLLOWS, Refiner};
 use super::strips::KeptStrips;
 use super::surface::{NONE, Surface};
 use crate::collapse::{CollapseSequence, Rename};
 #[cfg(test)]
 use crate::cover::priced::PricedPaths;
+use crate::entropy::range_coder::{BitCoder, RangeDecoder};
 use crate::error::Error;
 use crate::lod::RepairedStrips;
 use crate::mesh::{Faces, Mesh};

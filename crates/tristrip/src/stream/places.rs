@@ -23,8 +23,8 @@
 //! Triangle Meshes*, 2001 (barycentres, and the normal apart). The combination is ours.
 
 use super::fans::{Fan, Place};
-use super::numbers::{Level, NumberModel, logarithm};
-use super::range_coder::BitCoder;
+use crate::entropy::numbers::{Level, NumberModel, logarithm};
+use crate::entropy::range_coder::BitCoder;
 
 /// The estimates beside the mean of the polygon.
 pub(super) const ESTIMATES: usize = 4;

@@ -8,11 +8,11 @@ use super::costs::StreamCosts;
 use super::fans::{Fan, Place};
 use super::fit::Fit;
 use super::places::{Estimates, PlaceModel, Weights};
-use super::range_coder::{BitCoder, code_bits};
-use super::slots::Simple;
 use super::splits::SplitModel;
 use super::strips::KeptStrips;
 use super::surface::{MOST_CORNERS, NONE, Ring, Split, Surface, triangle_of};
+use crate::entropy::range_coder::{BitCoder, code_bits};
+use crate::entropy::slots::Simple;
 
 /// A split to be encoded.
 #[derive(Debug, Clone)]

@@ -7,10 +7,10 @@ use super::head::{Head, code_weights};
 use super::options::StreamOptions;
 use super::places::{REGIMES, Weights};
 use super::plan::FanSplit;
-use super::range_coder::{BitCoder, Rehearsal};
 use super::refiner::{Refiner, Wanted};
 use super::source::Source;
 use super::surface::{NONE, Surface, corners_of, triangle_of};
+use crate::entropy::range_coder::{BitCoder, Rehearsal};
 use crate::error::Error;
 use rustc_hash::FxHashMap;
 

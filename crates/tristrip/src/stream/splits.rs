@@ -19,11 +19,11 @@
 //! Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000 (batches of splits, and marks of what splits).
 
 use super::fans::{Fan, square_distance};
-use super::numbers::logarithm;
-use super::range_coder::{BitCoder, WHOLE, code_bits};
-use super::scores::{Scores, weight_of};
-use super::slots::Simple;
 use super::surface::{MOST_CORNERS, Ring, Split, Surface};
+use crate::entropy::numbers::logarithm;
+use crate::entropy::range_coder::{BitCoder, WHOLE, code_bits};
+use crate::entropy::scores::{Scores, weight_of};
+use crate::entropy::slots::Simple;
 
 /// The features of a mark: valence, free corners, whether the fan is open and has been split in this batch; then its age; then its distance from the mean.
 const AGES: usize = 16 * 8 * 4;

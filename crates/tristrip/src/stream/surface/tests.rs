@@ -1,8 +1,8 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::entropy::range_coder::RangeDecoder;
 use crate::stream::base::code_triangles;
-use crate::stream::range_coder::RangeDecoder;
 
 impl Surface {
     /// Checks that opposite corners name one edge, that each corner is in the ring of its fan, and that open fans start at their first corner.

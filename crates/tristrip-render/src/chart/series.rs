@@ -6,7 +6,7 @@ use super::style::{Area, DrawResult, FAINT, series_colour};
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Mark {
+pub enum Mark {
     /// A line through the points in their order; some points have a symbol.
     Line,
     /// A step function: horizontal from each point to the x of the next, then vertical; each point has a symbol.
@@ -19,7 +19,7 @@ pub(crate) enum Mark {
 
 /// Points with one name, colour and mark.
 #[derive(Debug, Clone)]
-pub(crate) struct Series {
+pub struct Series {
     pub(super) name: String,
     pub(super) mark: Mark,
     pub(super) points: Vec<(f64, f64)>,
@@ -29,25 +29,25 @@ pub(crate) struct Series {
 
 impl Series {
     /// Creates a series. Points that are not finite, or not positive on a logarithmic axis, are not drawn.
-    pub(crate) fn new(name: &str, mark: Mark, points: Vec<(f64, f64)>) -> Self {
+    pub fn new(name: &str, mark: Mark, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.into(), mark, points, labels: Vec::new(), faint: false }
     }
 
     /// Creates bars at 0, 1, 2 … for an axis of names.
-    pub(crate) fn bars(name: &str, heights: &[f64]) -> Self {
+    pub fn bars(name: &str, heights: &[f64]) -> Self {
         Self::new(name, Mark::Bars, heights.iter().enumerate().map(|(i, &h)| (i as f64, h)).collect())
     }
 
     /// Adds a label per point. Empty labels, and labels without free space, are not drawn.
     #[must_use]
-    pub(crate) fn with_labels(mut self, labels: Vec<String>) -> Self {
+    pub fn with_labels(mut self, labels: Vec<String>) -> Self {
         self.labels = labels;
         self
     }
 
     /// Draws the series in grey, as background.
     #[must_use]
-    pub(crate) fn faint(mut self) -> Self {
+    pub fn faint(mut self) -> Self {
         self.faint = true;
         self
     }

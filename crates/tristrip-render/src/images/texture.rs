@@ -34,7 +34,7 @@ impl Texture {
     /// Decodes an image, and takes its pixels from a budget.
     pub(super) fn decode(image: &Image, budget: &mut usize) -> Result<Self, Error> {
         let bytes = image.bytes();
-        let wrong = |why: String| Error::Picture(format!("{}: {why}", image.at));
+        let wrong = |why: String| Error::Image(format!("{}: {why}", image.at));
         if bytes.starts_with(PNG) {
             decode_png(bytes, budget).map_err(wrong)
         } else if bytes.starts_with(JPEG) {

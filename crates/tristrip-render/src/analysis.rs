@@ -23,7 +23,7 @@ pub struct Curve {
 /// The drawing library fails; no input is known that causes this.
 ///
 /// ```
-/// use tristrip_lab::analysis::{Curve, draw};
+/// use tristrip_render::analysis::{Curve, draw};
 /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
 /// let analysis = tristrip_pipeline::analyze(&model, &Default::default());
 /// let curve = Curve { file: "a.obj".into(), each: analysis.vertex_caches, lengths: analysis.lengths };

@@ -7,7 +7,7 @@ use tristrip_pipeline::text::counted;
 /// Formats a time in seconds with about three significant digits.
 ///
 /// ```
-/// assert_eq!([0.045, 2.7].map(tristrip_lab::text::duration), ["45 ms", "2.70 s"]);
+/// assert_eq!([0.045, 2.7].map(tristrip_render::text::duration), ["45 ms", "2.70 s"]);
 /// ```
 pub fn duration(seconds: f64) -> String {
     match seconds {
@@ -22,7 +22,7 @@ pub fn duration(seconds: f64) -> String {
 /// Formats a number of bytes.
 ///
 /// ```
-/// assert_eq!([312, 1_300_000].map(tristrip_lab::text::bytes), ["312 bytes", "1.3 MB"]);
+/// assert_eq!([312, 1_300_000].map(tristrip_render::text::bytes), ["312 bytes", "1.3 MB"]);
 /// ```
 pub fn bytes(n: usize) -> String {
     match n {
@@ -37,7 +37,7 @@ pub fn bytes(n: usize) -> String {
 ///
 /// ```
 /// let rows = [vec!["strips".to_owned(), "7".into()], vec!["swaps".into(), "12".into()]];
-/// assert_eq!(tristrip_lab::text::table(&rows, 1..2), "strips   7\nswaps   12\n");
+/// assert_eq!(tristrip_render::text::table(&rows, 1..2), "strips   7\nswaps   12\n");
 /// ```
 pub fn table(rows: &[Vec<String>], right: Range<usize>) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -58,7 +58,7 @@ pub fn table(rows: &[Vec<String>], right: Range<usize>) -> String {
 ///
 /// ```
 /// let rows = [vec!["strips".to_owned(), "swaps".into()], vec!["7".into(), "12".into()]];
-/// assert!(tristrip_lab::text::markdown(&rows, 0..2).starts_with("| strips | swaps |\n|---:|---:|\n"));
+/// assert!(tristrip_render::text::markdown(&rows, 0..2).starts_with("| strips | swaps |\n|---:|---:|\n"));
 /// ```
 pub fn markdown(rows: &[Vec<String>], right: Range<usize>) -> String {
     let columns = rows.first().map_or(0, Vec::len);

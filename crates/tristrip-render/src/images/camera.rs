@@ -38,7 +38,7 @@ impl Axes {
             Some(Self { right, up: cross(towards, right), towards })
         });
         axes.ok_or_else(|| {
-            Error::Picture("view: found no direction, expected a direction of view and another one up".into())
+            Error::Image("view: found no direction, expected a direction of view and another one up".into())
         })
     }
 
@@ -80,7 +80,7 @@ impl Camera {
         let half = sub(high, centre);
         let radius = dot(half, half).sqrt();
         if !radius.is_finite() {
-            return Err(Error::Picture(format!(
+            return Err(Error::Image(format!(
                 "found a box from {low:?} to {high:?}, expected a smaller one"
             )));
         }
@@ -203,7 +203,7 @@ impl Camera {
         let distance = -z;
         if distance < near || distance.is_nan() {
             let expected = "expected a point in front of it; is it the same model?";
-            return Err(Error::Picture(format!("found {point:?} beside or behind the eye, {expected}")));
+            return Err(Error::Image(format!("found {point:?} beside or behind the eye, {expected}")));
         }
         Ok([x / distance, y / distance, 1.0 / distance])
     }

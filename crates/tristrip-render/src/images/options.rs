@@ -79,7 +79,7 @@ impl RenderOptions {
         for size in [self.width, self.height] {
             if !(1..=MAX_SIZE).contains(&size) {
                 let expected = format!("expected 1 to {MAX_SIZE} pixels");
-                return Err(Error::Picture(format!("size: found {size}, {expected}")));
+                return Err(Error::Image(format!("size: found {size}, {expected}")));
             }
         }
         Ok(())

@@ -21,7 +21,7 @@ const LARGEST: f64 = 1e15;
 
 /// How values map to coordinates.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Scale {
+pub enum Scale {
     /// Equal steps from 0, or from near the least value.
     Linear {
         /// Whether the axis begins at 0.
@@ -37,14 +37,14 @@ pub(crate) enum Scale {
 
 /// The title and scale of an axis.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Axis {
+pub struct Axis {
     pub(super) title: String,
     pub(super) scale: Scale,
 }
 
 impl Axis {
     /// Creates an axis; the title names the quantity and its unit.
-    pub(crate) fn new(title: &str, scale: Scale) -> Self {
+    pub fn new(title: &str, scale: Scale) -> Self {
         Self { title: title.into(), scale }
     }
 

@@ -39,24 +39,24 @@ fn learn(slot: &mut u32, bit: bool) {
 
 /// A decision with a probability in each of some contexts.
 #[derive(Debug, Clone)]
-pub(super) struct Simple {
+pub(crate) struct Simple {
     slots: Vec<u32>,
 }
 
 impl Simple {
-    pub(super) fn new(size: usize) -> Self {
+    pub(crate) fn new(size: usize) -> Self {
         Self { slots: vec![NEW_SLOT; size] }
     }
 
     /// Codes a decision in a context, which is less than the number of slots.
     #[inline]
-    pub(super) fn code<C: BitCoder>(&mut self, coder: &mut C, context: usize, bit: bool) -> bool {
+    pub(crate) fn code<C: BitCoder>(&mut self, coder: &mut C, context: usize, bit: bool) -> bool {
         code_slot(coder, &mut self.slots[context], bit)
     }
 
     /// Codes a number of up to four bits by as many decisions, the highest bit first, with the slots of a context; each context has 16.
     #[inline]
-    pub(super) fn code_number<C: BitCoder>(
+    pub(crate) fn code_number<C: BitCoder>(
         &mut self,
         coder: &mut C,
         context: usize,

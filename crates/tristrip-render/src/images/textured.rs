@@ -43,7 +43,7 @@ impl TexturedModel {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_lab::render::{Mode, TexturedModel, compare};
+    /// use tristrip_render::images::{Mode, TexturedModel, compare};
     /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
     /// let model = TexturedModel::new(&model)?;
     /// assert_eq!(compare(&model, &model, Mode::Shaded)?.different, 0);
@@ -51,7 +51,7 @@ impl TexturedModel {
     /// ```
     pub fn new(model: &Model) -> Result<Self, Error> {
         let appearance = match &model.scene {
-            Some(scene) => scene.appearance().map_err(|error| Error::Picture(error.to_string()))?,
+            Some(scene) => scene.appearance().map_err(|error| Error::Image(error.to_string()))?,
             None => without_scene(model),
         };
         let surfaces = Surfaces::of(&appearance)?;
@@ -94,7 +94,7 @@ impl TexturedModel {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_lab::render::{RenderOptions, TexturedModel};
+    /// use tristrip_render::images::{RenderOptions, TexturedModel};
     /// let count = |faces: usize| {
     ///     let obj = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(faces));
     ///     TexturedModel::new(&read(obj.as_bytes(), Format::Obj)?)?.sample_count(&RenderOptions::default())
@@ -119,7 +119,7 @@ impl TexturedModel {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_lab::render::{Mode, RenderOptions, TexturedModel};
+    /// use tristrip_render::images::{Mode, RenderOptions, TexturedModel};
     /// let model = TexturedModel::new(&read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?)?;
     /// let png = model.picture(Mode::Shaded, &RenderOptions::default().with_size(64, 48))?;
     /// assert!(png.starts_with(b"\x89PNG"));
@@ -213,7 +213,7 @@ fn check_count(model: &Model, instances: &[Instance]) -> Result<(), Error> {
     for instance in instances {
         drawn = drawn.saturating_add(count(instance.part));
         if drawn > limit {
-            return Err(Error::Picture(format!(
+            return Err(Error::Image(format!(
                 "scene: found more than {limit} triangles to draw, expected at most {MAX_COPIES} for each of {stored} triangles, and {FREE_TRIANGLES}"
             )));
         }

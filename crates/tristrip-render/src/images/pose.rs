@@ -97,7 +97,7 @@ impl Pose<'_> {
         if moved.iter().all(|x| x.is_finite()) {
             return Ok(moved);
         }
-        Err(Error::Picture(format!("scene: found a vertex at {moved:?}, expected finite coordinates")))
+        Err(Error::Image(format!("scene: found a vertex at {moved:?}, expected finite coordinates")))
     }
 
     /// Returns the normal of a vertex in the scene, of length 1.

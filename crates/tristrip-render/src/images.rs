@@ -52,7 +52,7 @@ pub use options::{MAX_SIZE, Mode, RenderOptions, View};
 use painted::{coloured, pixels_seen, plain};
 use scene::Facet;
 use shader::Shader;
-pub(crate) use sheet::{Picture, sheet};
+pub use sheet::{SheetImage, sheet};
 pub use sides::{Differences, SIDES, compare, rows_of_sides};
 pub use textured::TexturedModel;
 
@@ -64,13 +64,13 @@ pub use textured::TexturedModel;
 ///
 /// ```
 /// use tristrip::Strips;
-/// use tristrip_lab::render::{RenderOptions, strips};
+/// use tristrip_render::images::{RenderOptions, strips};
 /// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 /// let mut strip = Strips::default();
 /// strip.push(&[0, 1, 2, 3]);
 /// let png = strips(&[(&square, &strip)], &RenderOptions::default().with_size(64, 48))?;
 /// assert!(png.starts_with(b"\x89PNG"));
-/// # Ok::<(), tristrip_lab::Error>(())
+/// # Ok::<(), tristrip_render::Error>(())
 /// ```
 pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Result<Vec<u8>, Error> {
     options.check()?;
@@ -85,14 +85,14 @@ pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Resu
 ///
 /// ```
 /// use tristrip::{Strips, lod::Camera};
-/// use tristrip_lab::render::{RenderOptions, strips_seen};
+/// use tristrip_render::images::{RenderOptions, strips_seen};
 /// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 /// let mut strip = Strips::default();
 /// strip.push(&[0, 1, 2, 3]);
 /// let camera = Camera::new([0.5, 0.5, 2.0], [0.5, 0.5, 0.0])?;
 /// let png = strips_seen(&[(&square, &strip)], &camera, &RenderOptions::default().with_size(64, 48))?;
 /// assert!(png.starts_with(b"\x89PNG"));
-/// # Ok::<(), tristrip_lab::Error>(())
+/// # Ok::<(), tristrip_render::Error>(())
 /// ```
 pub fn strips_seen(
     parts: &[(&[[f32; 3]], &Strips)],
@@ -108,11 +108,11 @@ pub fn strips_seen(
 /// As of [`strips`].
 ///
 /// ```
-/// use tristrip_lab::render::{RenderOptions, triangles};
+/// use tristrip_render::images::{RenderOptions, triangles};
 /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let png = triangles(&[(&corners, &[0, 1, 2])], &RenderOptions::default().with_size(64, 48))?;
 /// assert!(png.starts_with(b"\x89PNG"));
-/// # Ok::<(), tristrip_lab::Error>(())
+/// # Ok::<(), tristrip_render::Error>(())
 /// ```
 pub fn triangles(parts: &[(&[[f32; 3]], &[u32])], options: &RenderOptions) -> Result<Vec<u8>, Error> {
     options.check()?;
@@ -126,12 +126,12 @@ pub fn triangles(parts: &[(&[[f32; 3]], &[u32])], options: &RenderOptions) -> Re
 ///
 /// ```
 /// use tristrip::lod::Camera;
-/// use tristrip_lab::render::{RenderOptions, triangles_seen};
+/// use tristrip_render::images::{RenderOptions, triangles_seen};
 /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let camera = Camera::new([0.5, 0.5, 2.0], [0.5, 0.5, 0.0])?;
 /// let png = triangles_seen(&[(&corners, &[0, 1, 2])], &camera, &RenderOptions::default().with_size(64, 48))?;
 /// assert!(png.starts_with(b"\x89PNG"));
-/// # Ok::<(), tristrip_lab::Error>(())
+/// # Ok::<(), tristrip_render::Error>(())
 /// ```
 pub fn triangles_seen(
     parts: &[(&[[f32; 3]], &[u32])],

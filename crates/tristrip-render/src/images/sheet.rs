@@ -10,21 +10,24 @@ use crate::error::Error;
 /// The pictures in a row.
 const COLUMNS: usize = 2;
 
-/// A picture of a sheet.
+/// One image of a sheet.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Picture<'a> {
-    pub(crate) positions: &'a [[f32; 3]],
-    pub(crate) strips: &'a Strips,
-    pub(crate) camera: &'a lod::Camera,
+pub struct SheetImage<'a> {
+    /// The positions of the vertices.
+    pub positions: &'a [[f32; 3]],
+    /// The strips to draw.
+    pub strips: &'a Strips,
+    /// The camera that sees them.
+    pub camera: &'a lod::Camera,
     /// Whether each strip has its colour.
-    pub(crate) is_coloured: bool,
+    pub is_coloured: bool,
 }
 
 /// Draws pictures of one size, two in a row, in reading order. Returns the bytes of a PNG file of 256 colours.
 ///
 /// # Errors
-/// As of [`strips_seen`](super::strips_seen); the sheet is too large.
-pub(crate) fn sheet(pictures: &[Picture<'_>], [width, height]: [u32; 2]) -> Result<Vec<u8>, Error> {
+/// The sheet is too large, a coordinate is not finite, or strips name a vertex without a position.
+pub fn sheet(pictures: &[SheetImage<'_>], [width, height]: [u32; 2]) -> Result<Vec<u8>, Error> {
     let columns = pictures.len().clamp(1, COLUMNS);
     let rows = pictures.len().div_ceil(columns).max(1);
     let of_picture = RenderOptions::default().with_size(width, height);
@@ -77,7 +80,7 @@ mod tests {
         let at = |eye: [f32; 3]| lod::Camera::new(eye, [0.0; 3]).unwrap();
         let (near, far) = (at([0.0, 0.0, 1.5]), at([0.0, 0.0, 20.0]));
         let picture =
-            |camera, is_coloured| Picture { positions: &square, strips: &strips, camera, is_coloured };
+            |camera, is_coloured| SheetImage { positions: &square, strips: &strips, camera, is_coloured };
         let pictures = [picture(&near, true), picture(&far, true), picture(&near, false)];
         let (width, pixels) = decoded(&sheet(&pictures, [40, 30]).unwrap());
         assert_eq!((width, pixels.len()), (80, 80 * 60));
@@ -94,7 +97,7 @@ mod tests {
         let (width, pixels) = decoded(&sheet(&[], [8, 6]).unwrap());
         assert_eq!((width, pixels), (8, vec![[255; 3]; 48]));
         let (strips, camera) = (Strips::default(), lod::Camera::new([0.0; 3], [1.0; 3]).unwrap());
-        let picture = Picture { positions: &[], strips: &strips, camera: &camera, is_coloured: true };
+        let picture = SheetImage { positions: &[], strips: &strips, camera: &camera, is_coloured: true };
         assert!(sheet(&[picture; 2], [8000, 10]).is_err());
         assert!(sheet(&[picture; 2], [u32::MAX, 1]).is_err());
         assert!(sheet(&[], [0, 1]).is_err());

@@ -18,7 +18,7 @@ type Plot<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<AxisSpan, AxisS
 
 /// One pair of axes with its series.
 #[derive(Debug, Clone)]
-pub(crate) struct Panel {
+pub struct Panel {
     title: String,
     x: Axis,
     y: Axis,
@@ -29,20 +29,20 @@ pub(crate) struct Panel {
 
 impl Panel {
     /// Creates a panel. A panel of more than one series has a legend.
-    pub(crate) fn new(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Self {
+    pub fn new(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Self {
         Self { title: title.into(), x, y, series, note: String::new(), every_label: false }
     }
 
     /// Adds a line of text below the title.
     #[must_use]
-    pub(crate) fn with_note(mut self, note: String) -> Self {
+    pub fn with_note(mut self, note: String) -> Self {
         self.note = note;
         self
     }
 
     /// Draws a label that has no free space beside its point farther away, with a leader line. Labels cover no symbols.
     #[must_use]
-    pub(crate) fn with_every_label(mut self) -> Self {
+    pub fn with_every_label(mut self) -> Self {
         self.every_label = true;
         self
     }

@@ -34,11 +34,11 @@ pub(super) enum Paint {
 /// There is no such vertex, or it is not finite.
 pub(super) fn position(positions: &[[f32; 3]], vertex: u32) -> Result<Vector, Error> {
     let found = positions.get(vertex as usize).ok_or_else(|| {
-        Error::Picture(format!("found vertex {vertex}, expected less than {}", positions.len()))
+        Error::Image(format!("found vertex {vertex}, expected less than {}", positions.len()))
     })?;
     if !found.iter().all(|x| x.is_finite()) {
         let expected = "expected finite coordinates";
-        return Err(Error::Picture(format!("vertex {vertex}: found {found:?}, {expected}")));
+        return Err(Error::Image(format!("vertex {vertex}: found {found:?}, {expected}")));
     }
     Ok(found.map(f64::from))
 }

@@ -10,7 +10,7 @@
 //! Martin: *Range encoding: an algorithm for removing redundancy from a digitised message*, 1979.
 
 /// The number of which probabilities are shares.
-pub(super) const WHOLE: u32 = 1 << 16;
+pub(crate) const WHOLE: u32 = 1 << 16;
 
 /// The range is at least this.
 const LEAST_RANGE: u32 = 1 << 24;
@@ -19,7 +19,7 @@ const LEAST_RANGE: u32 = 1 << 24;
 const MOST_TRIMMED: usize = 4;
 
 /// Either side of the coder, so that what is coded is written down once.
-pub(super) trait BitCoder {
+pub(crate) trait BitCoder {
     /// Codes a decision that is true in `probability` of [`WHOLE`] cases, more than none and less than all. A decoder ignores `bit`; both return the decision.
     fn code(&mut self, probability: u32, bit: bool) -> bool;
 
@@ -42,7 +42,7 @@ pub(super) trait BitCoder {
 
 /// Codes nothing: the decisions are only to be learned from.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Rehearsal;
+pub(crate) struct Rehearsal;
 
 impl BitCoder for Rehearsal {
     #[inline]
@@ -61,7 +61,7 @@ impl BitCoder for Rehearsal {
 
 /// Codes the lowest bits of a number, each as likely as not: at most 32.
 #[inline]
-pub(super) fn code_bits<C: BitCoder>(coder: &mut C, count: u32, number: u32) -> u32 {
+pub(crate) fn code_bits<C: BitCoder>(coder: &mut C, count: u32, number: u32) -> u32 {
     if count > 16 {
         let high = code_bits(coder, count - 16, number >> 16);
         return high << 16 | code_bits(coder, 16, number);
@@ -73,19 +73,19 @@ pub(super) fn code_bits<C: BitCoder>(coder: &mut C, count: u32, number: u32) -> 
 
 /// Collects decisions as bytes.
 #[derive(Debug, Clone)]
-pub(super) struct RangeEncoder {
+pub(crate) struct RangeEncoder {
     low: u64,
     range: u32,
     bytes: Vec<u8>,
 }
 
 impl RangeEncoder {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { low: 0, range: u32::MAX, bytes: Vec::new() }
     }
 
     /// Returns a bound on the number of bytes so far.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.bytes.len() + 4
     }
 
@@ -122,7 +122,7 @@ impl RangeEncoder {
     }
 
     /// Ends the bytes with as few as tell all decisions, given that zeros follow.
-    pub(super) fn finish(mut self) -> Vec<u8> {
+    pub(crate) fn finish(mut self) -> Vec<u8> {
         let most = self.low + u64::from(self.range - 1);
         let value = (0..32).rev().map(|zeros| most >> zeros << zeros).find(|&value| value >= self.low);
         self.low = value.unwrap_or(most);
@@ -166,7 +166,7 @@ impl BitCoder for RangeEncoder {
 
 /// Reads the decisions back. Zeros follow the bytes.
 #[derive(Debug, Clone)]
-pub(super) struct RangeDecoder<'a> {
+pub(crate) struct RangeDecoder<'a> {
     bytes: &'a [u8],
     at: usize,
     range: u32,
@@ -174,7 +174,7 @@ pub(super) struct RangeDecoder<'a> {
 }
 
 impl<'a> RangeDecoder<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
         let mut decoder = Self { bytes, at: 0, range: u32::MAX, code: 0 };
         (0..4).for_each(|_| decoder.code = decoder.code << 8 | decoder.next_byte());
         decoder

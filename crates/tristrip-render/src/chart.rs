@@ -23,9 +23,9 @@ mod style;
 use plotters::prelude::*;
 
 use crate::error::Error;
-pub(crate) use axis::{Axis, Scale};
-pub(crate) use panel::Panel;
-pub(crate) use series::{Mark, Series};
+pub use axis::{Axis, Scale};
+pub use panel::Panel;
+pub use series::{Mark, Series};
 use style::DrawResult;
 
 /// The width of a chart in pixels: the text width of a page.
@@ -37,7 +37,7 @@ const PANEL_HEIGHT: u32 = 340;
 ///
 /// # Errors
 /// The drawing library fails; no input is known that causes this.
-pub(crate) fn svg(panels: &[Panel], columns: usize) -> Result<String, Error> {
+pub fn svg(panels: &[Panel], columns: usize) -> Result<String, Error> {
     let columns = columns.clamp(1, panels.len().max(1));
     let rows = panels.len().div_ceil(columns).max(1);
     let mut text = String::new();

@@ -51,7 +51,7 @@ const SHARES: [u16; 512] = {
 
 /// Returns the weight of a choice, from 1 to 4096, whose score is less than the largest one by `difference`.
 #[inline]
-pub(super) fn weight_of(difference: u32) -> u32 {
+pub(crate) fn weight_of(difference: u32) -> u32 {
     WEIGHTS[(difference >> 11).min(255) as usize].into()
 }
 
@@ -60,18 +60,18 @@ const DECISION_RATE: i32 = 4;
 
 /// The scores of one kind of decision, which has some features.
 #[derive(Debug, Clone)]
-pub(super) struct Scores {
+pub(crate) struct Scores {
     scores: Vec<i32>,
 }
 
 impl Scores {
-    pub(super) fn new(size: usize) -> Self {
+    pub(crate) fn new(size: usize) -> Self {
         Self { scores: vec![0; size] }
     }
 
     /// Codes a decision with some features, each less than the number of scores.
     #[inline]
-    pub(super) fn code<C: BitCoder, const N: usize>(
+    pub(crate) fn code<C: BitCoder, const N: usize>(
         &mut self,
         coder: &mut C,
         features: [usize; N],

@@ -31,7 +31,7 @@ fn file(
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     encoder.set_color(colour);
     set(&mut encoder);
-    let picture = |error: png::EncodingError| Error::Picture(error.to_string());
+    let picture = |error: png::EncodingError| Error::Image(error.to_string());
     let mut writer = encoder.write_header().map_err(picture)?;
     writer.write_image_data(data).map_err(picture)?;
     writer.finish().map_err(picture)?;

@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 
 use serde_json::Value;
 use tristrip_io::{Format, Model, read, with_triangles};
-use tristrip_lab::render::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 use tristrip_pipeline::{
     Amount, ChainOptions, Deviation, EncodeOptions, Goal, Ratio, SimplifyOptions, StripOptions, chain,
     simplify, strip,
 };
+use tristrip_render::images::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 
 /// Quadrilaterals around, and from pole to pole.
 const AROUND: usize = 32;

@@ -50,7 +50,7 @@ impl Differences {
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_lab::render::{Mode, TexturedModel, compare};
+/// use tristrip_render::images::{Mode, TexturedModel, compare};
 /// let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 /// let before = TexturedModel::new(&read(square.as_bytes(), Format::Obj)?)?;
 /// let torn = TexturedModel::new(&read(square[..40].as_bytes(), Format::Obj)?)?;
@@ -75,7 +75,7 @@ pub fn compare(before: &TexturedModel, after: &TexturedModel, mode: Mode) -> Res
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_lab::render::{Mode, TexturedModel, rows_of_sides};
+/// use tristrip_render::images::{Mode, TexturedModel, rows_of_sides};
 /// let model = TexturedModel::new(&read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?)?;
 /// let png = rows_of_sides(&[&model, &model], Mode::Textured, 32)?;
 /// assert!(png.starts_with(b"\x89PNG"));

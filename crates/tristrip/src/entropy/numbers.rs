@@ -23,7 +23,7 @@ const MOST_BUCKET: i32 = 59;
 /// Returns the binary logarithm of a number below 2⁵³, at least 1, in 1/8, with straight lines between the powers of two: the exponent and the first bits of the
 /// float that it is.
 #[inline]
-pub(super) fn logarithm(x: u64) -> i32 {
+pub(crate) fn logarithm(x: u64) -> i32 {
     ((x.cast_signed() as f64).to_bits() >> 49) as i32 - 8 * 1023
 }
 
@@ -35,18 +35,18 @@ fn bucket_of(x: u32) -> i32 {
 
 /// Expects the levels of numbers of one kind, in 1/16 of an octave, from `N` features in about the same unit.
 #[derive(Debug, Clone)]
-pub(super) struct Level<const N: usize> {
+pub(crate) struct Level<const N: usize> {
     weights: [i32; N],
 }
 
 impl<const N: usize> Level<N> {
     /// Weights are in 1/65536.
-    pub(super) fn new(weights: [i32; N]) -> Self {
+    pub(crate) fn new(weights: [i32; N]) -> Self {
         Self { weights }
     }
 
     #[inline]
-    pub(super) fn expect(&self, features: [i32; N]) -> i32 {
+    pub(crate) fn expect(&self, features: [i32; N]) -> i32 {
         let mut sum = 0_i32;
         for i in 0..N {
             sum = sum.wrapping_add(self.weights[i].wrapping_mul(features[i]));
@@ -56,7 +56,7 @@ impl<const N: usize> Level<N> {
 
     /// Learns from how far a level was from what was expected; features are less than 1024. Weights are numbers modulo 2³².
     #[inline]
-    pub(super) fn learn(&mut self, features: [i32; N], error: i32) {
+    pub(crate) fn learn(&mut self, features: [i32; N], error: i32) {
         let error = error.clamp(-32, 32);
         for i in 0..N {
             self.weights[i] = self.weights[i].wrapping_add((error * features[i]) >> 3);
@@ -66,20 +66,20 @@ impl<const N: usize> Level<N> {
 
 /// The model of numbers of one kind.
 #[derive(Debug, Clone)]
-pub(super) struct NumberModel {
+pub(crate) struct NumberModel {
     symbols: Simple,
     escapes: Simple,
 }
 
 impl NumberModel {
     /// Creates the model of numbers in some sets.
-    pub(super) fn new(sets: usize) -> Self {
+    pub(crate) fn new(sets: usize) -> Self {
         Self { symbols: Simple::new(16 * CONTEXTS as usize * sets), escapes: Simple::new(32) }
     }
 
     /// Codes a number of a set. Also returns how far its level is from that which is expected.
     #[inline]
-    pub(super) fn code<C: BitCoder>(
+    pub(crate) fn code<C: BitCoder>(
         &mut self,
         coder: &mut C,
         set: usize,
@@ -120,7 +120,7 @@ impl NumberModel {
 }
 
 /// Codes a number that is usually small, below 2²⁴, with a model of 32 decisions.
-pub(super) fn code_small<C: BitCoder>(coder: &mut C, model: &mut Simple, number: u32) -> u32 {
+pub(crate) fn code_small<C: BitCoder>(coder: &mut C, model: &mut Simple, number: u32) -> u32 {
     let wanted = 32 - (number + 1).leading_zeros();
     let mut bits = 1;
     while bits < 25 && model.code(coder, bits as usize, wanted > bits) {
@@ -132,7 +132,7 @@ pub(super) fn code_small<C: BitCoder>(coder: &mut C, model: &mut Simple, number:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stream::range_coder::{RangeDecoder, RangeEncoder};
+    use crate::entropy::range_coder::{RangeDecoder, RangeEncoder};
     use proptest::prelude::*;
 
     /// Numbers of any size up to those of the largest bucket.

@@ -1,0 +1,27 @@
+//! Rate and distortion of streams: the error of the levels against the bytes that lead to them.
+
+use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
+use crate::error::Error;
+
+/// Draws the error after each chunk against the bytes up to its end, for each named file; with errors of 0 left out.
+///
+/// # Errors
+/// The drawing library fails; no input is known that causes this.
+///
+/// ```
+/// let chunks = vec![(1_000, 0.1), (3_000, 0.05), (7_000, 0.02)];
+/// assert!(tristrip_render::rate::draw(&[("bunny.glb".to_owned(), chunks)])?.contains("bunny.glb"));
+/// # Ok::<(), tristrip_render::Error>(())
+/// ```
+pub fn draw(files: &[(String, Vec<(usize, f32)>)]) -> Result<String, Error> {
+    let panel = |(name, chunks): &(String, Vec<(usize, f32)>)| {
+        let points = chunks.iter().map(|&(end, error)| (end as f64 / 1000.0, f64::from(error)));
+        Panel::new(
+            &format!("Error against bytes: {name}"),
+            Axis::new("kilobytes of the file", Scale::Linear { from_zero: true }),
+            Axis::new("error in mesh units", Scale::Log10),
+            vec![Series::new("error", Mark::Steps, points.collect())],
+        )
+    };
+    svg(&files.iter().map(panel).collect::<Vec<_>>(), 1)
+}
