@@ -24,7 +24,7 @@ use tristrip_pipeline::VertexCacheList;
 use crate::method::{MethodArgs, WeldArgs};
 use crate::topics::{TOPICS, Topic};
 use crate::values::{effort_parser, named};
-pub(crate) use detail::{BuildLodArgs, LodArgs, SimplifyArgs};
+pub(crate) use detail::{BuildLodArgs, ChainArgs, LodArgs, SimplifyArgs};
 pub(crate) use flight::FlyArgs;
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs, TargetArgs};
 pub(crate) use serve::{LogFormat, ServeArgs, ViewArgs};
@@ -68,6 +68,7 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     Convert(ConvertArgs),
     Simplify(SimplifyArgs),
+    Chain(Box<ChainArgs>),
     Lod(Box<LodArgs>),
     BuildLod(Box<BuildLodArgs>),
     Fly(Box<FlyArgs>),
@@ -85,13 +86,13 @@ pub(crate) enum Command {
 /// The subcommands by task, in the order of the help.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Shrink files", &["strip", "simplify", "convert"]),
-    ("Levels of detail", &["lod", "build-lod", "fly"]),
+    ("Levels of detail", &["chain", "lod", "build-lod", "fly"]),
     ("Stream and view", &["pack", "unpack", "serve", "view"]),
     ("Inspect and verify", &["analyze", "compare", "bound", "inspect", "verify", "repro"]),
     ("Help", &["help", "completions", "man"]),
 ];
 
-/// Build triangle strips, verify them, and write them
+/// Build triangle strips, verify them and write them
 ///
 /// Without -o, only report. Results go to standard output, stages and progress to standard error.
 #[derive(Debug, Args)]
@@ -101,9 +102,9 @@ const GROUPS: [(&str, &[&str]); 5] = [
   tristrip strip models/*.obj -o stripped/ --to ply
   tristrip strip bunny.ply --method best:effort=7 -o bunny.glb
   tristrip strip horse.ply --method fewest --budget 5s
-  tristrip strip bunny.ply --method stripe --json   no file: only the report
+  tristrip strip bunny.ply --method stripe --json   without a file: only the report
   tristrip strip bunny.ply --pareto bunny.svg       all methods in one chart
-  tristrip strip bunny.ply --picture strips.png     a picture, one colour per strip
+  tristrip strip bunny.ply --picture strips.png     an image with one colour per strip
   cat bunny.ply | tristrip strip - -o - --to glb > bunny.glb")]
 pub(crate) struct StripArgs {
     #[command(flatten)]
@@ -112,11 +113,11 @@ pub(crate) struct StripArgs {
     pub(crate) output: OutputArgs,
     #[command(flatten)]
     pub(crate) method: MethodArgs,
-    /// Number the vertices in the order in which the strips first use them
+    /// Reorder the vertices by first use in the strips
     ///
-    /// Fetches from the vertex buffer are then sequential. Vertices that no strip uses come last. All attributes of a vertex move
-    /// with it. Parts of a scene that share vertices share one order. Vertices that other parts of the file may refer to by number
-    /// keep their order, with a note. With --json, the report lists the old number of each vertex.
+    /// Fetches from the vertex buffer are then sequential, and unused vertices come last. All attributes of a vertex move with it. Parts of a scene
+    /// that share vertices share one order. Vertices that other parts of the file may refer to by index keep their order, with a note. With
+    /// --json, the report lists the old index of each vertex.
     #[arg(long, requires = "output", help_heading = "Output")]
     pub(crate) reorder_vertices: bool,
     /// Chart all methods in an SVG file: indices per triangle against misses per triangle
@@ -135,15 +136,15 @@ pub(crate) struct StripArgs {
     pub(crate) seed: Option<u64>,
     /// Draw the strips in a PNG file, one colour per strip
     ///
-    /// 1200 x 900 pixels, seen from the front with the y axis up. Strips that share an edge have different colours. The parts of a scene
-    /// are drawn without the transformations of their nodes. One input.
+    /// The image has 1200 x 900 pixels and shows the model from the front with the y axis up. Adjacent strips have different colours. Parts of a
+    /// scene are drawn without the transformations of their nodes. One input.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) picture: Option<PathBuf>,
 }
 
 /// Compare all methods on a model
 ///
-/// Print one table per model. Each result is proven before its row is shown; the best figure of each column is marked.
+/// Print one table per model. Each result is proven before its row is printed; the best value of each column is marked.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip compare bunny.ply cow.obj
@@ -151,7 +152,7 @@ pub(crate) struct StripArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// Also compare tunnel, eta, guided-tunnels and all 24 stripe-local and 10 stripe-global variants
+    /// Add tunnel, eta, guided-tunnels and all 24 variants of stripe-local and 10 of stripe-global
     #[arg(long)]
     pub(crate) all: bool,
     /// The search effort of best, fewest and cache, from 0 to 9 [default: 2; for fewest 5]
@@ -160,7 +161,7 @@ pub(crate) struct CompareArgs {
     /// The cost that best minimizes
     #[arg(long, value_parser = named(Cost::ALL, Cost::name, Cost::summary), value_name = "COST", default_value_t = Cost::Restart)]
     pub(crate) cost: Cost,
-    /// Stop each search after a time such as 5s or 500ms
+    /// Stop each search after a time such as 5s or 500ms, with the best result so far
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     pub(crate) budget: Option<Duration>,
     /// Print Markdown tables
@@ -175,9 +176,8 @@ pub(crate) struct CompareArgs {
 
 /// Compute lower bounds on strips, vertices and indices
 ///
-/// The bounds hold for all covers of the dual graph by strips; the report says how they were found. Where more than two faces meet at an
-/// edge, they hold for the pairs that the dual graph joins. For polygons they hold for every triangulation; for triangles they are
-/// tighter.
+/// The bounds hold for all covers of the dual graph by strips; the report says how they were found. Where more than two faces meet at an edge,
+/// they hold for the pairs that the dual graph joins. For polygons they hold for every triangulation; for triangles they are tighter.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip bound bunny.ply")]
@@ -190,9 +190,9 @@ pub(crate) struct BoundArgs {
 
 /// Report index and vertex-cache statistics of a file
 ///
-/// Count triangles, strips, indices, restarts and degenerate triangles as stored, and simulate vertex caches. A miss is a vertex
-/// that must be transformed again; ACMR is misses per triangle, ATVR is misses per used vertex. No new strips are built; polygons count
-/// as triangle fans. Each part of a file (a material in OBJ, a primitive in glTF) starts with an empty cache.
+/// Count triangles, strips, indices, restarts and degenerate triangles as stored, and simulate vertex caches. A miss is a vertex that must be
+/// transformed again; ACMR is misses per triangle, ATVR misses per used vertex. No strips are built; polygons count as triangle fans. Each part
+/// of a file (a material in OBJ, a primitive in glTF) starts with an empty cache.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip analyze bunny.ply bunny.glb              before and after
@@ -203,8 +203,8 @@ pub(crate) struct AnalyzeArgs {
     pub(crate) general: GeneralArgs,
     /// The vertex caches to simulate [default: fifo and lru with 8, 16, 24, 32 and 64 entries]
     ///
-    /// A list of KIND:N or KIND:N..M. KIND is fifo (the oldest entry is evicted) or lru (the least recently used entry is evicted);
-    /// N and M are numbers of entries.
+    /// A list of KIND:N or KIND:N..M. KIND is fifo (evicts the oldest entry) or lru (evicts the least recently used entry); N and M are numbers
+    /// of entries.
     #[arg(long, value_name = "LIST")]
     pub(crate) vertex_caches: Option<VertexCacheList>,
     /// Flush the vertex cache between strips, as if each strip had its own draw call
@@ -219,9 +219,9 @@ pub(crate) struct AnalyzeArgs {
 
 /// Verify that one file draws exactly the faces of another
 ///
-/// The files may come from any program and have different formats: triangle lists, strips, fans, degenerate triangles, restarts, one
-/// primitive per strip. Vertices are compared by the bits of their positions, so the vertex order may differ. Other attributes are not
-/// compared. Scenes are compared mesh by mesh, without the transformations of their nodes.
+/// The files may come from any program and have different formats: triangle lists, strips, fans, degenerate triangles, restarts, one primitive per
+/// strip. Vertices are compared by the bits of their positions, so the vertex order may differ. Other attributes are not compared. Scenes are
+/// compared mesh by mesh, without the transformations of their nodes.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip verify bunny.ply bunny.glb")]
@@ -236,8 +236,8 @@ pub(crate) struct VerifyArgs {
 
 /// Convert between formats or strip layouts, without building new strips
 ///
-/// Without --layout, faces are written unchanged: polygons stay polygons where the format supports them, and strips stay strips. With
-/// --layout, all faces become strips in their stored order.
+/// Without --layout, faces are written unchanged: polygons stay polygons where the format supports them, and strips stay strips. With --layout,
+/// all faces become strips in their stored order.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip convert in.obj -o out.ply
@@ -284,8 +284,6 @@ pub(crate) struct ReproArgs {
 }
 
 /// Print completions for a shell
-///
-/// The flags, subcommands and values are those of this version.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip completions bash > ~/.local/share/bash-completion/completions/tristrip
@@ -343,6 +341,7 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
         Command::Verify(_) => "verify",
         Command::Convert(_) => "convert",
         Command::Simplify(_) => "simplify",
+        Command::Chain(_) => "chain",
         Command::Lod(_) => "lod",
         Command::BuildLod(_) => "build-lod",
         Command::Fly(_) => "fly",

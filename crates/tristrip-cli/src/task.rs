@@ -269,10 +269,8 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
             }
             Task::Simplify(SimplifyTask { jobs, options, picture: args.picture })
         }
-        Command::Lod(args) => match args.chain.clone() {
-            Some(ratios) => Task::Chain(chain_task(*args, ratios)?),
-            None => Task::Lod(lod_task(*args)?),
-        },
+        Command::Chain(args) => Task::Chain(chain_task(*args)?),
+        Command::Lod(args) => Task::Lod(lod_task(*args)?),
         Command::BuildLod(args) => Task::BuildLod(build_lod_task(*args)?),
         Command::Fly(args) => Task::Fly(fly_task(*args)?),
         Command::Pack(args) => Task::Pack(pack_task(args)?),

@@ -8,7 +8,7 @@ pub(crate) struct Topic {
 }
 
 /// All topics.
-pub(crate) static TOPICS: [Topic; 2] = [
+pub(crate) static TOPICS: [Topic; 3] = [
     Topic {
         name: "methods",
         summary: "Stripification methods and their parameters",
@@ -18,6 +18,11 @@ pub(crate) static TOPICS: [Topic; 2] = [
         name: "simplification",
         summary: "How meshes are simplified, and what the options mean",
         text: || include_str!("topics/simplification.txt").into(),
+    },
+    Topic {
+        name: "server",
+        summary: "Addresses, packing, cache and limits of the web server",
+        text: || include_str!("topics/server.txt").into(),
     },
 ];
 

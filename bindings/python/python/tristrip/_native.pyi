@@ -966,7 +966,7 @@ class Scene:
     ) -> SimplifiedScene: ...
     def chain(
         self,
-        ratios: str | Sequence[float],
+        ratios: str | Sequence[float] = "100%,50%,25%,10%",
         *,
         error: float | str | None = None,
         weight: str | None = None,

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use tristrip::Effort;
 use tristrip::lod::{ModelKind, View};
-use tristrip::simplify::MergeOrder;
+use tristrip::simplify::{MergeOrder, Price};
 use tristrip_lab::recovery::Sweep;
-use tristrip_pipeline::{ChainRatios, DisplayFilter, Level, Normals, Ratio};
+use tristrip_pipeline::{ChainRatios, Deviation, DisplayFilter, Level, Normals, Ratio};
 
 use super::groups::{CollapseArgs, FromArgs, GeneralArgs, OutputArgs, TargetArgs};
 use super::view::{CriteriaArgs, LensArgs};
@@ -67,9 +67,6 @@ pub(crate) struct SimplifyArgs {
 /// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename vertices in them down to a base mesh. Level 0
 /// is the base mesh, the highest level is the full mesh, and each level adds one vertex. A filter removes degenerate triangles
 /// before a level is drawn. The level is proven to draw exactly the triangles that remain after the collapses. Without -o, only report.
-///
-/// With --chain, several levels are written that a viewer switches between: as one GLB, or as a file per level. All levels share the
-/// vertices of the input, so that normals are kept: `simplify --normals` rebuilds them, with new vertices for a single level.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip lod bunny.ply --level 40% -o level.glb     strips at any level
@@ -80,9 +77,7 @@ pub(crate) struct SimplifyArgs {
   tristrip lod bunny.ply --model blocks --pixels 1.5 --distance 3     the level for a viewing distance
   tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --fov 45 --pixels 1.5 -o frame.glb
   tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --triangles 200k
-  tristrip lod bunny.ply --compare --sweep linear,exponential --plot recovery.svg
-  tristrip lod truck.gltf --chain 100%,50%,25%,10% -o truck.lod.glb
-  tristrip lod duck.glb --chain 100%,50%,25%,10% -o levels/ --layout list")]
+  tristrip lod bunny.ply --compare --sweep linear,exponential --plot recovery.svg")]
 #[command(
     mut_arg("field_of_view", |flag| flag.requires("viewpoint")),
     mut_arg("image", |flag| flag.requires("camera")),
@@ -211,21 +206,35 @@ pub(crate) struct LodArgs {
     /// Plot the vertices sent by every filter against the level, or the times of --sweep, in an SVG file; up to three inputs
     #[arg(long, value_name = "FILE", help_heading = "Levels")]
     pub(crate) plot: Option<PathBuf>,
-    /// Write levels that keep these ratios of all triangles, such as 100%,50%,25%,10%
-    ///
-    /// Up to 16 levels, the finest first. All are points of one simplification, in which the parts share the triangles as in
-    /// `simplify --ratio`, and the vertices are in the order of their removal, so that each level uses the first vertices of the one
-    /// before it. A GLB or .gltf holds all levels: the nodes of a mesh name those of its lower levels with `MSFT_lod`, and
-    /// `MSFT_screencoverage` says when each is drawn. Into a directory, each level is written as a file of its own: `NAME_0` is the
-    /// finest. With --layout list, the triangles of each level are in the order of --method cache unless another method is named.
-    #[arg(
-        long,
-        value_name = "RATIOS",
-        help_heading = "Chain",
-        conflicts_with_all = ["model", "base", "level", "triangles", "pixels", "distance", "field_of_view", "rows", "camera", "look_at", "up", "image", "CriteriaArgs", "filter", "filter_effort", "table", "compare", "sweep", "plot"],
-    )]
-    pub(crate) chain: Option<ChainRatios>,
-    #[command(flatten, next_help_heading = "Collapses; all but --error and --price need --chain")]
+    /// Draw the coarsest level whose surface error is at most this: in mesh units, or in % of the bounding-box diagonal
+    #[arg(long, value_name = "ERROR", help_heading = "Levels", allow_negative_numbers = true)]
+    pub(crate) error: Option<Deviation>,
+    /// What a collapse costs
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), help_heading = "Levels")]
+    pub(crate) price: Price,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+}
+
+/// Write several levels of detail for a viewer to switch between
+///
+/// All levels come from one simplification and share the vertices of the input. A GLB or .gltf holds all of them (MSFT_lod); in a directory, each
+/// level is a file of its own. Normals are kept: `simplify --normals` rebuilds them for a single level. Without -o, only report. `tristrip help
+/// levels` and `tristrip help simplification` explain the details.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  tristrip chain truck.gltf -o truck.lod.glb
+  tristrip chain duck.glb --ratios 100%,30%,5% -o levels/   one file per level: levels/duck_0.glb is the finest
+  tristrip chain duck.glb -o levels/ --layout list")]
+pub(crate) struct ChainArgs {
+    #[command(flatten)]
+    pub(crate) general: GeneralArgs,
+    /// The ratios of all triangles that the levels keep, the finest first, up to 16
+    #[arg(long, value_name = "RATIOS", default_value_t = ChainRatios::default())]
+    pub(crate) ratios: ChainRatios,
+    #[command(flatten)]
     pub(crate) collapse: CollapseArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
@@ -233,13 +242,12 @@ pub(crate) struct LodArgs {
     pub(crate) method: MethodArgs,
 }
 
-/// Build a model of which each view has its own detail, and write it as .tlod
+/// Build a view-dependent LOD model and write it as .tlod
 ///
-/// Strips are built for the full mesh, and half-edge collapses level by level, so that few of them need each other: from frame to frame a view does
-/// those whose error it cannot see, and never computes strips again (Skip Strips). The file holds the mesh with all attributes, the strips, and the
-/// collapses. The strips are proven to draw exactly the faces of the mesh, and the file, read back, to hold the same model. Polygons become
-/// triangles. The parts of a file become one mesh, without the transformations of their nodes; attributes that not all parts have are dropped, and
-/// a note names them.
+/// Strips are built for the full mesh, and half-edge collapses are organized in levels. For each frame, a program applies the collapses whose error
+/// its camera cannot see, without building strips again (Skip Strips). The file holds the mesh with all attributes, the strips and the collapses.
+/// The strips are proven to draw exactly the faces of the mesh, and the file is read back and compared. Polygons become triangles. The parts of a
+/// file become one mesh, without the transformations of their nodes; attributes that not all parts have are dropped with a note.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip build-lod bunny.ply -o bunny.tlod
@@ -251,15 +259,13 @@ pub(crate) struct BuildLodArgs {
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) from: FromArgs,
-    /// The order in which the collapses of a level are chosen
+    /// The order in which collapses are chosen
     ///
-    /// By quadric, the cheaper half of the possible collapses makes a level, so that the vertices of features go last. By the shortest edge, each level
-    /// has as many collapses as fit beside each other.
+    /// By quadric, the cheaper half of the possible collapses makes a level, so the vertices of features go last. By shortest edge, each level has
+    /// as many independent collapses as possible.
     #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Levels")]
     pub(crate) order: MergeOrder,
-    /// The file to write, with the extension .tlod
-    ///
-    /// It is written under a temporary name and then renamed; one that exists is replaced.
+    /// The .tlod file to write
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
     pub(crate) output: PathBuf,
     #[command(flatten)]

@@ -121,15 +121,4 @@ impl CollapseArgs {
             weld_distance: self.weld_distance.unwrap_or(usual.weld_distance),
         }
     }
-
-    /// Returns the first of the flags that is given and belongs to chains of levels, not to strips for all levels.
-    pub(crate) fn first_of_chains(&self) -> Option<&'static str> {
-        let given = [
-            (self.weight.is_some(), "--weight"),
-            (self.permissive, "--permissive"),
-            (self.lock_borders, "--lock-borders"),
-            (self.weld_distance.is_some(), "--weld-distance"),
-        ];
-        given.iter().find(|(is_given, _)| *is_given).map(|(_, name)| *name)
-    }
 }

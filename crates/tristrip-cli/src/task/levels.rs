@@ -1,4 +1,4 @@
-//! Tasks of levels of detail: `lod`, `lod --chain` and `build-lod`.
+//! Tasks of levels of detail: `chain`, `lod` and `build-lod`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -8,11 +8,11 @@ use tristrip::simplify::{MergeOrder, Price};
 use tristrip::{Effort, Layout, StripifyOptions};
 use tristrip_io::Format;
 use tristrip_lab::recovery::Sweep;
-use tristrip_pipeline::{ChainOptions, ChainRatios, DisplayFilter, Level, LevelGoal, Ratio};
+use tristrip_pipeline::{ChainOptions, DisplayFilter, Level, LevelGoal, Ratio};
 
 use super::checks::{check_chart, check_distinct_files, of_flag};
 use super::views::{checked_pixels, lens, view_criteria};
-use crate::args::{BuildLodArgs, LodArgs};
+use crate::args::{BuildLodArgs, ChainArgs, LodArgs};
 use crate::job::{Input, Job, inputs, jobs_of, jobs_of_levels};
 use crate::values::{Amount as Count, Vector};
 
@@ -73,9 +73,6 @@ pub(super) fn lod_task(mut args: LodArgs) -> Result<LodTask, String> {
         // It has no strips: in any other layout, each triangle would be one.
         args.output.layout = args.output.layout.or(Some(Layout::List));
     }
-    if let Some(flag) = args.collapse.first_of_chains() {
-        return Err(format!("{flag} needs --chain: other levels go down to the base mesh, without limits"));
-    }
     if args.pixels.is_some() && args.triangles.is_some() && args.camera.is_none() {
         return Err("--triangles cannot be used with --pixels without --camera".into());
     }
@@ -100,7 +97,7 @@ pub(super) fn lod_task(mut args: LodArgs) -> Result<LodTask, String> {
         budget: args.method.budget(),
         model: args.model,
         base: args.base.or(base).unwrap_or(Ratio::ZERO),
-        price: args.collapse.price,
+        price: args.price,
         goal,
         view,
         camera,
@@ -140,7 +137,7 @@ fn camera(args: &LodArgs) -> Result<Option<(Camera, ViewCriteria)>, String> {
 
 /// Returns what selects the level.
 fn level_goal(args: &LodArgs, view: Option<View>) -> LevelGoal {
-    match (args.pixels.zip(view), args.triangles, args.collapse.error) {
+    match (args.pixels.zip(view), args.triangles, args.error) {
         (Some((pixels, view)), ..) => LevelGoal::Pixels(pixels, view),
         (_, Some(Count(count)), _) if args.camera.is_none() => LevelGoal::Triangles(count),
         (.., Some(error)) => LevelGoal::Error(error),
@@ -148,7 +145,8 @@ fn level_goal(args: &LodArgs, view: Option<View>) -> LevelGoal {
     }
 }
 
-pub(super) fn chain_task(args: LodArgs, ratios: ChainRatios) -> Result<ChainTask, String> {
+pub(super) fn chain_task(args: ChainArgs) -> Result<ChainTask, String> {
+    let ratios = args.ratios;
     let jobs = jobs_of_levels(args.general, &args.output, ratios.as_slice().len())?;
     let draws_lists = args.output.layout == Some(Layout::List);
     let method = if draws_lists { args.method.for_lists() } else { args.method };

@@ -27,6 +27,7 @@ fn the_docs_contain_the_help() {
         "verify",
         "convert",
         "simplify",
+        "chain",
         "lod",
         "build-lod",
         "fly",
@@ -70,7 +71,7 @@ const SAMPLES: [&str; 15] = [
     "convert fish_control.ply -o fish.obj --json",
     "simplify fish_control.ply --ratio 50% -o small.ply --json",
     "lod fish_control.ply --level 50% -o level.glb --json",
-    "lod fish_control.ply --chain 100%,50%,10% -o levels.glb --json",
+    "chain fish_control.ply --ratios 100%,50%,10% -o levels.glb --json",
     "build-lod fish_control.ply -o fish.tlod --json",
     "fly fish_control.ply --frames 30 --json",
     "pack fish_control.ply -o packed.glb --json",
@@ -114,8 +115,7 @@ fn the_samples_of_reports_are_what_the_command_prints() {
     for line in SAMPLES {
         let mut report = json(tristrip().args(line.split_whitespace()).current_dir(&dir));
         sample_of(&mut report);
-        let mut name = line.split_whitespace().next().unwrap().to_owned();
-        name.push_str(if line.contains("--chain") { " --chain" } else { "" });
+        let name = line.split_whitespace().next().unwrap();
         let heading = format!("### `tristrip {name}`\n\n");
         let report = serde_json::to_string_pretty(&report).unwrap();
         let sample = format!("`tristrip {line}` prints\n\n```json\n{report}\n```\n\n");
@@ -170,7 +170,7 @@ fn every_json_key_is_described() {
         recovery,
         &recovery["tests"][0],
     ];
-    let chain = json(tristrip().args(["lod", "--json", "--chain", "100%,50%"]).arg(&fish));
+    let chain = json(tristrip().args(["chain", "--json", "--ratios", "100%,50%"]).arg(&fish));
     let chain = [&chain, &chain["seconds"], &chain["chain"][0]];
     let mut command = tristrip();
     let built =

@@ -134,7 +134,7 @@ fn collapses_cost_what_the_price_says() {
     command.args(["simplify", "--json", "--ratio", "10%", "--error", "100%", "--price", "quadric"]);
     assert_eq!(json(command.arg(model("hand.ply")))["surface_error"].as_f64(), quadric.0);
     let mut command = tristrip();
-    command.args(["lod", "--chain", "100%,10%", "--error", "100%", "--price", "quadric"]);
+    command.args(["chain", "--ratios", "100%,10%", "--error", "100%", "--price", "quadric"]);
     command.arg(model("hand.ply")).assert().success();
 }
 
