@@ -1,4 +1,4 @@
-//! Published figures: the tables of papers, from the same data that `tristrip repro` compares with.
+//! Published figures: the tables of papers, from the same data that `tristrip-lab repro` compares with.
 
 use std::collections::BTreeMap;
 

@@ -72,17 +72,6 @@ impl From<tristrip_render::Error> for Failure {
     }
 }
 
-impl From<tristrip_lab::Error> for Failure {
-    fn from(error: tristrip_lab::Error) -> Self {
-        use tristrip_lab::Error;
-        match error {
-            Error::Pipeline(error) => error.into(),
-            Error::Io { path, source } => Self::File(tristrip_io::Error::Io { path, source }),
-            other => Self::Parameter(other.to_string()),
-        }
-    }
-}
-
 impl From<PyErr> for Failure {
     fn from(error: PyErr) -> Self {
         Self::Python(error)

@@ -39,7 +39,7 @@ use crate::input::bytes_of;
 use crate::levels::Levels;
 use crate::method;
 use crate::reports::Report;
-use crate::stream::{Wire, pack_object};
+use crate::stream::{pack_object, pack_options};
 use crate::work::Watching;
 use chain::Chain;
 use class::Scene;
@@ -285,7 +285,7 @@ impl Scene {
     /// 2
     #[pyo3(
         signature = (output = None, **given),
-        text_signature = "($self, output=None, *, eye=None, position_bits=None, wire='tristrip', verify=True, progress=None)"
+        text_signature = "($self, output=None, *, eye=None, position_bits=None, verify=True, progress=None)"
     )]
     fn pack<'py>(
         &self,
@@ -294,9 +294,9 @@ impl Scene {
         given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let arguments = Arguments::of(py, given)?;
-        let (wire, watching) = (Wire::taken(&arguments)?, arguments.watching()?);
+        let (options, watching) = (pack_options(&arguments)?, arguments.watching()?);
         arguments.finish("Scene.pack")?;
-        pack_object(py, || Ok(Arc::clone(&self.data)), wire, output.as_deref(), watching)
+        pack_object(py, || Ok(Arc::clone(&self.data)), options, output.as_deref(), watching)
     }
 
     /// Compute lower bounds on strips, vertices and indices, which hold for every method.

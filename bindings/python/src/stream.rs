@@ -11,9 +11,8 @@ use tristrip::stream::StreamOptions;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Error as FileError, Format, Model};
 use tristrip_pipeline::{
-    EncodeOptions, Level, LevelsOptions, PackOptions, PackedReport, StreamGoal, StreamReport, Target,
-    UnpackedReport, encode_observed, is_published, join, stream_figures, unpack as unpack_stream,
-    unpack_published,
+    EncodeOptions, Level, PackOptions, PackedReport, StreamGoal, StreamReport, Target, UnpackedReport,
+    encode_observed, join, stream_figures, unpack as unpack_stream,
 };
 
 use crate::arguments::{Arguments, Keywords};
@@ -31,89 +30,26 @@ use crate::work::{Watcher, Watching};
 const POSITION_BITS: std::ops::RangeInclusive<u32> = 4..=16;
 const USUAL_POSITION_BITS: u32 = 14;
 
-/// How a model is packed, from keyword arguments with the names of the command's flags.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Wire {
-    Tristrip(PackOptions),
-    /// As paper 001 transmits a mesh.
-    Paper {
-        verify: bool,
-    },
-}
-
-impl Wire {
-    /// Takes the arguments of a packing.
-    pub(crate) fn taken(arguments: &Arguments<'_>) -> PyResult<Self> {
-        let name: Option<String> = arguments.extract("wire")?;
-        let (eye, bits) = (arguments.extract("eye")?, arguments.extract("position_bits")?);
-        let verify = arguments.extract("verify")?.unwrap_or(true);
-        Ok(Self::new(name.as_deref().unwrap_or("tristrip"), eye, bits, verify)?)
+/// Takes the options of a packing from keyword arguments with the names of the command's flags.
+pub(crate) fn pack_options(arguments: &Arguments<'_>) -> PyResult<PackOptions> {
+    let (eye, bits): (Option<[f32; 3]>, Option<u32>) =
+        (arguments.extract("eye")?, arguments.extract("position_bits")?);
+    let verify = arguments.extract("verify")?.unwrap_or(true);
+    if eye.iter().flatten().any(|x| !x.is_finite()) {
+        let found = format!("{:?}", eye.unwrap_or_default());
+        return Err(Failure::option("eye", found, "three finite numbers").into());
     }
-
-    fn new(
-        name: &str,
-        eye: Option<[f32; 3]>,
-        position_bits: Option<u32>,
-        verify: bool,
-    ) -> Result<Self, Failure> {
-        match name {
-            "tristrip" => (),
-            "paper" if eye.is_some() => {
-                return Err(Failure::Parameter("eye: does not belong to wire='paper'".into()));
-            }
-            "paper" if position_bits.is_some() => {
-                let message = "position_bits: does not belong to wire='paper', whose positions are floats";
-                return Err(Failure::Parameter(message.into()));
-            }
-            "paper" => return Ok(Self::Paper { verify }),
-            _ => return Err(Failure::option("wire", format!("{name:?}"), "'tristrip' or 'paper'")),
-        }
-        if eye.iter().flatten().any(|x| !x.is_finite()) {
-            return Err(Failure::option(
-                "eye",
-                format!("{:?}", eye.unwrap_or_default()),
-                "three finite numbers",
-            ));
-        }
-        let bits = position_bits.unwrap_or(USUAL_POSITION_BITS);
-        if !POSITION_BITS.contains(&bits) {
-            return Err(Failure::option("position_bits", bits, "4 to 16"));
-        }
-        let stream = StreamOptions::default().with_position_bits(bits)?;
-        Ok(Self::Tristrip(PackOptions::default().with_stream(stream).with_eye(eye).with_verify(verify)))
+    let bits = bits.unwrap_or(USUAL_POSITION_BITS);
+    if !POSITION_BITS.contains(&bits) {
+        return Err(Failure::option("position_bits", bits, "4 to 16").into());
     }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Tristrip(_) => "tristrip",
-            Self::Paper { .. } => "paper",
-        }
-    }
-
-    /// Checks that a file of this name can hold the bytes.
-    fn check_output(self, path: &Path) -> Result<(), Failure> {
-        let format = Format::from_path(path);
-        match self {
-            Self::Tristrip(_) if format.is_some_and(|format| format != Format::Glb) => {
-                let found = path.display();
-                Err(Failure::Parameter(format!("output: found {found}, expected the extension .glb")))
-            }
-            Self::Paper { .. } if format.is_some() => {
-                let message = format!(
-                    "output: found {}, expected an extension such as .ps: wire='paper' is a format of its own",
-                    path.display()
-                );
-                Err(Failure::Parameter(message))
-            }
-            _ => Ok(()),
-        }
-    }
+    let stream = StreamOptions::default().with_position_bits(bits).map_err(Failure::from)?;
+    Ok(PackOptions::default().with_stream(stream).with_eye(eye).with_verify(verify))
 }
 
 /// The report of a packed model; the keys are those of the JSON report of `tristrip pack`.
 #[derive(Debug, Serialize)]
 struct PackReport {
-    wire: &'static str,
     proven: Option<bool>,
     parts: usize,
     #[serde(flatten)]
@@ -125,38 +61,24 @@ struct PackReport {
 /// Packs a scene, and writes the file if there is one.
 fn pack_model(
     scene: &SceneData,
-    wire: Wire,
+    options: PackOptions,
     output: Option<&Path>,
     watcher: &Watcher,
 ) -> Result<(Vec<u8>, PackReport), Failure> {
     let model = scene.model_for(&Target::new(output, Format::Glb));
     let mut report = PackReport {
-        wire: wire.name(),
         proven: None,
         parts: model.parts.len(),
         packed: PackedReport::default(),
         notes: model.notes.clone(),
         output: output.map(|path| path.display().to_string()),
     };
-    let bytes = match wire {
-        Wire::Tristrip(options) => {
-            let packed = tristrip_pipeline::pack(&model, &options, watcher)?;
-            report.packed = packed.report();
-            report.proven = packed.proven.map(|_| true);
-            report.notes.extend(packed.notes);
-            report.notes.extend(packed.losses);
-            packed.bytes
-        }
-        Wire::Paper { verify } => {
-            let joined = join(scene.as_read().clone())?;
-            report.notes = joined.notes;
-            let options = LevelsOptions::default().with_verify(verify);
-            let packed = tristrip_pipeline::pack_as_published(&joined.mesh, &options, watcher)?;
-            report.packed = packed.report();
-            report.proven = packed.proven.map(|_| true);
-            packed.bytes
-        }
-    };
+    let packed = tristrip_pipeline::pack(&model, &options, watcher)?;
+    report.packed = packed.report();
+    report.proven = packed.proven.map(|_| true);
+    report.notes.extend(packed.notes);
+    report.notes.extend(packed.losses);
+    let bytes = packed.bytes;
     if let Some(path) = output {
         tristrip_io::replace_file(path, &bytes)?;
     }
@@ -167,14 +89,17 @@ fn pack_model(
 pub(crate) fn pack_object<'py>(
     py: Python<'py>,
     load: impl FnOnce() -> Result<Arc<SceneData>, Failure> + Send,
-    wire: Wire,
+    options: PackOptions,
     output: Option<&Path>,
     watching: Watching,
 ) -> PyResult<Bound<'py, PyAny>> {
-    if let Some(path) = output {
-        wire.check_output(path)?;
+    if let Some(path) = output
+        && Format::from_path(path).is_some_and(|format| format != Format::Glb)
+    {
+        let found = path.display();
+        return Err(Failure::Parameter(format!("output: found {found}, expected the extension .glb")).into());
     }
-    let ended = watching.run(py, |watcher| pack_model(&*load()?, wire, output, watcher));
+    let ended = watching.run(py, |watcher| pack_model(&*load()?, options, output, watcher));
     let (bytes, packed) = ended?.result()?;
     result_class(py, "Packed")?.call1((report(py, &packed)?, PyBytes::new(py, &bytes)))
 }
@@ -195,8 +120,6 @@ fn result_class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>>
 ///     format: the format of the input, by its extension ("ply", "glb", …); by default that of the name or of the content.
 ///     eye: refine first what looks largest from this position in the scene, as (x, y, z); by default everywhere alike.
 ///     position_bits: the bits of a coordinate, 4 to 16: the longest side of a mesh has two to this power steps, less one. By default 14.
-///     wire: "tristrip", or "paper" for a mesh as the reference transmits it: not compressed, positions and strips only, all parts in one mesh, in a
-///         format of its own (".ps").
 ///     verify: whether the bytes are read back and proven to have exactly the triangles of the model.
 ///     progress: as of `stripify`.
 ///
@@ -210,8 +133,7 @@ fn result_class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>>
 ///     NotProvenError: the bytes are not proven, which is a defect of this package.
 ///
 /// References:
-///     Hoppe: Progressive Meshes, 1996; Pajarola, Rossignac: Compressed Progressive Meshes, 2000; Kim, Park, Yang, Neelamkavil: A Rendering-Efficient
-///     Progressive Transmission of 3D Meshes, 2005 (wire "paper"). The compression is of this project.
+///     Hoppe: Progressive Meshes, 1996; Pajarola, Rossignac: Compressed Progressive Meshes, 2000. The compression is of this project.
 ///
 /// >>> import tristrip
 /// >>> square = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
@@ -221,7 +143,7 @@ fn result_class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>>
 #[pyfunction]
 #[pyo3(
     signature = (input, output = None, **given),
-    text_signature = "(input, output=None, *, format=None, eye=None, position_bits=None, wire='tristrip', verify=True, progress=None)"
+    text_signature = "(input, output=None, *, format=None, eye=None, position_bits=None, verify=True, progress=None)"
 )]
 pub(crate) fn pack<'py>(
     py: Python<'py>,
@@ -231,11 +153,11 @@ pub(crate) fn pack<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let arguments = Arguments::of(py, given)?;
     let format: Option<String> = arguments.extract("format")?;
-    let (wire, watching) = (Wire::taken(&arguments)?, arguments.watching()?);
+    let (options, watching) = (pack_options(&arguments)?, arguments.watching()?);
     arguments.finish("pack")?;
     let (input, format) = (Input::of(input)?, format_of(format.as_deref())?);
     let source = input.source();
-    pack_object(py, || source.scene(format), wire, output.as_deref(), watching)
+    pack_object(py, || source.scene(format), options, output.as_deref(), watching)
 }
 
 /// The report of a level; the keys are those of the JSON report of `tristrip unpack`.
@@ -257,11 +179,7 @@ fn unpack_source(
     watcher: &Watcher,
 ) -> Result<(Model, UnpackReport), Failure> {
     let bytes = source.bytes()?;
-    let unpacked = if is_published(&bytes) {
-        unpack_published(&bytes, goal)?
-    } else {
-        unpack_stream(&opened(bytes)?, goal, source.path().and_then(Path::parent))?
-    };
+    let unpacked = unpack_stream(&opened(bytes)?, goal, source.path().and_then(Path::parent))?;
     let counts = unpacked.report();
     let mut model = unpacked.model;
     tristrip_io::embed_images(&mut model, source.path())?;
@@ -294,7 +212,7 @@ fn opened(bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
     Ok(ProgressiveGlb::open(bytes)?.ok_or_else(none)?)
 }
 
-/// Read a level of detail from a progressive GLB, or from a file of `pack(wire="paper")`.
+/// Read a level of detail from a progressive GLB.
 ///
 /// A file that is cut off or damaged gives what is complete before the end or the damage: `report["ended_early"]` is then True, and a note says why.
 ///

@@ -9,18 +9,14 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 use serde::Serialize;
 use tristrip::lod::{
-    Camera, Filter, Foveation, RESTART, RepairOptions, RepairedView, SkipStrips, SkipView, ViewCriteria,
-    ViewUpdate,
+    Camera, Foveation, RESTART, RepairOptions, RepairedView, SkipStrips, SkipView, ViewCriteria, ViewUpdate,
 };
 use tristrip::simplify::MergeOrder;
 use tristrip_io::Model;
 use tristrip_io::tlod::{self, TlodLimits};
-use tristrip_lab::flight::{
-    Axis, CameraPath, FlightObserver, FlightOptions, FlightPath, FlightReport, Lens, fly, prove_drawing,
-};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
-    DisplayFilter, MethodReport, Observer, Stopped, ViewModelOptions, ViewModelReport, view_model,
+    DisplayFilter, MethodReport, Stopped, ViewModelOptions, ViewModelReport, prove_view, view_model,
 };
 use tristrip_render::images::{RenderOptions, strips_seen, triangles_seen};
 
@@ -34,11 +30,9 @@ use crate::method;
 use crate::numbers::Count;
 use crate::reports::report;
 use crate::strips::{Strips, index_bits};
-use crate::work::{Watcher, Watching};
+use crate::work::Watching;
 
-/// The most frames of a flight whose display strips are proven, as the command proves them.
-const PROOF_COUNT: usize = 20;
-const USUAL_FRAMES: Count = Count(300);
+const USUAL_IMAGE: [u32; 2] = [1920, 1080];
 const UPWARD: [f32; 3] = [0.0, 1.0, 0.0];
 const MIDDLE: [f32; 2] = [0.5, 0.5];
 
@@ -359,62 +353,6 @@ impl ViewModel {
         Ok(View { model: Arc::clone(&self.model), filter, state: Mutex::new(state) })
     }
 
-    /// Fly a camera over the model, and measure each frame, as the command's `fly` does.
-    ///
-    /// Args:
-    ///     path: "orbit", "dolly", "flyover", a JSON file of cameras, or a list of them: dictionaries with "eye" and "look_at", and, if wanted, "up" and
-    ///         "field_of_view" in degrees, between which the frames are interpolated.
-    ///     frames: the number of frames, up to 100000.
-    ///     up: the vertical axis of orbit, dolly and flyover: "x", "y" or "z"; by default y, and for flyover the shortest side.
-    ///     filter: "none", "stss", "dtfs" or "linked", as of `view`.
-    ///     verify: whether the display strips of up to 20 frames are proven.
-    ///     field_of_view, image, pixels, triangles, steps, frustum, back_faces, silhouettes, light, foveation, attention: as of `View.set_view`.
-    ///
-    /// Returns:
-    ///     A dictionary with the keys of the command's JSON: "filter", "path", "proven", "collapses", "triangles_base", "triangles_full", "tree_height",
-    ///     "summary", and "frames", a list with a dictionary for each frame. Times depend on the machine.
-    ///
-    /// Raises:
-    ///     ParameterError: an option has a wrong value.
-    ///     FileError: the file of cameras cannot be read.
-    ///     NotProvenError: a frame is not proven, which is a defect of this package.
-    ///
-    /// >>> import tristrip
-    /// >>> model = tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    /// >>> flight = model.fly("orbit", frames=4)
-    /// >>> [frame["triangles"] for frame in flight["frames"]]
-    /// [1, 1, 1, 1]
-    #[pyo3(
-        signature = (path = None, **given),
-        text_signature = "($self, path=None, *, frames=300, up=None, filter='dtfs', verify=True, field_of_view=45.0, image=(1920, 1080), pixels=1.0, triangles=None, steps=None, frustum=True, back_faces=True, silhouettes=True, light=None, foveation=None, attention=(0.5, 0.5))"
-    )]
-    fn fly<'py>(
-        &self,
-        py: Python<'py>,
-        path: Option<&Bound<'py, PyAny>>,
-        given: Option<Keywords<'_, 'py>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = Arguments::of(py, given)?;
-        let frames = arguments.extract("frames")?.unwrap_or(USUAL_FRAMES);
-        let (up, filter): (Option<String>, Option<String>) =
-            (arguments.extract("up")?, arguments.extract("filter")?);
-        let filter: Filter = filter.as_deref().unwrap_or("dtfs").parse().map_err(Failure::from)?;
-        let verify = arguments.extract("verify")?.unwrap_or(true);
-        let Detail { lens, criteria } = Detail::taken(&arguments)?;
-        arguments.finish("ViewModel.fly")?;
-        let path = GivenPath::of(path, up.as_deref())?;
-        let options = FlightOptions { criteria, filter, proof_count: if verify { PROOF_COUNT } else { 0 } };
-        let ended = Watching::default().run(py, |watcher| {
-            let cameras = path.cameras(self.model.mesh.positions(), frames.0, lens)?;
-            let rows = fly(&self.tree, &cameras, &options, &mut Frames(watcher))?;
-            Ok(FlightReport::of_model(&self.tree)?.with_frames(rows))
-        })?;
-        let flight = ended.result()?;
-        let proven = flight.summary.as_ref().is_some_and(|summary| summary.frames_proven > 0);
-        let proven = proven.then_some(true);
-        report(py, &FlyReport { filter: filter.to_string(), path: path.name(), proven, flight })
-    }
-
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, this) = (slf.py(), slf.get());
         let bytes = this.to_bytes(py)?.into_any();
@@ -449,81 +387,19 @@ impl ViewModel {
     }
 }
 
-/// The report of a flight; the keys are those of the JSON report of `tristrip fly`.
-#[derive(Serialize)]
-struct FlyReport {
-    filter: String,
-    path: String,
-    proven: Option<bool>,
-    #[serde(flatten)]
-    flight: FlightReport,
-}
-
-/// Ends a flight on Ctrl-C.
-struct Frames<'a>(&'a Watcher);
-
-impl FlightObserver for Frames<'_> {
-    fn is_cancelled(&self) -> bool {
-        self.0.is_cancelled()
-    }
-}
-
-/// Where a camera flies, as a user gives it.
-enum GivenPath {
-    Named(CameraPath),
-    Through(FlightPath),
-}
-
-impl GivenPath {
-    fn of(given: Option<&Bound<'_, PyAny>>, up: Option<&str>) -> Result<Self, Failure> {
-        let axis = up.map(|up| up.parse::<Axis>().map_err(|why| Failure::Parameter(format!("up: {why}"))));
-        let axis = axis.transpose()?;
-        let Some(given) = given else { return Ok(Self::Named(CameraPath::new("orbit".as_ref(), axis)?)) };
-        if let Ok(path) = given.extract::<PathBuf>() {
-            let path = CameraPath::new(&path, axis)?;
-            path.check()?;
-            return Ok(Self::Named(path));
-        }
-        if axis.is_some() {
-            return Err(Failure::Parameter("up: cannot be used with cameras, which have their axes".into()));
-        }
-        let json = given.py().import("json")?.call_method1("dumps", (given,));
-        let json = json.map_err(|error| Failure::Parameter(format!("path: {error}")))?;
-        let path = FlightPath::from_json(&json.extract::<String>()?);
-        Ok(Self::Through(path.map_err(|error| Failure::Parameter(format!("path: {error}")))?))
-    }
-
-    fn name(&self) -> String {
-        match self {
-            Self::Named(path) => path.name(),
-            Self::Through(_) => "cameras".into(),
-        }
-    }
-
-    fn cameras(&self, positions: &[[f32; 3]], frames: usize, lens: Lens) -> Result<Vec<Camera>, Failure> {
-        Ok(match self {
-            Self::Named(path) => path.cameras(positions, frames, lens)?,
-            Self::Through(path) => path.cameras(frames, lens)?,
-        })
-    }
-}
-
-/// What a camera sees, and what detail that needs: the keyword arguments that views and flights share.
+/// The detail that a camera needs: keyword arguments of a view.
 #[derive(Debug, Clone, Copy)]
 struct Detail {
-    lens: Lens,
+    field_of_view: f32,
+    image: [u32; 2],
     criteria: ViewCriteria,
 }
 
 impl Detail {
     /// Takes the arguments.
     fn taken(arguments: &Arguments<'_>) -> PyResult<Self> {
-        let usual = Lens::default();
-        let lens = Lens {
-            field_of_view: arguments.extract("field_of_view")?.unwrap_or(usual.field_of_view),
-            image: arguments.extract("image")?.unwrap_or(usual.image),
-        };
-        lens.check().map_err(Failure::from)?;
+        let field_of_view = arguments.extract("field_of_view")?.unwrap_or(tristrip::lod::View::FIELD_OF_VIEW);
+        let image = arguments.extract("image")?.unwrap_or(USUAL_IMAGE);
         let is_kept = |name: &str| PyResult::Ok(arguments.extract(name)?.unwrap_or(true));
         let mut criteria = ViewCriteria::new(arguments.extract("pixels")?.unwrap_or(1.0))
             .map_err(Failure::from)?
@@ -549,7 +425,7 @@ impl Detail {
             let foveation = Foveation::new(growth).map_err(wrong)?;
             criteria = criteria.with_foveation(foveation.with_attention(attention).map_err(Failure::from)?);
         }
-        Ok(Self { lens, criteria })
+        Ok(Self { field_of_view, image, criteria })
     }
 }
 
@@ -669,17 +545,16 @@ impl View {
     ) -> PyResult<Bound<'py, PyDict>> {
         let arguments = Arguments::of(py, given)?;
         let (direction, up) = (arguments.extract("direction")?, arguments.extract("up")?.unwrap_or(UPWARD));
-        let Detail { lens, criteria } = Detail::taken(&arguments)?;
+        let Detail { field_of_view, image: [columns, rows], criteria } = Detail::taken(&arguments)?;
         arguments.finish("View.set_view")?;
         let look_at = match (look_at, direction) {
             (Some(look_at), None) => look_at,
             (None, Some(direction)) => ahead(eye, direction)?,
             _ => return Err(Failure::Parameter("look_at, direction: expected one of both".into()).into()),
         };
-        let [columns, rows] = lens.image;
         let camera = Camera::new(eye, look_at)
             .and_then(|camera| camera.with_up(up))
-            .and_then(|camera| camera.with_field_of_view(lens.field_of_view))
+            .and_then(|camera| camera.with_field_of_view(field_of_view))
             .and_then(|camera| camera.with_image(columns, rows))
             .map_err(Failure::from)?;
         let moved = self.with(py, |state| {
@@ -690,7 +565,6 @@ impl View {
             Ok::<_, Failure>((update, [view.triangle_count(), view.active_vertex_count()]))
         });
         let (update, [triangles, active_vertices]) = moved?;
-        // The keys are those of a frame in the JSON report of `tristrip fly`.
         let found = PyDict::new(py);
         let ViewUpdate { collapses, splits, looked_at, segments, .. } = update;
         let counts =
@@ -784,7 +658,7 @@ impl View {
     fn verify(&self, py: Python<'_>) -> PyResult<usize> {
         let proven = self.with(py, |state| {
             let strips = state.cursor.strips();
-            prove_drawing(state.cursor.view(), &strips)
+            prove_view(state.cursor.view(), &strips)
         });
         Ok(proven.map_err(Failure::from)?)
     }

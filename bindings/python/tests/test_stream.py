@@ -102,20 +102,6 @@ def test_scenes_are_packed_and_unpacked(tmp_path: Path, model: Find) -> None:
     assert triangles[0] <= packed.report["base_triangles"] + 2856 and triangles[1] == packed.report["triangles"]
 
 
-def test_the_published_format_is_read_back(tmp_path: Path, model: Find) -> None:
-    packed = tristrip.pack(model("hand.ply"), wire="paper")
-    assert packed.report["wire"] == "paper"
-    assert packed.report["position_error"] is None
-    assert packed.report["proven"] is True
-    full = tristrip.unpack(packed.bytes)
-    assert len(full.faces) == packed.report["triangles"]
-    few = tristrip.unpack(packed.bytes, triangles=500)
-    assert len(few.faces) <= 500
-    output = tmp_path / "hand.ps"
-    tristrip.pack(model("hand.ply"), output, wire="paper")
-    assert output.read_bytes() == packed.bytes
-
-
 def test_goals_select_a_level() -> None:
     full = tristrip.unpack(BYTES)
     levels = full.report["levels"]
@@ -131,14 +117,10 @@ def test_goals_select_a_level() -> None:
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"wire": "zip"}, "wire: found \"zip\", expected 'tristrip' or 'paper'"),
         ({"position_bits": 3}, "position_bits: found 3, expected 4 to 16"),
         ({"eye": (0.0, float("nan"), 0.0)}, "eye: found"),
         ({"format": "doc"}, 'format: found "doc"'),
         ({"output": "a.ply"}, "output: found a.ply, expected the extension .glb"),
-        ({"output": "a.glb", "wire": "paper"}, "output: found a.glb, expected an extension such as .ps"),
-        ({"eye": (0, 0, 1), "wire": "paper"}, "eye: does not belong to wire='paper'"),
-        ({"position_bits": 12, "wire": "paper"}, "position_bits: does not belong"),
     ],
 )
 def test_wrong_options_of_pack_are_told(options: dict[str, Any], text: str) -> None:
@@ -241,6 +223,6 @@ def test_progress_and_keys_are_those_of_the_command() -> None:
     tristrip.pack(hills(120), format="obj", progress=lambda progress: stages.append(progress.stage))
     assert set(stages) <= {"simplify", "write", "verify"}
     assert list(PACKED.report) == [
-        "wire", "proven", "parts", "meshes", "chunks", "vertices", "triangles", "base_triangles", "bytes", "base_bytes",
+        "proven", "parts", "meshes", "chunks", "vertices", "triangles", "base_triangles", "bytes", "base_bytes",
         "bits_per_vertex", "position_error", "notes", "output",
     ]  # fmt: skip

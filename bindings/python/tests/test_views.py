@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 import pickle
 import threading
 from collections.abc import Callable
@@ -288,55 +287,6 @@ def test_attributes_keep_their_seams() -> None:
     model = tristrip.ViewModel.build(VERTICES, FACES, uv=uv, attributes={"height": VERTICES[:, 1]})
     assert set(model.attributes) == {"TEXCOORD_0", "height"}
     assert (model.attributes["TEXCOORD_0"] == uv).all()
-
-
-@pytest.mark.parametrize("path", ["orbit", "dolly", "flyover", None])
-def test_a_flight_is_that_of_the_command(path: str | None) -> None:
-    flight = MODEL.fly(path, frames=12, pixels=2.0)
-    assert list(flight) == [
-        "filter", "path", "proven", "collapses", "triangles_base", "triangles_full", "tree_height", "summary", "frames",
-    ]  # fmt: skip
-    assert flight["path"] == (path or "orbit")
-    assert flight["proven"] is True
-    assert len(flight["frames"]) == 12
-    assert flight["summary"]["frames_proven"] == 12
-    assert flight["triangles_full"] == len(FACES)
-    assert all(frame["complete"] and frame["triangles"] > 0 for frame in flight["frames"])
-    again = MODEL.fly(path, frames=12, pixels=2.0, verify=False)
-    assert again["proven"] is None
-    assert [f["triangles"] for f in again["frames"]] == [f["triangles"] for f in flight["frames"]]
-
-
-def test_cameras_are_a_list_or_a_file(tmp_path: Path) -> None:
-    cameras: list[dict[str, Any]] = [
-        {"eye": [30, 3, -60], "look_at": [30, 0, 30]},
-        {"eye": [30, 3, -3], "look_at": [30, 0, 30], "field_of_view": 60},
-    ]
-    file = tmp_path / "cameras.json"
-    file.write_text(json.dumps(cameras))
-    listed, read = MODEL.fly(cameras, frames=5), MODEL.fly(file, frames=5)
-    assert [f["triangles"] for f in listed["frames"]] == [f["triangles"] for f in read["frames"]]
-    assert listed["path"] == "cameras"
-    assert read["path"] == str(file)
-    assert listed["frames"][0]["triangles"] < listed["frames"][-1]["triangles"]
-    wrongs: list[tuple[Any, str]] = [
-        ([], "path: cameras: found 0, expected 1 to 10000"),
-        ([{"eye": [0, 0, 0]}], "path: missing field `look_at`"),
-        ("spiral", "path: found spiral, expected orbit, dolly, flyover"),
-        (object(), "path: "),
-    ]
-    for wrong, text in wrongs:
-        with pytest.raises(tristrip.ParameterError) as found:
-            MODEL.fly(wrong)
-        assert str(found.value).startswith(text)
-    with pytest.raises(tristrip.FileError):
-        MODEL.fly(tmp_path / "missing.json")
-    with pytest.raises(tristrip.ParameterError, match="frames: found 0, expected 1 to 100000"):
-        MODEL.fly(frames=0)
-    with pytest.raises(tristrip.ParameterError, match="up: found `w`"):
-        MODEL.fly(up="w")  # type: ignore[arg-type]
-    with pytest.raises(tristrip.ParameterError, match="up"):
-        MODEL.fly(cameras, up="y")
 
 
 def test_pictures_and_texts_show_the_view() -> None:

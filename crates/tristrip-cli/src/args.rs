@@ -1,7 +1,6 @@
 //! The command line as typed: every flag with its short and long help. The module `task` checks which flags fit together.
 
 mod detail;
-mod flight;
 mod groups;
 mod serve;
 mod stream;
@@ -18,18 +17,16 @@ use clap::{Args, CommandFactory, Error, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use tristrip::Cost;
 use tristrip::Effort;
-use tristrip::vertex_cache::VertexCache;
 use tristrip_pipeline::VertexCacheList;
 
 use crate::method::{MethodArgs, WeldArgs};
 use crate::topics::{TOPICS, Topic};
 use crate::values::{effort_parser, named};
 pub(crate) use detail::{BuildLodArgs, ChainArgs, LodArgs, SimplifyArgs};
-pub(crate) use flight::FlyArgs;
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs, TargetArgs};
 pub(crate) use serve::{LogFormat, ServeArgs, ViewArgs};
 pub(crate) use stream::{InspectArgs, PackArgs, UnpackArgs};
-pub(crate) use view::{CriteriaArgs, LensArgs};
+pub(crate) use view::CriteriaArgs;
 
 /// The colours of help and errors on a terminal; `NO_COLOR=1` disables them.
 const STYLES: Styles = Styles::styled()
@@ -71,13 +68,11 @@ pub(crate) enum Command {
     Chain(Box<ChainArgs>),
     Lod(Box<LodArgs>),
     BuildLod(Box<BuildLodArgs>),
-    Fly(Box<FlyArgs>),
     Pack(PackArgs),
     Unpack(UnpackArgs),
     Inspect(InspectArgs),
     Serve(Box<ServeArgs>),
     View(ViewArgs),
-    Repro(ReproArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
     Help(HelpArgs),
@@ -86,9 +81,9 @@ pub(crate) enum Command {
 /// The subcommands by task, in the order of the help.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Shrink files", &["strip", "simplify", "convert"]),
-    ("Levels of detail", &["chain", "lod", "build-lod", "fly"]),
+    ("Levels of detail", &["chain", "lod", "build-lod"]),
     ("Stream and view", &["pack", "unpack", "serve", "view"]),
-    ("Inspect and verify", &["analyze", "compare", "bound", "inspect", "verify", "repro"]),
+    ("Inspect and verify", &["analyze", "compare", "bound", "inspect", "verify"]),
     ("Help", &["help", "completions", "man"]),
 ];
 
@@ -103,7 +98,6 @@ const GROUPS: [(&str, &[&str]); 5] = [
   tristrip strip bunny.ply --method best:effort=7 -o bunny.glb
   tristrip strip horse.ply --method fewest --budget 5s
   tristrip strip bunny.ply --method stripe --json   without a file: only the report
-  tristrip strip bunny.ply --pareto bunny.svg       all methods in one chart
   tristrip strip bunny.ply --picture strips.png     an image with one colour per strip
   cat bunny.ply | tristrip strip - -o - --to glb > bunny.glb")]
 pub(crate) struct StripArgs {
@@ -120,20 +114,6 @@ pub(crate) struct StripArgs {
     /// --json, the report lists the old index of each vertex.
     #[arg(long, requires = "output", help_heading = "Output")]
     pub(crate) reorder_vertices: bool,
-    /// Chart all methods in an SVG file: indices per triangle against misses per triangle
-    ///
-    /// Indices are those of layout restart. Misses are those of the vertex cache of --vertex-cache, kept across strips. A line joins
-    /// the Pareto-optimal methods: no other method has fewer of one and no more of the other. Each result is proven, also with
-    /// --no-verify. The plain triangle list is shown for comparison. best and cache search at efforts 2 and 5, fewest at 5, or all
-    /// at --effort. --budget applies to each search; --seed and --weld apply to all. Up to three inputs.
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    pub(crate) pareto: Option<PathBuf>,
-    /// The vertex cache that --pareto measures with: fifo:N or lru:N, N entries [default: fifo:16]
-    #[arg(long, value_name = "CACHE", requires = "pareto", help_heading = "Output")]
-    pub(crate) vertex_cache: Option<VertexCache>,
-    /// The seed of the methods of --pareto
-    #[arg(long, value_name = "N", requires = "pareto", help_heading = "Output")]
-    pub(crate) seed: Option<u64>,
     /// Draw the strips in a PNG file, one colour per strip
     ///
     /// The image has 1200 x 900 pixels and shows the model from the front with the y axis up. Adjacent strips have different colours. Parts of a
@@ -249,40 +229,6 @@ pub(crate) struct ConvertArgs {
     pub(crate) output: OutputArgs,
 }
 
-/// Reproduce the tables and figures of papers, published beside measured
-///
-/// Write a page per paper, and its figures as SVG or PNG, into the folder `reproduction` of a directory. Each result is proven before its
-/// figures are shown. Pages contain no times, so they are the same on every machine. Rows whose model is missing are marked.
-/// A page that was measured on more models than are found now is kept, and so are its figures; a note says so.
-#[derive(Debug, Args)]
-#[command(after_long_help = "Papers:
-  000  El-Sana et al., Efficiently Computing and Updating Triangle Strips, 2000
-  001  Kim et al., A Rendering-Efficient Progressive Transmission of 3D Meshes, 2005
-  002  Belmonte et al., Triangle Strip Multiresolution Modelling Using Sorted Edges (SETS), 2006
-  003  Porcu, Scateni, Partitioning Meshes into Strips (ETA), 2006
-  004  Evans, Skiena, Varshney, Efficiently Generating Triangle Strips, 1996
-
-Examples:
-  tristrip repro -o docs
-  tristrip repro --papers 000 --section skip-strips -o docs")]
-pub(crate) struct ReproArgs {
-    /// The numbers of the papers, separated by commas [default: all]
-    #[arg(long, value_name = "PAPERS", value_delimiter = ',')]
-    pub(crate) papers: Vec<String>,
-    /// Reproduce only this section of the papers that have it
-    ///
-    /// Paper 000 has the sections strips and skip-strips; 001 and 002 have levels, 003 and 004 strips. What a page has of other sections
-    /// is kept.
-    #[arg(long, value_name = "NAME")]
-    pub(crate) section: Option<String>,
-    /// The folder of the models [default: ../shared/models if it exists, else testdata/models]
-    #[arg(long, value_name = "DIRECTORY")]
-    pub(crate) models: Option<PathBuf>,
-    /// The directory that contains the folder `reproduction`
-    #[arg(short, long, value_name = "DIRECTORY", help_heading = "Output")]
-    pub(crate) output: PathBuf,
-}
-
 /// Print completions for a shell
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
@@ -344,13 +290,11 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
         Command::Chain(_) => "chain",
         Command::Lod(_) => "lod",
         Command::BuildLod(_) => "build-lod",
-        Command::Fly(_) => "fly",
         Command::Pack(_) => "pack",
         Command::Unpack(_) => "unpack",
         Command::Inspect(_) => "inspect",
         Command::Serve(_) => "serve",
         Command::View(_) => "view",
-        Command::Repro(_) => "repro",
         Command::Completions(_) => "completions",
         Command::Man(_) => "man",
         Command::Help(HelpArgs { name: Some(name) }) if Topic::find(name).is_none() => {

@@ -1,7 +1,6 @@
 //! The failure of one input. It is reported with the name of the file, and the other inputs are still processed.
 
 use std::io;
-use std::path::Path;
 
 use tristrip_io::system_message;
 use tristrip_pipeline::text::count;
@@ -44,11 +43,6 @@ impl Failure {
             other => other.to_string(),
         })
     }
-
-    /// Converts a system error about a file or directory.
-    pub(crate) fn system(path: &Path, error: &io::Error) -> Self {
-        Self::Output(format!("{}: {}", path.display(), system_message(error)))
-    }
 }
 
 impl From<tristrip::Error> for Failure {
@@ -75,15 +69,6 @@ impl From<tristrip_pipeline::Error> for Failure {
 impl From<tristrip_serve::Error> for Failure {
     fn from(error: tristrip_serve::Error) -> Self {
         Self::Input(error.to_string())
-    }
-}
-
-impl From<tristrip_lab::Error> for Failure {
-    fn from(error: tristrip_lab::Error) -> Self {
-        match error {
-            tristrip_lab::Error::Pipeline(error) => error.into(),
-            other => Self::Output(other.to_string()),
-        }
     }
 }
 

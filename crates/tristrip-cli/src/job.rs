@@ -44,12 +44,6 @@ impl Input {
     pub(crate) fn name(&self) -> String {
         display_name(self.path.as_deref())
     }
-
-    /// Checks whether it is a file of `build-lod`, by its extension.
-    pub(crate) fn is_tlod(&self) -> bool {
-        let extension = self.path.as_ref().and_then(|path| path.extension());
-        extension.is_some_and(|extension| extension.eq_ignore_ascii_case("tlod"))
-    }
 }
 
 impl Output {

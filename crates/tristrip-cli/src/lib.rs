@@ -20,7 +20,6 @@ mod console;
 mod convert;
 mod failure;
 mod figures;
-mod fly;
 mod input;
 mod inspect;
 mod job;
@@ -30,7 +29,6 @@ mod method;
 mod output;
 mod pack;
 mod reorder;
-mod repro;
 mod search;
 mod serve;
 mod shell;
@@ -43,7 +41,6 @@ mod unpack;
 mod values;
 mod verify;
 mod view;
-mod view_model;
 
 use std::ffi::OsString;
 
@@ -91,8 +88,7 @@ where
 /// Does what [`run`] says.
 fn run_command(arguments: Vec<OsString>) -> u8 {
     search::forget_interrupt();
-    let papers: Vec<&str> = tristrip_lab::repro::keys().collect();
-    let (task, shared) = match task::parse(arguments, &papers) {
+    let (task, shared) = match task::parse(arguments) {
         Ok(parsed) => parsed,
         Err(message) => {
             console::print_usage(&message);
@@ -137,13 +133,11 @@ fn run_task(task: &Task, console: &mut Console) -> bool {
         Task::Lod(task) => lod::run(task, console),
         Task::Chain(task) => chain::run(task, console),
         Task::BuildLod(task) => build_lod::run(task, console),
-        Task::Fly(task) => fly::run(task, console),
         Task::Pack(task) => pack::run(task, console),
         Task::Unpack(task) => unpack::run(task, console),
         Task::Inspect(task) => inspect::run(task, console),
         Task::Serve(task) => serve::run(task, console),
         Task::View(task) => view::run(task, console),
-        Task::Repro(task) => repro::run(task, console),
         Task::Print(text) => {
             console.write_stdout(text);
             true

@@ -4,8 +4,6 @@ mod report;
 
 use tristrip::lod::{Camera, ModelKind, ViewCriteria};
 use tristrip_io::Model;
-use tristrip_lab::recovery;
-use tristrip_lab::traffic::{self, TrafficModel, measure_levels, totals, totals_as_text};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
     EncodeOptions, Encoded, Error, Event, LevelGoal, LevelsOptions, MethodReport, ModelLevels, Observer,
@@ -16,20 +14,12 @@ use crate::batch;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures;
-use crate::input::short_name;
 use crate::job::Job;
 use crate::output::{self, WriteReport};
 use crate::search::interrupted;
-use crate::stage::{Stages, load_job, show_search, timed};
+use crate::stage::{Stages, load_job, show_search};
 use crate::task::LodTask;
 use report::LodReport;
-
-/// Steps of a table, and of a curve of the chart, from the base mesh to the full mesh.
-const TABLE_STEPS: usize = 20;
-const CURVE_STEPS: usize = 100;
-
-/// Rounds of which the times of recovery are medians.
-const ROUNDS: usize = 3;
 
 /// Processes all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &LodTask, console: &mut Console) -> bool {
@@ -37,36 +27,11 @@ pub(crate) fn run(task: &LodTask, console: &mut Console) -> bool {
     let process =
         |job: &Job, console: &mut Console, report: &mut LodReport| run_stages(job, task, console, report);
     let show = |job: &Job, report: &LodReport, title: &str, console: &mut Console| {
-        let requested = job.output.is_none() || task.table || task.compare;
-        console.result(&format!("{title}{}", summary(report, task)), requested);
+        let figures = report.figures.as_ref().map(figures::summary).unwrap_or_default();
+        console.result(&format!("{title}{figures}"), job.output.is_none());
     };
-    let mut reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
-    if let Some(path) = &task.plot
-        && let Some(chart) = chart(&reports, task)
-        && batch::write_chart(path, chart, &mut reports, console)
-    {
-        for report in reports.iter_mut().filter(|report| report.error.is_none()) {
-            report.plot = Some(path.display().to_string());
-        }
-    }
+    let reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
     batch::finish(reports, console)
-}
-
-/// Draws the chart of the inputs that were measured; `None` if there is none.
-fn chart(reports: &[LodReport], task: &LodTask) -> Option<Result<String, Failure>> {
-    let done: Vec<&LodReport> = reports.iter().filter(|report| report.error.is_none()).collect();
-    if done.is_empty() {
-        return None;
-    }
-    let chart = if task.sweeps.is_empty() {
-        let rows: Vec<_> = done.iter().map(|report| (short_name(&report.file), &report.rows[..])).collect();
-        traffic::draw(&rows)
-    } else {
-        let of = |report: &&LodReport| short_name(&report.file);
-        let measured = done.iter().map(|report| (of(report), report.recovery.as_deref().unwrap_or_default()));
-        recovery::draw(&measured.collect::<Vec<_>>())
-    };
-    Some(chart.map_err(Failure::from))
 }
 
 /// Runs all stages on one input; after a failure the report has the results of the stages before.
@@ -162,7 +127,7 @@ fn show_drawn(
     }
 }
 
-/// Draws a level, measures the tables, and writes the file.
+/// Draws a level, and writes the file.
 fn draw(
     model: &Model,
     levels: &ModelLevels,
@@ -192,7 +157,6 @@ fn draw(
     if !task.verify {
         console.stage("verify", "skipped", None);
     }
-    measure(levels, task, console, report)?;
     write(job, task, !displayed.strips.is_empty(), console, report, |options, observer| {
         levels.encode(model, &displayed, options, observer)
     })
@@ -215,7 +179,6 @@ fn draw_view(
     if !task.verify {
         console.stage("verify", "skipped", None);
     }
-    measure(levels, task, console, report)?;
     write(job, task, !view.strips.is_empty(), console, report, |options, observer| {
         levels.encode_view(model, &view, options, observer)
     })
@@ -242,50 +205,4 @@ fn write(
     report.output = Some(target.name());
     report.layout = Some(target.layout.name());
     Ok(())
-}
-
-/// Measures the requested tables.
-fn measure(
-    levels: &ModelLevels,
-    task: &LodTask,
-    console: &Console,
-    report: &mut LodReport,
-) -> Result<(), Failure> {
-    if task.table || task.plot.is_some() && task.sweeps.is_empty() {
-        console.doing("table");
-        let steps = if task.plot.is_some() { CURVE_STEPS } else { TABLE_STEPS };
-        let at = levels.order.evenly(steps);
-        let traffic = TrafficModel::new(levels);
-        let (measured, seconds) = timed(|| measure_levels(&traffic, &at, task.repair(), task.verify));
-        report.rows = measured?;
-        console.stage("table", &format!("{}, all filters", counted(at.len(), "level")), Some(seconds));
-        if task.table {
-            let in_table = levels.order.evenly(TABLE_STEPS);
-            let rows = report.rows.iter().filter(|row| in_table.contains(&row.level));
-            report.table = Some(rows.cloned().collect());
-        }
-    }
-    if task.compare {
-        console.doing("all levels");
-        let (all, seconds) = timed(|| totals(levels, task.repair()));
-        let what = format!("{}, all filters", counted(levels.collapse_count() + 1, "level"));
-        console.stage("compare", &what, Some(seconds));
-        report.compare = Some(all?);
-    }
-    if !task.sweeps.is_empty() {
-        console.doing("recovery");
-        let (measured, seconds) = timed(|| recovery::measure(levels, &task.sweeps, ROUNDS));
-        console.stage("recovery", &format!("{} models", ModelKind::ALL.len()), Some(seconds));
-        report.recovery = Some(measured?);
-    }
-    Ok(())
-}
-
-/// Formats the summary of a report, with the requested tables.
-fn summary(report: &LodReport, task: &LodTask) -> String {
-    let figures = report.figures.as_ref().map(figures::summary).unwrap_or_default();
-    let table = if task.table { report.table.as_deref().map(traffic::as_text) } else { None };
-    let totals = report.compare.as_deref().map(totals_as_text);
-    let recovery = report.recovery.as_deref().map(recovery::as_text);
-    [Some(figures), table, totals, recovery].into_iter().flatten().collect()
 }

@@ -96,14 +96,14 @@ impl MethodArgs {
         Self { method: self.method.or(Some(cache)), ..self }
     }
 
-    /// Builds the options. With `all_methods`, the flags of searches fit any method, because all methods run.
+    /// Builds the options.
     ///
     /// # Errors
     /// A flag does not fit the method.
-    pub(crate) fn validate(&self, all_methods: bool) -> Result<StripifyOptions, String> {
+    pub(crate) fn validate(&self) -> Result<StripifyOptions, String> {
         let named = self.method.unwrap_or_default();
         let method = named.options.method();
-        let searches = all_methods || matches!(method, Method::Best | Method::Fewest | Method::Cache);
+        let searches = matches!(method, Method::Best | Method::Fewest | Method::Cache);
         let tunnels = matches!(method, Method::Tunnel { .. } | Method::Eta { .. } | Method::GuidedTunnels(_));
         if self.effort.is_some() && !searches {
             return Err(format!("--effort belongs to methods best, fewest and cache, not to {method}"));
@@ -117,11 +117,6 @@ impl MethodArgs {
         }
         let options = named.options.with_weld(self.weld.weld);
         Ok(self.effort.map_or(options, |effort| options.with_effort(effort)))
-    }
-
-    /// Returns the requested effort.
-    pub(crate) fn effort(&self) -> Option<Effort> {
-        self.effort
     }
 
     /// Returns the time after which a search stops.

@@ -1,11 +1,8 @@
 //! `tristrip pack`: writes a model as a progressive GLB.
 
-use std::path::Path;
-
 use serde::Serialize;
-use tristrip_io::Model;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Joined, LevelsOptions, Packed, PackedReport, join, pack, pack_as_published};
+use tristrip_pipeline::{Packed, PackedReport, pack};
 use tristrip_render::text;
 
 use crate::batch::{self, InputReport, Outcome};
@@ -15,7 +12,6 @@ use crate::job::Job;
 use crate::output::write_file;
 use crate::stage::{load_job, timed};
 use crate::task::PackTask;
-use crate::values::Wire;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -29,7 +25,6 @@ struct PackSeconds {
 #[derive(Debug, Default, Serialize)]
 struct PackReport {
     file: String,
-    wire: &'static str,
     proven: Option<bool>,
     seconds: PackSeconds,
     parts: Option<usize>,
@@ -66,14 +61,10 @@ fn pack_job(
 ) -> Result<(), Failure> {
     let (model, load) = load_job(job, console)?;
     report.seconds.load = Some(load);
-    report.wire = if task.published.is_some() { Wire::Paper } else { Wire::Tristrip }.name();
     report.parts = Some(model.parts.len());
     report.notes.clone_from(&model.notes);
     console.stage("load", &counted(model.parts.len(), "part"), Some(load));
     model.notes.iter().for_each(|note| console.note(note));
-    if let Some(path) = &task.published {
-        return pack_published(model, path, task.options.verify, console, report);
-    }
     console.doing("pack");
     let (packed, seconds) = timed(|| pack(&model, &task.options, &()));
     let packed: Packed = packed?;
@@ -103,40 +94,6 @@ fn pack_job(
         report.seconds.write = Some(seconds);
         report.output = Some(output.name());
     }
-    Ok(())
-}
-
-/// Packs a model as paper 001 transmits it.
-fn pack_published(
-    model: Model,
-    path: &Path,
-    verify: bool,
-    console: &mut Console,
-    report: &mut PackReport,
-) -> Result<(), Failure> {
-    let Joined { mesh, notes, .. } = join(model)?;
-    notes.iter().skip(report.notes.len()).for_each(|note| console.note(note));
-    report.notes = notes;
-    console.doing("pack");
-    let options = LevelsOptions::default().with_verify(verify);
-    let (packed, seconds) = timed(|| pack_as_published(&mesh, &options, &()));
-    let packed = packed?;
-    report.seconds.pack = Some(seconds);
-    let base = counted(packed.base_triangles, "triangle");
-    let what = format!("{} behind a base mesh of {base}", counted(packed.levels, "split"));
-    console.stage("pack", &what, Some(seconds));
-    if let Some(triangles) = packed.proven {
-        let what = format!("proven: the file draws exactly the {}", counted(triangles, "triangle"));
-        console.stage("verify", &what, None);
-    }
-    let bytes = packed.bytes.len();
-    report.proven = packed.proven.map(|_| true);
-    report.packed = packed.report();
-    let (written, seconds) = timed(|| tristrip_io::replace_file(path, &packed.bytes));
-    written.map_err(|error| Failure::writing(&error))?;
-    console.stage("write", &format!("{}, {}", path.display(), text::bytes(bytes)), Some(seconds));
-    report.seconds.write = Some(seconds);
-    report.output = Some(path.display().to_string());
     Ok(())
 }
 

@@ -3,13 +3,11 @@
 use std::path::Path;
 
 use serde::Serialize;
-use tristrip::StripifyOptions;
 use tristrip_io::Model;
-use tristrip_lab::pareto::{self, ParetoObserver, ParetoPoint};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
     BoundGap, DrawnAs, DrawnParts, EncodeOptions, Event, Figures, FileFigures, MeshFigures, MethodReport,
-    Observer, PreparedModel, Search, Stopped, StripOptions, Stripped, encode_observed, strip_observed,
+    Stopped, StripOptions, Stripped, encode_observed, strip_observed,
 };
 use tristrip_render::images::{self, RenderOptions};
 use tristrip_render::text as render_text;
@@ -19,13 +17,13 @@ use crate::bound::gap_line;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::summary;
-use crate::input::{file_bytes, short_name};
+use crate::input::file_bytes;
 use crate::job::{Job, Output};
 use crate::output::{self, WriteReport};
 use crate::reorder::GroupReport;
-use crate::search::{SearchWatch, interrupted};
+use crate::search::interrupted;
 use crate::stage::{Seconds, Stages, load_job, show_search, timed};
-use crate::task::{ParetoTask, StripTask};
+use crate::task::StripTask;
 
 /// The report of one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
@@ -56,8 +54,6 @@ struct StripReport {
     after: Option<FileFigures>,
     /// The new vertex order; `null` unless requested.
     vertex_order: Option<Vec<GroupReport>>,
-    /// The costs of all methods; `null` unless requested.
-    pareto: Option<Vec<ParetoPoint>>,
     /// The picture of the strips, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<String>,
@@ -102,28 +98,17 @@ pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
         before: None,
         after: None,
         vertex_order: None,
-        pareto: None,
         picture: None,
         error: None,
     };
     let show = |job: &Job, report: &StripReport, title: &str, console: &mut Console| {
         let figures = report.figures.as_ref().map(summary).unwrap_or_default();
-        let methods = report.pareto.as_deref().map(pareto::as_text).unwrap_or_default();
         let files = before_and_after(report);
-        console.result(&format!("{title}{figures}{files}{methods}"), job.output.is_none());
+        console.result(&format!("{title}{figures}{files}"), job.output.is_none());
     };
     let process =
         |job: &Job, console: &mut Console, report: &mut StripReport| strip(job, task, console, report);
-    let mut reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
-    if let Some(ParetoTask { path, .. }) = &task.pareto {
-        let points =
-            reports.iter().filter_map(|report| Some((short_name(&report.file), report.pareto.as_deref()?)));
-        let points: Vec<_> = points.collect();
-        if !points.is_empty() {
-            let chart = pareto::draw(&points).map_err(Failure::from);
-            batch::write_chart(path, chart, &mut reports, console);
-        }
-    }
+    let reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
     batch::finish(reports, console)
 }
 
@@ -153,15 +138,6 @@ fn strip(
         draw(path, &model, &stripped, console)?;
         report.picture = Some(path.display().to_string());
     }
-    let Some(wanted) = &task.pareto else { return Ok(()) };
-    let prepared = PreparedModel::new(&model, stripped.options.weld());
-    let searches = Searches { console, task };
-    let (points, seconds) = timed(|| pareto::measure(&prepared, &stripped.options, wanted.effort, &searches));
-    let (points, notes) = points?;
-    console.stage("pareto", &pareto::line(&points), Some(seconds));
-    notes.iter().for_each(|note| console.note(note));
-    report.notes.extend(notes);
-    report.pareto = Some(points);
     Ok(())
 }
 
@@ -243,28 +219,6 @@ fn draw(path: &Path, model: &Model, stripped: &Stripped, console: &Console) -> R
     let what = format!("{}, {} × {} pixels", path.display(), options.width, options.height);
     console.stage("picture", &what, Some(seconds));
     Ok(())
-}
-
-/// Watches the methods of a chart.
-struct Searches<'a> {
-    console: &'a Console,
-    task: &'a StripTask,
-}
-
-impl Observer for Searches<'_> {
-    fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
-        Box::new(SearchWatch::new(self.console.progress(), self.task.budget, options))
-    }
-
-    fn is_cancelled(&self) -> bool {
-        interrupted()
-    }
-}
-
-impl ParetoObserver for Searches<'_> {
-    fn method(&self, label: &str) {
-        self.console.doing(label);
-    }
 }
 
 /// Returns a line on what was proven.

@@ -6,7 +6,6 @@ mod servers;
 mod streams;
 mod views;
 
-use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -15,22 +14,19 @@ use tristrip::Effort;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_io::gltf::Rounding;
-use tristrip_lab::repro::{Selection, sections};
 use tristrip_pipeline::{Amount, AnalyzeOptions, Goal, SimplifyOptions, VertexCacheList};
 
 use crate::args::{self, AnalyzeArgs, Command, HelpArgs, OutputArgs, SharedArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, write_to_stdout};
 use crate::shell;
 use crate::topics::Topic;
-use checks::{check_chart, check_distinct_files, check_picture};
+use checks::{check_chart, check_picture};
 pub(crate) use levels::{BuildLodTask, ChainTask, LodTask};
 use levels::{build_lod_task, chain_task, lod_task};
 pub(crate) use servers::{ServeTask, ViewTask};
 use servers::{serve_task, view_task};
 pub(crate) use streams::{InspectTask, PackTask, UnpackTask};
 use streams::{inspect_task, pack_task, unpack_task};
-use views::fly_task;
-pub(crate) use views::{FlyTask, VideoTask};
 
 /// A subcommand with options that fit each other.
 #[derive(Debug)]
@@ -45,13 +41,11 @@ pub(crate) enum Task {
     Lod(LodTask),
     Chain(ChainTask),
     BuildLod(BuildLodTask),
-    Fly(FlyTask),
     Pack(PackTask),
     Unpack(UnpackTask),
     Inspect(InspectTask),
     Serve(Box<ServeTask>),
     View(ViewTask),
-    Repro(ReproTask),
     /// A text to print: completions, a man page or a topic.
     Print(Vec<u8>),
 }
@@ -66,18 +60,8 @@ pub(crate) struct StripTask {
     /// Whether to write vertices in the order of first use.
     pub(crate) reorder: bool,
     pub(crate) verify: bool,
-    pub(crate) pareto: Option<ParetoTask>,
     /// The PNG file to draw the strips in.
     pub(crate) picture: Option<PathBuf>,
-}
-
-/// A chart of all methods.
-#[derive(Debug)]
-pub(crate) struct ParetoTask {
-    /// The SVG file to write.
-    pub(crate) path: PathBuf,
-    /// The effort of all searches; `None` for the default of each method.
-    pub(crate) effort: Option<Effort>,
 }
 
 #[derive(Debug)]
@@ -129,13 +113,6 @@ pub(crate) struct SimplifyTask {
     pub(crate) picture: Option<PathBuf>,
 }
 
-#[derive(Debug)]
-pub(crate) struct ReproTask {
-    pub(crate) selection: Selection,
-    pub(crate) models: PathBuf,
-    pub(crate) output: PathBuf,
-}
-
 /// The options that all tasks share.
 #[derive(Debug)]
 pub(crate) struct Shared {
@@ -160,11 +137,9 @@ impl Task {
             | Self::Analyze(_)
             | Self::Verify(_)
             | Self::BuildLod(_)
-            | Self::Fly(_)
             | Self::Inspect(_)
             | Self::Serve(_)
             | Self::View(_)
-            | Self::Repro(_)
             | Self::Print(_) => false,
         }
     }
@@ -185,14 +160,14 @@ impl Task {
     }
 }
 
-/// Parses the command line into a task. The papers are those that can be reproduced.
+/// Parses the command line into a task.
 ///
 /// # Errors
 /// The usage is wrong, or the help or the version was asked for.
-pub(crate) fn parse(arguments: Vec<OsString>, papers: &[&str]) -> Result<(Task, Shared), clap::Error> {
+pub(crate) fn parse(arguments: Vec<OsString>) -> Result<(Task, Shared), clap::Error> {
     let parsed = args::parse(arguments)?;
     let shared = shared(&parsed.shared);
-    let task = validate(parsed.command, papers).and_then(|task| task.fitting(&shared));
+    let task = validate(parsed.command).and_then(|task| task.fitting(&shared));
     let task = task.map_err(|message| args::usage_error(parsed.subcommand, &message))?;
     Ok((task, shared))
 }
@@ -201,19 +176,11 @@ pub(crate) fn parse(arguments: Vec<OsString>, papers: &[&str]) -> Result<(Task, 
 ///
 /// # Errors
 /// Flags do not fit together; the message names them.
-fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
+fn validate(command: Command) -> Result<Task, String> {
     Ok(match command {
         Command::Strip(args) => {
             let jobs = jobs_of(args.general, &args.output)?;
-            let mut options = args.method.validate(args.pareto.is_some())?;
-            if let Some(cache) = args.vertex_cache {
-                options = options.with_vertex_cache(cache);
-            }
-            if let Some(seed) = args.seed {
-                options = options.with_seed(seed);
-            }
-            let pareto =
-                args.pareto.map(|path| pareto_task(path, args.method.effort(), &jobs)).transpose()?;
+            let options = args.method.validate()?;
             let budget = args.method.budget();
             let (list, reorder) = (args.output.layout.is_none(), args.reorder_vertices);
             let verify = !args.output.target.no_verify;
@@ -221,7 +188,7 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
             if let Some(path) = &picture {
                 check_picture(path, &jobs)?;
             }
-            Task::Strip(StripTask { jobs, options, budget, list, reorder, verify, pareto, picture })
+            Task::Strip(StripTask { jobs, options, budget, list, reorder, verify, picture })
         }
         Command::Compare(args) => {
             let options = StripifyOptions::default()
@@ -272,18 +239,11 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
         Command::Chain(args) => Task::Chain(chain_task(*args)?),
         Command::Lod(args) => Task::Lod(lod_task(*args)?),
         Command::BuildLod(args) => Task::BuildLod(build_lod_task(*args)?),
-        Command::Fly(args) => Task::Fly(fly_task(*args)?),
         Command::Pack(args) => Task::Pack(pack_task(args)?),
         Command::Unpack(args) => Task::Unpack(unpack_task(args)?),
         Command::Inspect(args) => Task::Inspect(inspect_task(args)?),
         Command::Serve(args) => Task::Serve(Box::new(serve_task(*args)?)),
         Command::View(args) => Task::View(view_task(args)?),
-        Command::Repro(args) => {
-            let selection = select_papers(args.papers, args.section, papers)?;
-            let models = args.models.unwrap_or_else(default_models);
-            let task = ReproTask { selection, models, output: args.output };
-            Task::Repro(task)
-        }
         Command::Completions(args) => Task::Print(shell::completions(args.shell)),
         Command::Man(args) => Task::Print(shell::man(args.subcommand.as_deref())?),
         Command::Help(HelpArgs { name }) => {
@@ -304,38 +264,6 @@ fn analyze_task(args: AnalyzeArgs) -> Result<Task, String> {
     let options = AnalyzeOptions::default().with_vertex_caches(vertex_caches).with_flush_policy(flush_policy);
     let task = AnalyzeTask { inputs, options, plot: args.plot, curve };
     Ok(Task::Analyze(task))
-}
-
-fn pareto_task(path: PathBuf, effort: Option<Effort>, jobs: &[Job]) -> Result<ParetoTask, String> {
-    check_chart("--pareto", &path, jobs.len())?;
-    check_distinct_files("--pareto", &path, jobs)?;
-    Ok(ParetoTask { path, effort })
-}
-
-/// Returns the papers named, or all known papers.
-fn select_papers(named: Vec<String>, section: Option<String>, known: &[&str]) -> Result<Selection, String> {
-    if let Some(unknown) = named.iter().find(|name| !known.contains(&name.as_str())) {
-        return Err(format!("unknown paper {unknown:?}; known papers: {}", known.join(", ")));
-    }
-    let papers: BTreeSet<String> = if named.is_empty() {
-        known.iter().map(ToString::to_string).collect()
-    } else {
-        named.into_iter().collect()
-    };
-    if let Some(section) = &section {
-        let known: BTreeSet<String> = papers.iter().flat_map(|paper| sections(paper)).collect();
-        if !known.contains(section) {
-            let known = Vec::from_iter(known).join(", ");
-            return Err(format!("unknown section {section:?}; known sections of these papers: {known}"));
-        }
-    }
-    Ok(Selection { papers, section })
-}
-
-/// Returns the model folder beside the checkout if it exists, else the project's own, relative to the checkout.
-fn default_models() -> PathBuf {
-    let shared = PathBuf::from("../shared/models");
-    if shared.is_dir() { shared } else { "testdata/models".into() }
 }
 
 fn shared(args: &SharedArgs) -> Shared {

@@ -6,9 +6,7 @@ use serde::Serialize;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Format};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{
-    EncodeOptions, Unpacked, UnpackedReport, encode_observed, is_published, unpack, unpack_published,
-};
+use tristrip_pipeline::{EncodeOptions, Unpacked, UnpackedReport, encode_observed, unpack};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -83,10 +81,7 @@ fn unpack_job(task: &UnpackTask, console: &mut Console, report: &mut UnpackRepor
     let folder = job.input.path.as_ref().and_then(|path| path.parent());
     let (unpacked, seconds) = timed(|| {
         let bytes = read(&job.input)?;
-        if is_published(&bytes) {
-            return Ok::<_, Failure>(unpack_published(&bytes, *goal)?);
-        }
-        Ok(unpack(&opened(&job.input, bytes)?, *goal, folder)?)
+        Ok::<_, Failure>(unpack(&opened(&job.input, bytes)?, *goal, folder)?)
     });
     let unpacked = unpacked?;
     report.seconds.load = Some(seconds);

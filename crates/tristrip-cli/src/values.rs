@@ -5,7 +5,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tristrip::Effort;
 use tristrip::Layout;
@@ -177,26 +176,6 @@ impl fmt::Display for Vector {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = self.0;
         write!(f, "{x},{y},{z}")
-    }
-}
-
-/// How refinements are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub(crate) enum Wire {
-    /// A progressive GLB.
-    #[default]
-    Tristrip,
-    /// Progressive strips as paper 001 transmits them, in a file of their own.
-    Paper,
-}
-
-impl Wire {
-    /// Returns the name, as the command line and JSON have it.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Tristrip => "tristrip",
-            Self::Paper => "paper",
-        }
     }
 }
 

@@ -27,7 +27,6 @@ pub use chart::draw;
 pub(crate) use frames::is_among;
 pub use frames::{
     FlightObserver, FlightOptions, FlightReport, FlightSummary, FrameRow, FrameSeconds, FrameValues, fly,
-    prove_drawing, prove_view,
 };
 pub use lens::{Axis, Lens};
 pub(crate) use path::Stop;

@@ -1,4 +1,4 @@
-//! `tristrip strip --pareto`: compares all methods on a model by two conflicting figures, indices and misses.
+//! Compares all methods on a model by two conflicting figures, indices and misses.
 //!
 //! ```text
 //!  misses per   │ ●───┐ best          a method is optimal if no other has at most as many of both and fewer of one

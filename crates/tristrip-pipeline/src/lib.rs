@@ -100,4 +100,6 @@ pub use unpack::{
     stream_figures, unpack,
 };
 pub use verify::{DifferenceReport, verify};
-pub use view_model::{EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, view_model};
+pub use view_model::{
+    EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, prove_view, view_model,
+};

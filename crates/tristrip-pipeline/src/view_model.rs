@@ -10,9 +10,10 @@
 use std::sync::Arc;
 
 use serde::Serialize;
-use tristrip::lod::SkipStrips;
+use tristrip::lod::{SkipStrips, SkipView};
 use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
-use tristrip::{CollapseSequence, Mesh, StripifyOptions, Strips};
+use tristrip::verify::verify_drawing;
+use tristrip::{CollapseSequence, Faces, Mesh, StripifyOptions, Strips};
 use tristrip_io::tlod::{self, TlodLimits, TlodModel};
 use tristrip_io::{Model, Part};
 
@@ -201,4 +202,31 @@ fn encoded(model: &TlodModel) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     tlod::write(model, &mut bytes)?;
     Ok(bytes)
+}
+
+/// Proves that strips draw exactly the triangles of a view, with their winding; returns their number.
+///
+/// # Errors
+/// [`Error::Unproven`]: they do not.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{ViewModelOptions, prove_view, view_model};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", Format::Obj)?;
+/// let tree = Arc::new(view_model(model, &ViewModelOptions::default(), &())?.vertex_tree()?);
+/// let view = tree.view();
+/// assert_eq!(prove_view(&view, &view.display_strips())?, view.triangle_count());
+/// assert!(prove_view(&view, &tristrip::Strips::default()).is_err());
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn prove_view(view: &SkipView, strips: &Strips) -> Result<usize, Error> {
+    let expected = Faces::from_triangles(view.renamed_triangles().into_flattened())?;
+    if expected.face_count() != view.triangle_count() {
+        let (found, expected) = (view.triangle_count(), expected.face_count());
+        return Err(Error::Unproven(format!("the view counts {found} triangles, expected {expected}")));
+    }
+    let drawn: Vec<[u32; 3]> = strips.triangles().collect();
+    let proof = verify_drawing(&expected, &drawn).map_err(|why| Error::Unproven(why.to_string()))?;
+    Ok(proof.triangles)
 }

@@ -270,7 +270,6 @@ class Levels:
 # --- streams
 
 class PackReport(TypedDict):
-    wire: Literal["tristrip", "paper"]
     proven: bool | None
     parts: int
     meshes: int
@@ -331,7 +330,6 @@ def pack(
     format: ReadFormat | str | None = None,
     eye: Vector | None = None,
     position_bits: int | None = None,
-    wire: Literal["tristrip", "paper"] = "tristrip",
     verify: bool = True,
     progress: ProgressArgument = None,
 ) -> Packed: ...
@@ -445,51 +443,6 @@ class UpdateReport(TypedDict):
     segments: int
     complete: bool
 
-class FrameSeconds(TypedDict):
-    update: float
-
-class FrameReport(TypedDict):
-    frame: int
-    triangles: int
-    active_vertices: int
-    collapses: int
-    splits: int
-    looked_at: int
-    segments: int
-    vertices_sent: int
-    vertices_per_triangle: float
-    strips: int
-    bytes_changed: int
-    complete: bool
-    proven: bool | None
-    seconds: FrameSeconds
-
-class FrameValues(TypedDict):
-    triangles: int
-    vertices_per_triangle: float
-    changes_percent: float
-    bytes_changed: int
-    seconds: FrameSeconds
-
-class FlightSummary(TypedDict):
-    frame_count: int
-    frames_proven: int
-    frames_incomplete: int
-    first: FrameValues
-    median: FrameValues
-    worst: FrameValues
-
-class FlyReport(TypedDict):
-    filter: Filter
-    path: str
-    proven: bool | None
-    collapses: int
-    triangles_base: int
-    triangles_full: int
-    tree_height: int
-    summary: FlightSummary
-    frames: list[FrameReport]
-
 class ViewModelMemory(TypedDict):
     strips: int
     tree: int
@@ -557,26 +510,6 @@ class ViewModel:
     @property
     def notes(self) -> list[str]: ...
     def view(self, filter: Filter | Literal["repair"] = "dtfs") -> View: ...
-    def fly(
-        self,
-        path: Path | Sequence[Mapping[str, Any]] | None = None,
-        *,
-        frames: int = 300,
-        up: Literal["x", "y", "z"] | None = None,
-        filter: Filter = "dtfs",
-        verify: bool = True,
-        field_of_view: float = 45.0,
-        image: tuple[int, int] = (1920, 1080),
-        pixels: float = 1.0,
-        triangles: int | None = None,
-        steps: int | None = None,
-        frustum: bool = True,
-        back_faces: bool = True,
-        silhouettes: bool = True,
-        light: Vector | None = None,
-        foveation: float | None = None,
-        attention: Vector = (0.5, 0.5),
-    ) -> FlyReport: ...
     def _repr_html_(self) -> str: ...
 
 @final
@@ -1003,8 +936,7 @@ class Scene:
         *,
         eye: Vector | None = None,
         position_bits: int | None = None,
-        wire: Literal["tristrip", "paper"] = "tristrip",
-        verify: bool = True,
+            verify: bool = True,
         progress: ProgressArgument = None,
     ) -> Packed: ...
     def bound(self, weld: bool = False) -> BoundReport: ...

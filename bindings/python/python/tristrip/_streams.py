@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class Packed:
     """A packed model, as `tristrip.pack` returns it.
 
-    report: a dictionary with the keys of the command's JSON: "wire", "proven", "parts", "meshes", "chunks", "vertices",
+    report: a dictionary with the keys of the command's JSON: "proven", "parts", "meshes", "chunks", "vertices",
         "triangles", "base_triangles", "bytes", "base_bytes", "bits_per_vertex", "position_error", "notes", "output".
     bytes: the file.
     """

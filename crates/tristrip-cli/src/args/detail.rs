@@ -6,7 +6,6 @@ use clap::Args;
 use tristrip::Effort;
 use tristrip::lod::{ModelKind, View};
 use tristrip::simplify::{MergeOrder, Price};
-use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{ChainRatios, Deviation, DisplayFilter, Level, Normals, Ratio};
 
 use super::groups::{CollapseArgs, FromArgs, GeneralArgs, OutputArgs, TargetArgs};
@@ -70,14 +69,12 @@ pub(crate) struct SimplifyArgs {
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip lod bunny.ply --level 40% -o level.glb     strips at any level
-  tristrip lod bunny.ply --table                      vertices sent by each filter, level by level
   tristrip lod bunny.ply --method stripe --base 1% --filter dtfs --level 120
-  tristrip lod bunny.ply --compare --plot lod.svg     filters compared with a triangle list
   tristrip lod bunny.ply --model sets --level 25% -o level.glb
   tristrip lod bunny.ply --model blocks --pixels 1.5 --distance 3     the level for a viewing distance
   tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --fov 45 --pixels 1.5 -o frame.glb
   tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --triangles 200k
-  tristrip lod bunny.ply --compare --sweep linear,exponential --plot recovery.svg")]
+")]
 #[command(
     mut_arg("field_of_view", |flag| flag.requires("viewpoint")),
     mut_arg("image", |flag| flag.requires("camera")),
@@ -190,22 +187,6 @@ pub(crate) struct LodArgs {
     /// The search effort of --filter repair, from 0 to 9 [default: 5]
     #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Levels")]
     pub(crate) filter_effort: Option<Effort>,
-    /// Show the vertices sent by every filter, at levels 5 % apart
-    #[arg(long, help_heading = "Levels")]
-    pub(crate) table: bool,
-    /// Show the total of vertices sent by every filter, from the base mesh to the full mesh, each level drawn once
-    #[arg(long, help_heading = "Levels")]
-    pub(crate) compare: bool,
-    /// With --compare, measure the time in which every model recovers a share of all levels, and its memory
-    ///
-    /// The levels of a sweep are recovered from the full mesh down to the base mesh and up again: 1, 3, 6, 10, 15 and 20 percent of all
-    /// levels, at equal distances (linear), or close to each other near the full mesh (exponential). Times are medians of three
-    /// rounds, or of one that takes longer than a second.
-    #[arg(long, value_name = "SWEEPS", value_delimiter = ',', requires = "compare", help_heading = "Levels")]
-    pub(crate) sweep: Vec<Sweep>,
-    /// Plot the vertices sent by every filter against the level, or the times of --sweep, in an SVG file; up to three inputs
-    #[arg(long, value_name = "FILE", help_heading = "Levels")]
-    pub(crate) plot: Option<PathBuf>,
     /// Draw the coarsest level whose surface error is at most this: in mesh units, or in % of the bounding-box diagonal
     #[arg(long, value_name = "ERROR", help_heading = "Levels", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,

@@ -6,7 +6,7 @@ use clap::Args;
 use tristrip_pipeline::Level;
 
 use super::groups::{GeneralArgs, TargetArgs};
-use crate::values::{Vector, Wire};
+use crate::values::Vector;
 
 /// Pack a model as a progressive GLB: it renders from the first bytes and refines as the rest arrives
 ///
@@ -19,8 +19,7 @@ use crate::values::{Vector, Wire};
   tristrip pack bunny.ply -o bunny.glb
   tristrip pack scene.glb -o progressive.glb --position-bits 12
   tristrip pack models/*.ply -o packed/ --json
-  tristrip pack terrain.ply -o terrain.glb --eye 0,1,-2   the foreground first
-  tristrip pack bunny.ply --wire paper -o bunny.ps")]
+  tristrip pack terrain.ply -o terrain.glb --eye 0,1,-2   the foreground first")]
 pub(crate) struct PackArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
@@ -29,11 +28,6 @@ pub(crate) struct PackArgs {
     /// Errors are weighted by distance, and by half on back faces. The complete file refines everything.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Stream")]
     pub(crate) eye: Option<Vector>,
-    /// How the refinements are stored
-    ///
-    /// The published one is not compressed, and holds positions and strips only: all parts become one mesh.
-    #[arg(long, value_name = "WIRE", value_enum, default_value_t, help_heading = "Stream")]
-    pub(crate) wire: Wire,
     /// The .glb file to write, a directory for several inputs, or - for standard output
     ///
     /// Files are written under a temporary name and then renamed; existing files are replaced. In a directory, each output has the name of its

@@ -1,4 +1,4 @@
-//! The flags of a view, which `fly` and `lod` share: the image of the camera, and what detail it needs.
+//! The flags of a view: the image of the camera, and what detail it needs.
 
 use clap::Args;
 use tristrip::lod::View;

@@ -1,8 +1,6 @@
 //! The report of `tristrip lod`: the keys are those of the JSON output.
 
 use serde::Serialize;
-use tristrip_lab::recovery::ModelRecovery;
-use tristrip_lab::traffic::{FilterTotal, LevelRow};
 use tristrip_pipeline::{Figures, MethodReport, Stopped};
 
 use crate::batch::{InputReport, Outcome};
@@ -46,15 +44,6 @@ pub(crate) struct LodReport {
     /// Figures of the display strips.
     #[serde(flatten)]
     pub(crate) figures: Option<Figures>,
-    pub(crate) table: Option<Vec<LevelRow>>,
-    /// Sums over all levels.
-    pub(crate) compare: Option<Vec<FilterTotal>>,
-    /// The time and the memory of every level model.
-    pub(crate) recovery: Option<Vec<ModelRecovery>>,
-    /// The rows of the chart.
-    #[serde(skip)]
-    pub(crate) rows: Vec<LevelRow>,
-    pub(crate) plot: Option<String>,
     pub(crate) stopped: Option<Stopped>,
     pub(crate) parts: Option<usize>,
     pub(crate) notes: Vec<String>,
@@ -83,11 +72,6 @@ impl LodReport {
             diagonal: None,
             pixels: None,
             figures: None,
-            table: None,
-            compare: None,
-            recovery: None,
-            rows: Vec::new(),
-            plot: None,
             stopped: None,
             parts: None,
             notes: Vec::new(),

@@ -7,11 +7,10 @@ use tristrip::lod::{Camera, ModelKind, RepairOptions, View, ViewCriteria};
 use tristrip::simplify::{MergeOrder, Price};
 use tristrip::{Effort, Layout, StripifyOptions};
 use tristrip_io::Format;
-use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{ChainOptions, DisplayFilter, Level, LevelGoal, Ratio};
 
-use super::checks::{check_chart, check_distinct_files, of_flag};
-use super::views::{checked_pixels, lens, view_criteria};
+use super::checks::of_flag;
+use super::views::{checked_pixels, view_criteria};
 use crate::args::{BuildLodArgs, ChainArgs, LodArgs};
 use crate::job::{Input, Job, inputs, jobs_of, jobs_of_levels};
 use crate::values::{Amount as Count, Vector};
@@ -33,12 +32,6 @@ pub(crate) struct LodTask {
     pub(crate) filter: DisplayFilter,
     /// The effort of [`DisplayFilter::Repair`].
     pub(crate) filter_effort: Effort,
-    pub(crate) table: bool,
-    pub(crate) compare: bool,
-    /// The sweeps over which every model is measured.
-    pub(crate) sweeps: Vec<Sweep>,
-    /// The SVG file to write.
-    pub(crate) plot: Option<PathBuf>,
     pub(crate) verify: bool,
 }
 
@@ -87,13 +80,9 @@ pub(super) fn lod_task(mut args: LodArgs) -> Result<LodTask, String> {
     let filter = display_filter(args.model, args.filter)?;
     let filter_effort = filter_effort(&args, filter)?;
     let jobs = jobs_of(args.general, &args.output)?;
-    if let Some(path) = &args.plot {
-        check_chart("--plot", path, jobs.len())?;
-        check_distinct_files("--plot", path, &jobs)?;
-    }
     Ok(LodTask {
         jobs,
-        options: args.method.validate(false)?,
+        options: args.method.validate()?,
         budget: args.method.budget(),
         model: args.model,
         base: args.base.or(base).unwrap_or(Ratio::ZERO),
@@ -103,10 +92,6 @@ pub(super) fn lod_task(mut args: LodArgs) -> Result<LodTask, String> {
         camera,
         filter,
         filter_effort,
-        table: args.table,
-        compare: args.compare,
-        sweeps: Sweep::ALL.into_iter().filter(|sweep| args.sweep.contains(sweep)).collect(),
-        plot: args.plot,
         verify: !args.output.target.no_verify,
     })
 }
@@ -125,11 +110,11 @@ fn camera(args: &LodArgs) -> Result<Option<(Camera, ViewCriteria)>, String> {
     if args.model != ModelKind::Skip {
         return Err(format!("--camera belongs to --model skip, not to {}", args.model));
     }
-    let lens = lens(&args.lens);
+    let [columns, rows] = args.lens.image.0;
     let camera = Camera::new(eye, look_at)
         .and_then(|camera| camera.with_up(args.up.0))
-        .and_then(|camera| camera.with_field_of_view(lens.field_of_view))
-        .and_then(|camera| camera.with_image(lens.image[0], lens.image[1]))
+        .and_then(|camera| camera.with_field_of_view(args.lens.field_of_view))
+        .and_then(|camera| camera.with_image(columns, rows))
         .map_err(|error| of_flag(&error))?;
     let criteria = view_criteria(args.pixels.unwrap_or(1.0), args.triangles, &args.criteria)?;
     Ok(Some((camera, criteria)))
@@ -153,7 +138,7 @@ pub(super) fn chain_task(args: ChainArgs) -> Result<ChainTask, String> {
     let options = ChainOptions::new(ratios, Format::Glb)
         .with_deviation(args.collapse.error.unwrap_or_default())
         .with_rules(args.collapse.rules())
-        .with_stripify(method.validate(false)?)
+        .with_stripify(method.validate()?)
         .with_verify(!args.output.target.no_verify);
     Ok(ChainTask { jobs, options, budget: method.budget(), list: args.output.layout.is_none() })
 }
@@ -163,7 +148,7 @@ pub(super) fn build_lod_task(args: BuildLodArgs) -> Result<BuildLodTask, String>
     if output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("tlod")) {
         return Err(format!("{}: build-lod writes .tlod; use this extension", output.display()));
     }
-    let options = method.validate(false)?;
+    let options = method.validate()?;
     if options.weld() {
         return Err(
             "--weld does not fit build-lod: the file holds the vertices of the mesh as they are".into()
@@ -187,7 +172,7 @@ fn display_filter(model: ModelKind, filter: Option<DisplayFilter>) -> Result<Dis
 
 /// Returns the effort of [`DisplayFilter::Repair`].
 fn filter_effort(args: &LodArgs, filter: DisplayFilter) -> Result<Effort, String> {
-    let is_used = filter == DisplayFilter::Repair || args.table || args.compare || args.plot.is_some();
+    let is_used = filter == DisplayFilter::Repair;
     match args.filter_effort {
         Some(_) if !is_used => Err(format!("--filter-effort belongs to --filter repair, not to {filter}")),
         effort => Ok(effort.unwrap_or_default()),

@@ -10,14 +10,12 @@ use tristrip_pipeline::{Level, PackOptions, StreamGoal};
 use super::checks::check_chart;
 use crate::args::{InspectArgs, OutputArgs, PackArgs, TargetArgs, UnpackArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, jobs_to};
-use crate::values::{Vector, Wire};
+use crate::values::Vector;
 
 #[derive(Debug)]
 pub(crate) struct PackTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: PackOptions,
-    /// The file of the published wire format, instead of a progressive GLB.
-    pub(crate) published: Option<PathBuf>,
 }
 
 #[derive(Debug)]
@@ -37,9 +35,6 @@ pub(crate) struct InspectTask {
 }
 
 pub(super) fn pack_task(args: PackArgs) -> Result<PackTask, String> {
-    if args.wire == Wire::Paper {
-        return published_task(args);
-    }
     let extension = args.output.extension().unwrap_or_default();
     let is_other = Format::from_path(&args.output).is_some() && !extension.eq_ignore_ascii_case("glb");
     if is_other {
@@ -52,29 +47,7 @@ pub(super) fn pack_task(args: PackArgs) -> Result<PackTask, String> {
     let stream = stream.map_err(|error| error.to_string())?;
     let options = PackOptions::default().with_stream(stream).with_verify(!args.no_verify);
     let options = options.with_eye(args.eye.map(|Vector(eye)| eye));
-    Ok(PackTask { jobs, options, published: None })
-}
-
-fn published_task(args: PackArgs) -> Result<PackTask, String> {
-    if args.eye.is_some() {
-        return Err("--eye does not belong to --wire paper".into());
-    }
-    if args.position_bits.is_some() {
-        return Err("--position-bits does not belong to --wire paper, whose positions are floats".into());
-    }
-    let inputs = inputs_of(args.general)?;
-    if inputs.len() > 1 {
-        return Err("--wire paper takes one input".into());
-    }
-    if Format::from_path(&args.output).is_some() || args.output.as_os_str() == "-" {
-        let output = args.output.display();
-        return Err(format!(
-            "{output}: --wire paper writes a format of its own; use an extension such as .ps"
-        ));
-    }
-    let jobs = inputs.into_iter().map(|input| Job { input, output: None }).collect();
-    let options = PackOptions::default().with_verify(!args.no_verify);
-    Ok(PackTask { jobs, options, published: Some(args.output) })
+    Ok(PackTask { jobs, options })
 }
 
 pub(super) fn unpack_task(args: UnpackArgs) -> Result<UnpackTask, String> {

@@ -30,13 +30,11 @@ fn the_docs_contain_the_help() {
         "chain",
         "lod",
         "build-lod",
-        "fly",
         "pack",
         "unpack",
         "inspect",
         "serve",
         "view",
-        "repro",
         "completions",
         "man",
     ] {
@@ -62,7 +60,7 @@ fn the_docs_contain_the_help() {
 }
 
 /// The command of the sample in each section of FORMAT.md.
-const SAMPLES: [&str; 15] = [
+const SAMPLES: [&str; 13] = [
     "strip fish_control.ply -o fish.glb --json",
     "compare fish_control.ply --json",
     "bound fish_control.ply --json",
@@ -73,11 +71,9 @@ const SAMPLES: [&str; 15] = [
     "lod fish_control.ply --level 50% -o level.glb --json",
     "chain fish_control.ply --ratios 100%,50%,10% -o levels.glb --json",
     "build-lod fish_control.ply -o fish.tlod --json",
-    "fly fish_control.ply --frames 30 --json",
     "pack fish_control.ply -o packed.glb --json",
     "unpack packed.glb --level 50% -o part.ply --json",
     "inspect packed.glb --json",
-    "repro --papers 000 --models . -o . --json",
 ];
 
 /// Sets all times of a report to the same value, and cuts arrays to their first entry, except coordinates.
@@ -154,31 +150,13 @@ fn every_json_key_is_described() {
         .arg(dir.path().join("a.ply"));
     let ordered = json(&mut command);
     let cached = json(tristrip().args(["strip", "--json", "-m", "cache"]).arg(&fish));
-    let mut command = tristrip();
-    command.args(["strip", "--json", "--effort", "0", "--pareto"]).arg(dir.path().join("a.svg"));
-    let drawn = json(command.arg(&fish));
-    let lod =
-        json(tristrip().args(["lod", "--json", "--table", "--compare", "--sweep", "linear"]).arg(&fish));
-    let (row, recovery) = (&lod["table"][0], &lod["recovery"][0]);
-    let levels = [
-        &lod,
-        &lod["seconds"],
-        row,
-        &row["vertices_sent"],
-        &row["refinement"],
-        &lod["compare"][0],
-        recovery,
-        &recovery["tests"][0],
-    ];
+    let lod = json(tristrip().args(["lod", "--json"]).arg(&fish));
+    let levels = [&lod, &lod["seconds"]];
     let chain = json(tristrip().args(["chain", "--json", "--ratios", "100%,50%"]).arg(&fish));
     let chain = [&chain, &chain["seconds"], &chain["chain"][0]];
     let mut command = tristrip();
     let built =
         json(command.args(["build-lod", "--json"]).arg(&fish).arg("-o").arg(dir.path().join("a.tlod")));
-    let flown = json(tristrip().args(["fly", "--json", "--frames", "3"]).arg(&fish));
-    let frame = &flown["frames"][0];
-    let flown =
-        [&flown, &flown["seconds"], &flown["summary"], &flown["summary"]["median"], frame, &frame["seconds"]];
     let glb = dir.path().join("packed.glb");
     let packed = json(tristrip().args(["pack", "--json"]).arg(&fish).arg("-o").arg(&glb));
     let unpacked = json(tristrip().args(["unpack", "--json"]).arg(&glb));
@@ -211,18 +189,9 @@ fn every_json_key_is_described() {
     ];
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
     let analyzed = [&analyze["seconds"], &analyze["vertex_caches"][0], &analyze["by_part"][0]];
-    let ordered = [&ordered["vertex_order"][0], &drawn["pareto"][0]];
-    let reports = [
-        &levels[..],
-        &flown[..],
-        &chain[..],
-        &streams[..],
-        &whole[..],
-        &inner[..],
-        &analyzed[..],
-        &ordered[..],
-    ]
-    .concat();
+    let ordered = [&ordered["vertex_order"][0]];
+    let reports =
+        [&levels[..], &chain[..], &streams[..], &whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
     for key in reports.into_iter().flat_map(keys) {
         assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
     }

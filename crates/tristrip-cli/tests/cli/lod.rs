@@ -4,7 +4,6 @@ use std::fs;
 use std::path::Path;
 
 use super::{SQUARE, json, keys, model, tristrip};
-use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
 
@@ -122,12 +121,12 @@ fn goals_of_levels_exclude_each_other() {
 #[test]
 fn collapses_cost_what_the_price_says() {
     let of = |price: &str| {
-        let report = lod("hand.ply", &["--base", "10%", "--level", "0", "--compare", "--price", price]);
+        let report = lod("hand.ply", &["--base", "10%", "--level", "0", "--price", price]);
         assert_eq!(report["proven"], true);
-        (report["surface_error"].as_f64(), report["compare"].clone())
+        (report["surface_error"].as_f64(), report["vertices_sent"].as_u64())
     };
     let [distance, planes, quadric] = ["distance", "planes", "quadric"].map(of);
-    assert_eq!(lod("hand.ply", &["--base", "10%", "--level", "0", "--compare"])["compare"], distance.1);
+    assert_eq!(lod("hand.ply", &["--base", "10%", "--level", "0"])["vertices_sent"].as_u64(), distance.1);
     assert!(quadric != distance && quadric != planes && planes != distance);
     // Chains and single meshes have the same collapses.
     let mut command = tristrip();
@@ -140,7 +139,7 @@ fn collapses_cost_what_the_price_says() {
 
 #[test]
 fn the_report_has_its_keys() {
-    let report = lod("fish_control.ply", &["--level", "50%", "--table"]);
+    let report = lod("fish_control.ply", &["--level", "50%"]);
     let found = keys(&report);
     let expected = [
         "file",
@@ -166,47 +165,8 @@ fn the_report_has_its_keys() {
         "strips",
     ];
     assert_eq!(found[..expected.len()], expected);
-    assert_eq!(
-        found[found.len() - 10..],
-        ["table", "compare", "recovery", "plot", "stopped", "parts", "notes", "output", "layout", "error"]
-    );
-    let row = &report["table"][0];
-    assert_eq!(keys(row), ["level", "percent", "triangles", "vertices_sent", "refinement"]);
-    assert_eq!(keys(&row["vertices_sent"]), [&["triangles"][..], &FILTERS].concat());
+    assert_eq!(found[found.len() - 6..], ["stopped", "parts", "notes", "output", "layout", "error"]);
     assert_eq!((&report["model"], &report["filter"]), (&"progressive".into(), &"repair".into()));
-}
-
-#[test]
-fn a_table_has_every_filter_from_the_base_to_the_full_mesh() {
-    let report = lod("wingnut.ply", &["--table", "--base", "10%"]);
-    let rows = report["table"].as_array().unwrap();
-    assert_eq!((rows.len(), &rows[20]["level"]), (21, &report["levels"]));
-    let sent = |row: &Value, filter: &str| number(&row["vertices_sent"], filter);
-    for row in rows {
-        assert_eq!(sent(row, "triangles"), 3 * number(row, "triangles"));
-        assert_eq!(sent(row, "none"), sent(&rows[20], "none"), "strips keep their length");
-        assert!(sent(row, "linked") <= sent(row, "dtfs"));
-        assert!(sent(row, "stss") <= sent(row, "none"));
-    }
-    let all = |filter: &str| rows.iter().map(|row| sent(row, filter)).sum::<u64>();
-    assert!(all("repair") < all("linked"));
-    let text = tristrip().args(["lod", "--table", "-m", "sgi"]).arg(model("wingnut.ply")).assert().success();
-    let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
-    assert!(text.contains("Vertices sent") && text.contains("linked") && text.contains("100 %"), "{text}");
-}
-
-#[test]
-fn a_comparison_sums_all_levels() {
-    let report = lod("fish_control.ply", &["--compare", "--base", "40%"]);
-    let totals = report["compare"].as_array().unwrap();
-    let names: Vec<&str> = totals.iter().filter_map(|total| total["filter"].as_str()).collect();
-    assert_eq!(names, [&["triangles"][..], &FILTERS].concat());
-    assert!(totals.iter().all(|total| number(total, "vertices_sent") > 0));
-    assert_eq!((&totals[0]["percent"], &totals[0]["vertices_per_triangle"]), (&100.0.into(), &3.0.into()));
-    let text =
-        tristrip().args(["lod", "--compare", "-m", "sgi"]).arg(model("wingnut.ply")).assert().success();
-    let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
-    assert!(text.contains("all levels, each once") && text.contains("100.0 %"), "{text}");
 }
 
 #[test]
@@ -275,65 +235,6 @@ fn every_level_model_draws_the_level() {
 }
 
 #[test]
-fn recovery_is_measured_for_every_model() {
-    let folder = tempfile::tempdir().unwrap();
-    let chart = folder.path().join("recovery.svg");
-    let measured = ["--compare", "--sweep", "exponential,linear", "--plot", path(&chart)];
-    let report = lod("hand.ply", &measured);
-    let models = report["recovery"].as_array().unwrap();
-    let names: Vec<&str> = models.iter().filter_map(|model| model["model"].as_str()).collect();
-    let expected =
-        ["progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips", "blocks", "skip"];
-    assert_eq!(names, expected);
-    let levels = number(&report, "levels");
-    for model in models {
-        assert!(number(model, "memory") > 0 && number(model, "cursor_memory") > 0);
-        let tests = model["tests"].as_array().unwrap();
-        let of: Vec<_> =
-            tests.iter().map(|test| (test["sweep"].as_str().unwrap(), number(test, "share"))).collect();
-        let shares = [1, 3, 6, 10, 15, 20];
-        let expected: Vec<_> =
-            ["linear", "exponential"].iter().flat_map(|sweep| shares.map(|share| (*sweep, share))).collect();
-        assert_eq!(of, expected);
-        for test in tests {
-            assert_eq!(number(test, "moves"), 2 * (levels * number(test, "share") / 100).max(1));
-            assert!(test["microseconds"].as_f64().unwrap() >= 0.0);
-        }
-    }
-    assert!(fs::read_to_string(&chart).unwrap().contains("microseconds per move"));
-    // The times are of people's interest, too.
-    let shown = tristrip()
-        .args(["lod", "-m", "stripe", "--compare", "--sweep", "linear"])
-        .arg(model("hand.ply"))
-        .assert();
-    shown.success().stdout(contains("Recovery of a share of all levels").and(contains("lod-strips")));
-    tristrip().args(["lod", "--sweep", "linear"]).arg(model("hand.ply")).assert().code(2);
-    tristrip().args(["lod", "--compare", "--sweep", "square"]).arg(model("hand.ply")).assert().code(2);
-}
-
-#[test]
-fn a_chart_shows_every_model() {
-    let dir = tempfile::tempdir().unwrap();
-    let plot = dir.path().join("lod.svg");
-    let mut command = tristrip();
-    command.args(["lod", "-m", "sgi", "--plot"]).arg(&plot).arg(model("hand.ply")).arg(model("wingnut.ply"));
-    command.assert().success();
-    let svg = fs::read_to_string(&plot).unwrap();
-    for words in ["hand.ply", "wingnut.ply", "as triangles", "dtfs", "linked", "vertices sent"] {
-        assert!(svg.contains(words), "{words}");
-    }
-    let again = dir.path().join("again.svg");
-    let mut command = tristrip();
-    command.args(["lod", "-m", "sgi", "--threads", "1", "--plot"]).arg(&again);
-    command.arg(model("hand.ply")).arg(model("wingnut.ply")).assert().success();
-    assert_eq!(svg, fs::read_to_string(&again).unwrap());
-    let missing = dir.path().join("no/such/folder/a.svg");
-    let mut command = tristrip();
-    command.args(["lod", "-m", "sgi", "--plot"]).arg(missing).arg(model("fish_control.ply"));
-    command.assert().code(1).stderr(contains("no such file or directory"));
-}
-
-#[test]
 fn levels_are_the_same_for_any_number_of_threads() {
     let dir = tempfile::tempdir().unwrap();
     let bytes = ["1", "2", "7"].map(|threads| {
@@ -351,7 +252,7 @@ fn models_without_faces_or_extent_are_accepted() {
     for text in ["v 1 2 3\n", SQUARE, soup] {
         for level in ["0", "50%", "100%"] {
             let mut command = tristrip();
-            command.args(["lod", "-", "--json", "--table", "--level", level]).write_stdin(text);
+            command.args(["lod", "-", "--json", "--level", level]).write_stdin(text);
             let report = json(&mut command);
             assert_eq!(report["proven"], true);
         }

@@ -4,19 +4,17 @@
 
 mod analyze;
 mod build_lod;
+mod camera;
 mod chain;
 mod compare;
 mod convert;
 mod documents;
-mod fly;
 mod library;
 mod lod;
 mod materials;
-mod pareto;
 mod picture;
 mod progressive;
 mod reorder;
-mod repro;
 mod search;
 mod serve;
 mod simplify;

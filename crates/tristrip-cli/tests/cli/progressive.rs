@@ -23,7 +23,6 @@ fn a_packed_file_is_read_by_all_subcommands() {
         json(tristrip().args(["pack", "--json"]).arg(model("fish_control.ply")).arg("-o").arg(&path));
     let expected = [
         "file",
-        "wire",
         "proven",
         "seconds",
         "parts",
@@ -105,30 +104,6 @@ fn levels_are_unpacked() {
 }
 
 #[test]
-fn the_published_format_is_packed_and_unpacked() {
-    let dir = tempfile::tempdir().unwrap();
-    let (path, ply) = (dir.path().join("fish.ps"), dir.path().join("part.ply"));
-    let mut pack = tristrip();
-    pack.args(["pack", "--wire", "paper", "--json"]).arg(model("fish_control.ply"));
-    let report = json(pack.arg("-o").arg(&path));
-    assert_eq!((&report["wire"], &report["proven"]), (&Value::from("paper"), &Value::from(true)));
-    assert_eq!(report["bytes"], fs::metadata(&path).unwrap().len());
-    let unpack = |flags: &[&str]| {
-        json(tristrip().args(["unpack", "--json"]).args(flags).arg(&path).arg("-o").arg(&ply))
-    };
-    let full = unpack(&[]);
-    assert_eq!((&full["level"], &full["triangles"]), (&full["levels"], &Value::from(220)));
-    tristrip().arg("verify").arg(model("fish_control.ply")).arg(&ply).assert().success();
-    let base = unpack(&["--level", "0"]);
-    assert_eq!(base["triangles"], report["base_triangles"]);
-    let bytes = fs::read(&path).unwrap();
-    fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
-    assert_eq!(unpack(&[])["ended_early"], true);
-    fs::write(&path, &bytes[..10]).unwrap();
-    tristrip().arg("unpack").arg(&path).assert().code(1);
-}
-
-#[test]
 fn a_file_that_is_cut_off_gives_a_warning() {
     let dir = tempfile::tempdir().unwrap();
     let path = packed("fish_control.ply", dir.path());
@@ -202,7 +177,6 @@ fn wrong_inputs_and_usage_are_refused() {
     pack(&["-o", nowhere.to_str().unwrap()]).code(1);
     tristrip().args(["unpack", "--level", "101%"]).arg(&obj).assert().code(2);
     tristrip().args(["unpack", "--level", "1", "--bytes", "1"]).arg(&obj).assert().code(2);
-    pack(&["-o", "out.glb", "--wire", "paper"]).code(2).stderr(contains("a format of its own"));
     // A square has nothing to refine.
     let out = dir.path().join("out.glb");
     pack(&["-o", out.to_str().unwrap()]).success().stderr(contains("1 part whole"));

@@ -6,9 +6,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use tristrip::lod::{Camera, Filter, RESTART, SkipStrips, SkipView, ViewCriteria};
-use tristrip::verify::verify_drawing;
-use tristrip::{Faces, Strips};
-use tristrip_pipeline::rounded;
+use tristrip_pipeline::{prove_view, rounded};
 
 use crate::error::Error;
 
@@ -35,7 +33,7 @@ impl Default for FlightOptions {
     }
 }
 
-/// A frame; the keys are those of the JSON report of `tristrip fly`.
+/// A frame; the keys are those of the JSON report of `tristrip-lab fly`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrameRow {
     /// The number of the frame, from 0.
@@ -153,51 +151,20 @@ pub fn fly(
     Ok(rows)
 }
 
-/// Proves that the display strips of a view draw exactly its triangles; returns their number.
-///
-/// # Errors
-/// They do not.
-///
-/// ```
-#[doc = include_str!("example.txt")]
-/// assert_eq!(prove_view(&model.view())?, model.view().triangle_count());
-/// # Ok::<(), Error>(())
-/// ```
-pub fn prove_view(view: &SkipView) -> Result<usize, Error> {
-    prove_drawing(view, &view.display_strips())
-}
-
-/// Proves that strips draw exactly the triangles of a view, as [`prove_view`] does for the strips of its own.
-///
-/// # Errors
-/// They do not.
-pub fn prove_drawing(view: &SkipView, strips: &Strips) -> Result<usize, Error> {
-    let expected = Faces::from_triangles(view.renamed_triangles().into_flattened())?;
-    if expected.face_count() != view.triangle_count() {
-        let (found, expected) = (view.triangle_count(), expected.face_count());
-        return Err(unproven(format!("the view counts {found} triangles, expected {expected}")));
-    }
-    let drawn: Vec<[u32; 3]> = strips.triangles().collect();
-    let proof = verify_drawing(&expected, &drawn).map_err(|why| unproven(why.to_string()))?;
-    Ok(proof.triangles)
-}
-
 fn unproven(why: String) -> Error {
     tristrip_pipeline::Error::Unproven(why).into()
 }
 
 /// Proves the display strips of a frame.
 fn prove(frame: usize, view: &SkipView) -> Result<(), Error> {
-    let Err(error) = prove_view(view) else { return Ok(()) };
+    let Err(error) = prove_view(view, &view.display_strips()) else { return Ok(()) };
     match error {
-        Error::Pipeline(tristrip_pipeline::Error::Unproven(why)) => {
-            Err(unproven(format!("frame {frame}: {why}")))
-        }
-        other => Err(other),
+        tristrip_pipeline::Error::Unproven(why) => Err(unproven(format!("frame {frame}: {why}"))),
+        other => Err(other.into()),
     }
 }
 
-/// A flight; the keys are those of the JSON report of `tristrip fly`. All are `None` before it.
+/// A flight; the keys are those of the JSON report of `tristrip-lab fly`. All are `None` before it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[non_exhaustive]
 pub struct FlightReport {

@@ -1,13 +1,14 @@
-//! `tristrip strip --pareto`: figures, optimality, the chart, and write errors.
+//! `tristrip-lab pareto`: figures, optimality, the chart, and write errors.
 
 use std::fs;
 use std::path::Path;
 
-use super::{SQUARE, json, keys, model, tristrip};
+use super::{SQUARE, json, keys, lab, model};
 use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use serde_json::Value;
+use tristrip_pipeline::{StripOptions, parse_method, strip};
 
 const KEYS: [&str; 9] = [
     "label",
@@ -22,8 +23,8 @@ const KEYS: [&str; 9] = [
 ];
 
 fn pareto(chart: &Path, name: &str, flags: &[&str]) -> Command {
-    let mut command = tristrip();
-    command.args(["strip", "--pareto"]).arg(chart).args(flags).arg(model(name));
+    let mut command = lab();
+    command.args(["pareto", "-o"]).arg(chart).args(flags).arg(model(name));
     command
 }
 
@@ -64,52 +65,42 @@ fn every_method_has_a_point_and_the_optimal_ones_are_marked() {
 }
 
 #[test]
-fn points_equal_the_reports_of_the_methods() {
+fn points_equal_the_results_of_the_methods() {
     let dir = tempfile::tempdir().unwrap();
-    let report = json(pareto(&dir.path().join("a.svg"), "wingnut.ply", &["-m", "sgi"]).arg("--json"));
-    assert_eq!((&report["method"], report.get("acmr")), (&"sgi".into(), None));
+    let report = json(pareto(&dir.path().join("a.svg"), "wingnut.ply", &[]).arg("--json"));
+    let source = tristrip_io::read_path(model("wingnut.ply")).unwrap();
     for (label, flags) in [
-        ("sgi", &["-m", "sgi"][..]),
-        ("stripe", &["-m", "stripe"]),
-        ("quad-rows", &["-m", "quad-rows"]),
-        ("guided-tunnels", &["-m", "guided-tunnels"]),
-        ("best 2", &["-m", "best", "--effort", "2"]),
-        ("fewest 5", &["-m", "fewest"]),
-        ("cache misses 2", &["-m", "cache:objective=misses"]),
+        ("sgi", "sgi"),
+        ("stripe", "stripe"),
+        ("quad-rows", "quad-rows"),
+        ("guided-tunnels", "guided-tunnels"),
+        ("best 2", "best"),
+        ("fewest 5", "fewest"),
+        ("cache misses 2", "cache:objective=misses"),
     ] {
-        let alone = json(tristrip().args(["strip", "--json"]).args(flags).arg(model("wingnut.ply")));
+        let options = StripOptions::default().with_stripify(parse_method(flags).unwrap());
+        let alone = serde_json::to_value(strip(&source, &options).unwrap().figures).unwrap();
         let point = point(&report, label);
         assert_eq!(point["indices_restart_per_triangle"], alone["indices_restart_per_triangle"], "{label}");
         assert_eq!(point["acmr"], alone["acmr_fifo_16"], "{label}");
-        assert_eq!(point["method"], alone["method"]);
-        assert_eq!(point.get("objective"), Some(alone.get("objective").unwrap_or(&Value::Null)));
     }
-    let mut command = tristrip();
-    let stored =
-        json(command.args(["analyze", "--json", "--vertex-caches", "fifo:16"]).arg(model("wingnut.ply")));
     let list = point(&report, "list");
-    assert_eq!(figures(list), (3.0, stored["vertex_caches"][0]["acmr"].as_f64().unwrap()));
+    assert_eq!(figures(list).0, 3.0);
     assert_eq!((&list["effort"], &list["vertex_cache"]), (&Value::Null, &"fifo:16".into()));
 }
 
 #[test]
-fn the_flags_of_searches_apply_to_all_methods() {
+fn options_apply_to_all_methods() {
     let dir = tempfile::tempdir().unwrap();
     let chart = dir.path().join("a.svg");
-    let flags = ["-m", "tunnel", "--effort", "1", "--vertex-cache", "fifo:32", "--seed", "7", "--no-verify"];
+    let flags = ["--effort", "1", "--vertex-cache", "fifo:32", "--seed", "7"];
     let report = json(pareto(&chart, "fish_control.ply", &flags).arg("--json"));
-    assert_eq!(report["proven"], Value::Null);
-    let own = point(&report, "tunnel 9");
-    assert_eq!((&own["acmr"], &own["vertex_cache"]), (&report["acmr_fifo_32"], &"fifo:32".into()));
     for label in ["best 1", "fewest 1", "cache indices 1", "cache balanced 1", "cache misses 1"] {
-        assert_eq!(point(&report, label)["effort"], 1);
+        assert_eq!(
+            (&point(&report, label)["effort"], &point(&report, label)["vertex_cache"]),
+            (&1.into(), &"fifo:32".into())
+        );
     }
-    let flags = ["--budget", "0s", "--effort", "9", "--json"];
-    let stopped = json(&mut pareto(&chart, "wingnut.ply", &flags));
-    assert_eq!(point(&stopped, "best 9")["stopped"], "budget");
-    assert!(stopped["notes"].to_string().contains("chart: these searches were stopped early: "));
-    let report = json(tristrip().args(["strip", "--json"]).arg(model("fish_control.ply")));
-    assert_eq!(report["pareto"], Value::Null);
 }
 
 #[test]
@@ -125,15 +116,14 @@ fn the_chart_is_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn a_chart_is_drawn_beside_the_output() {
+fn a_chart_has_a_panel_per_input() {
     let dir = tempfile::tempdir().unwrap();
-    let [chart, output] = ["a.svg", "out"].map(|name| dir.path().join(name));
+    let chart = dir.path().join("a.svg");
     let mut command = pareto(&chart, "wingnut.ply", &["--effort", "1"]);
-    let assert = command.arg(model("fish_control.ply")).arg("-o").arg(&output).assert().success();
+    let assert = command.arg(model("fish_control.ply")).assert().success();
     assert
         .stdout(contains("method").and(contains("cache misses 1")).and(contains("optimal")))
         .stderr(contains("each proven"));
-    assert!(output.join("wingnut.glb").is_file() && output.join("fish_control.glb").is_file());
     let text = fs::read_to_string(&chart).unwrap();
     assert!(text.starts_with("<svg width=\"900\" height=\"680\""), "one panel below the other");
     for words in
@@ -146,15 +136,16 @@ fn a_chart_is_drawn_beside_the_output() {
 #[test]
 fn a_chart_that_cannot_be_written_is_an_error() {
     let dir = tempfile::tempdir().unwrap();
-    let output = dir.path().join("a.ply");
     let mut command =
         pareto(&dir.path().join("none/a.svg"), "fish_control.ply", &["-q", "--json", "--effort", "1"]);
-    let assert = command.arg("-o").arg(&output).assert().code(1);
-    let assert = assert.stderr(contains("a.svg: no such file or directory"));
+    let assert = command.assert().code(1).stderr(contains("a.svg: no such file or directory"));
     let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
     assert!(report["error"].as_str().unwrap().contains("a.svg"));
-    assert_eq!((points(&report).len(), &report["proven"]), (12, &true.into()));
-    assert!(output.is_file());
+    assert_eq!(points(&report).len(), 12);
+    pareto(&dir.path().join("a.png"), "fish_control.ply", &[])
+        .assert()
+        .code(2)
+        .stderr(contains("-o writes SVG"));
 }
 
 #[test]
@@ -169,8 +160,8 @@ fn bad_inputs_are_reported_and_the_others_drawn() {
     assert!(fs::read_to_string(&chart).unwrap().starts_with("<svg width=\"900\" height=\"340\""));
     // No chart if no input was processed.
     let none = dir.path().join("none.svg");
-    let mut command = tristrip();
-    command.args(["strip", "-q", "none.ply", "--pareto"]).arg(&none).assert().code(1).stdout(is_empty());
+    let mut command = lab();
+    command.args(["pareto", "-q", "none.ply", "-o"]).arg(&none).assert().code(1).stdout(is_empty());
     assert!(!none.exists());
 }
 
@@ -179,9 +170,9 @@ fn small_and_empty_models_have_a_chart() {
     let dir = tempfile::tempdir().unwrap();
     let chart = dir.path().join("a.svg");
     for (source, more) in [(SQUARE, 12), ("v 0 0 0\nv 1 0 0\n", 13)] {
-        let mut command = tristrip();
-        command.args(["strip", "-", "--json", "--pareto"]).arg(&chart).write_stdin(source);
-        let report = json(&mut command);
+        let file = dir.path().join("model.obj");
+        fs::write(&file, source).unwrap();
+        let report = json(lab().args(["pareto", "--json", "-o"]).arg(&chart).arg(&file));
         let strips = points(&report).iter().filter(|point| point["label"] != "list");
         assert!(strips.clone().all(|point| point["optimal"] == true));
         // Without faces, the list has as few indices as the strips.

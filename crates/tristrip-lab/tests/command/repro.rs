@@ -1,16 +1,16 @@
-//! `tristrip repro`: pages, charts and JSON of papers, on the available models.
+//! `tristrip-lab repro`: pages, charts and JSON of papers, on the available models.
 
 use std::fs;
 use std::path::Path;
 
-use super::{json, keys, model, tristrip};
+use super::{json, keys, lab, model};
 use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::contains;
 
 /// Reproduces papers on a folder of models into another.
 fn repro(papers: &str, models: &Path, output: &Path) -> Command {
-    let mut command = tristrip();
+    let mut command = lab();
     command.args(["repro", "--papers", papers, "--models"]).arg(models).arg("-o").arg(output);
     command
 }
@@ -73,7 +73,7 @@ fn pages_are_the_same_every_time() {
         .assert()
         .success()
         .stdout(contains("paper 000"))
-        .stderr(contains("triceratops (").and(contains("note")));
+        .stderr(contains("triceratops").and(contains("note")));
     assert_eq!(first, all());
     let page = String::from_utf8(first[0].clone()).unwrap();
     assert!(page.contains("stand-in: triceratops") && page.contains("model not available"));
@@ -209,6 +209,6 @@ fn papers_and_sections_are_known_by_their_names() {
             "unknown section \"skip-strips\"; known sections of these papers: strips",
         ),
     ] {
-        tristrip().args(arguments).assert().code(2).stderr(contains("error: ").and(contains(message)));
+        lab().args(arguments).assert().code(2).stderr(contains("error: ").and(contains(message)));
     }
 }
