@@ -106,7 +106,7 @@ impl Levels {
         let watching = arguments.watching()?;
         let kept = arguments.rest()?;
         let kind: Option<String> = arguments.extract("model")?;
-        let kind: ModelKind = kind.as_deref().unwrap_or("blocks").parse().map_err(Failure::from)?;
+        let kind = kind.map(|name| name.parse::<ModelKind>().map_err(Failure::from)).transpose()?.unwrap_or_default();
         let options = options_of(arguments)?;
         let ended = watching.run(kept.py(), |watcher| {
             let levels = levels_observed(scene.as_read(), &options, watcher)?;

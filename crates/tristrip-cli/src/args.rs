@@ -22,7 +22,7 @@ use tristrip_pipeline::VertexCacheList;
 use crate::method::{MethodArgs, WeldArgs};
 use crate::topics::{TOPICS, Topic};
 use crate::values::{effort_parser, named};
-pub(crate) use detail::{BuildLodArgs, ChainArgs, LodArgs, SimplifyArgs};
+pub(crate) use detail::{BuildLodArgs, CameraLevelArgs, ChainArgs, LevelArgs, SimplifyArgs};
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs, TargetArgs};
 pub(crate) use serve::{LogFormat, ServeArgs, ViewArgs};
 pub(crate) use stream::{InspectArgs, PackArgs, UnpackArgs};
@@ -66,7 +66,8 @@ pub(crate) enum Command {
     Convert(ConvertArgs),
     Simplify(SimplifyArgs),
     Chain(Box<ChainArgs>),
-    Lod(Box<LodArgs>),
+    Level(Box<LevelArgs>),
+    CameraLevel(Box<CameraLevelArgs>),
     BuildLod(Box<BuildLodArgs>),
     Pack(PackArgs),
     Unpack(UnpackArgs),
@@ -81,7 +82,7 @@ pub(crate) enum Command {
 /// The subcommands by task, in the order of the help.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Shrink files", &["strip", "simplify", "convert"]),
-    ("Levels of detail", &["chain", "lod", "build-lod"]),
+    ("Levels of detail", &["chain", "level", "camera-level", "build-lod"]),
     ("Stream and view", &["pack", "unpack", "serve", "view"]),
     ("Inspect and verify", &["analyze", "compare", "bound", "inspect", "verify"]),
     ("Help", &["help", "completions", "man"]),
@@ -288,7 +289,8 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
         Command::Convert(_) => "convert",
         Command::Simplify(_) => "simplify",
         Command::Chain(_) => "chain",
-        Command::Lod(_) => "lod",
+        Command::Level(_) => "level",
+        Command::CameraLevel(_) => "camera-level",
         Command::BuildLod(_) => "build-lod",
         Command::Pack(_) => "pack",
         Command::Unpack(_) => "unpack",
@@ -333,7 +335,7 @@ fn groups(command: &clap::Command) -> String {
         text.push_str(&format!("{title}:\n"));
         for name in names {
             let about = command.find_subcommand(name).and_then(clap::Command::get_about);
-            text.push_str(&format!("  {name:<12}{}\n", about.map(ToString::to_string).unwrap_or_default()));
+            text.push_str(&format!("  {name:<14}{}\n", about.map(ToString::to_string).unwrap_or_default()));
         }
     }
     text

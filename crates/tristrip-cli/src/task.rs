@@ -21,8 +21,8 @@ use crate::job::{Input, Job, inputs, inputs_of, jobs_of, write_to_stdout};
 use crate::shell;
 use crate::topics::Topic;
 use checks::{check_chart, check_picture};
-pub(crate) use levels::{BuildLodTask, ChainTask, LodTask};
-use levels::{build_lod_task, chain_task, lod_task};
+pub(crate) use levels::{BuildLodTask, ChainTask, LevelTask};
+use levels::{build_lod_task, camera_level_task, chain_task, level_task};
 pub(crate) use servers::{ServeTask, ViewTask};
 use servers::{serve_task, view_task};
 pub(crate) use streams::{InspectTask, PackTask, UnpackTask};
@@ -38,7 +38,7 @@ pub(crate) enum Task {
     Verify(VerifyTask),
     Convert(ConvertTask),
     Simplify(SimplifyTask),
-    Lod(LodTask),
+    Level(LevelTask),
     Chain(ChainTask),
     BuildLod(BuildLodTask),
     Pack(PackTask),
@@ -128,7 +128,7 @@ impl Task {
             Self::Strip(StripTask { jobs, .. })
             | Self::Convert(ConvertTask { jobs, .. })
             | Self::Simplify(SimplifyTask { jobs, .. })
-            | Self::Lod(LodTask { jobs, .. })
+            | Self::Level(LevelTask { jobs, .. })
             | Self::Chain(ChainTask { jobs, .. })
             | Self::Pack(PackTask { jobs, .. }) => write_to_stdout(jobs),
             Self::Unpack(UnpackTask { job, .. }) => write_to_stdout(std::slice::from_ref(job)),
@@ -237,7 +237,8 @@ fn validate(command: Command) -> Result<Task, String> {
             Task::Simplify(SimplifyTask { jobs, options, picture: args.picture })
         }
         Command::Chain(args) => Task::Chain(chain_task(*args)?),
-        Command::Lod(args) => Task::Lod(lod_task(*args)?),
+        Command::Level(args) => Task::Level(level_task(*args)?),
+        Command::CameraLevel(args) => Task::Level(camera_level_task(*args)?),
         Command::BuildLod(args) => Task::BuildLod(build_lod_task(*args)?),
         Command::Pack(args) => Task::Pack(pack_task(args)?),
         Command::Unpack(args) => Task::Unpack(unpack_task(args)?),

@@ -8,11 +8,16 @@ pub(crate) struct Topic {
 }
 
 /// All topics.
-pub(crate) static TOPICS: [Topic; 3] = [
+pub(crate) static TOPICS: [Topic; 4] = [
     Topic {
         name: "methods",
         summary: "Stripification methods and their parameters",
         text: || format!("{}\n{}", include_str!("topics/methods.txt"), tristrip_pipeline::method_help()),
+    },
+    Topic {
+        name: "levels",
+        summary: "Levels of detail, filters, level models, cameras and chains",
+        text: || include_str!("topics/levels.txt").into(),
     },
     Topic {
         name: "simplification",

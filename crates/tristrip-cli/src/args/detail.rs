@@ -61,137 +61,125 @@ pub(crate) struct SimplifyArgs {
     pub(crate) picture: Option<PathBuf>,
 }
 
-/// Draw any level of detail with the strips of the full mesh
+/// Write one level of detail with the strips of the full mesh
 ///
-/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename vertices in them down to a base mesh. Level 0
-/// is the base mesh, the highest level is the full mesh, and each level adds one vertex. A filter removes degenerate triangles
-/// before a level is drawn. The level is proven to draw exactly the triangles that remain after the collapses. Without -o, only report.
+/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename vertices in them down to a base mesh. Level 0 is the
+/// base mesh, the highest level the full mesh, and each level adds one vertex. The result is proven to draw exactly the triangles that remain after
+/// the collapses. Without -o, only report. `tristrip help levels` explains levels, filters and models.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
-  tristrip lod bunny.ply --level 40% -o level.glb     strips at any level
-  tristrip lod bunny.ply --method stripe --base 1% --filter dtfs --level 120
-  tristrip lod bunny.ply --model sets --level 25% -o level.glb
-  tristrip lod bunny.ply --model blocks --pixels 1.5 --distance 3     the level for a viewing distance
-  tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --fov 45 --pixels 1.5 -o frame.glb
-  tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --triangles 200k
-")]
-#[command(
-    mut_arg("field_of_view", |flag| flag.requires("viewpoint")),
-    mut_arg("image", |flag| flag.requires("camera")),
-    mut_group("CriteriaArgs", |flags| flags.requires("camera"))
-)]
-pub(crate) struct LodArgs {
+  tristrip level bunny.ply --level 40% -o level.glb
+  tristrip level bunny.ply --triangles 5k -o level.glb
+  tristrip level bunny.ply --pixels 1.5 --distance 3      the level for a viewing distance
+  tristrip level bunny.ply --method stripe --base 1% --filter dtfs --level 120
+  tristrip level bunny.ply --model sets --level 25% -o level.glb")]
+pub(crate) struct LevelArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// How levels are stored and replayed
+    /// The level: the number of undone collapses, or a percentage of all such as 40% [default: 10%]
     ///
-    /// All models have the same levels. Those that store strips by themselves are drawn as they are; --filter belongs to the others.
-    #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), value_name = "MODEL", default_value_t = ModelKind::default(), help_heading = "Levels")]
-    pub(crate) model: ModelKind,
-    /// The ratio of all triangles that the base mesh keeps: 0.05 or 5% [default: 5%; 0 with --triangles, --error or --pixels]
-    ///
-    /// If the surface cannot be simplified this far without tearing or folding, the base mesh has more triangles, and a note says so unless
-    /// the ratio is 0.
-    #[arg(long, value_name = "RATIO", help_heading = "Levels", allow_negative_numbers = true)]
-    pub(crate) base: Option<Ratio>,
-    /// The level to draw: the number of undone collapses, or a percentage of all collapses such as 40% [default: 10%]
-    ///
-    /// P% of n collapses is level P n / 100, rounded to the nearest integer. In a model of several parts, the levels undo the collapses
-    /// of all parts, the greatest cost first. 0 is the base mesh, 100% the full mesh. Instead of --level, --triangles, --error or
-    /// --pixels select one.
+    /// 0 is the base mesh, 100% the full mesh.
     #[arg(
         long,
         value_name = "LEVEL",
-        help_heading = "Levels",
+        help_heading = "Level",
         allow_negative_numbers = true,
         conflicts_with_all = ["triangles", "error", "pixels"],
     )]
     pub(crate) level: Option<Level>,
-    /// Draw the finest level with at most this number of triangles, such as 50000, 200k or 2M
-    ///
-    /// With --camera, the most triangles of the view: if --pixels needs more, the largest errors in pixels are reduced first. The base mesh may
-    /// have more.
+    /// Select the finest level with at most this number of triangles, such as 50000, 200k or 2M
     #[arg(
         long,
         value_name = "COUNT",
-        help_heading = "Levels",
+        help_heading = "Level",
         allow_negative_numbers = true,
-        conflicts_with = "error"
+        conflicts_with_all = ["error", "pixels"]
     )]
     pub(crate) triangles: Option<Amount>,
-    /// Draw the coarsest level whose surface error covers at most this number of pixels, seen from --distance
-    ///
-    /// With --camera, each collapse may have this error where the camera sees it [default: 1].
+    /// Select the coarsest level within this error, in mesh units or in % of the bounding-box diagonal
+    #[arg(long, value_name = "ERROR", help_heading = "Level", allow_negative_numbers = true)]
+    pub(crate) error: Option<Deviation>,
+    /// Select the coarsest level whose error covers at most this number of pixels from --distance
     #[arg(
         long,
         value_name = "PIXELS",
-        help_heading = "Levels",
+        help_heading = "Level",
         allow_negative_numbers = true,
         conflicts_with = "error",
-        requires = "viewpoint"
+        requires = "distance"
     )]
     pub(crate) pixels: Option<f32>,
     /// The distance from the camera to the nearest point of the model, in mesh units
-    #[arg(
-        long,
-        value_name = "DISTANCE",
-        help_heading = "Levels",
-        allow_negative_numbers = true,
-        requires = "pixels",
-        group = "viewpoint"
-    )]
+    #[arg(long, value_name = "DISTANCE", help_heading = "Level", allow_negative_numbers = true, requires = "pixels")]
     pub(crate) distance: Option<f32>,
-    /// The rows of the image
-    #[arg(
-        long,
-        value_name = "ROWS",
-        default_value_t = View::ROWS,
-        help_heading = "Levels",
-        allow_negative_numbers = true,
-        requires = "pixels"
-    )]
+    /// The vertical field of view of --pixels, in degrees
+    #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
+    pub(crate) field_of_view: f32,
+    /// The height of the image of --pixels, in pixels
+    #[arg(long, value_name = "ROWS", default_value_t = View::ROWS, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
     pub(crate) rows: f32,
-    /// With --model skip, draw what a camera at this point sees, each place in its own detail
+    /// The ratio of all triangles in the base mesh [default: 5%; 0 with --triangles, --error or --pixels]
+    #[arg(long, value_name = "RATIO", help_heading = "Levels", allow_negative_numbers = true)]
+    pub(crate) base: Option<Ratio>,
+    /// What a collapse costs
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), help_heading = "Levels", hide_short_help = true)]
+    pub(crate) price: Price,
+    /// How degenerate triangles are removed from renamed strips [default: repair]
+    #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels", hide_possible_values = true)]
+    pub(crate) filter: Option<DisplayFilter>,
+    /// The search effort of --filter repair, from 0 to 9 [default: 5]
+    #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Levels", hide_short_help = true)]
+    pub(crate) filter_effort: Option<Effort>,
+    /// Draw the strips that a level model stores, instead of filtered strips
     ///
-    /// Coarse are the places far away, outside of the image and on faces that look away. The point is in the coordinates of the scene: a part
-    /// that one node places is seen there. A part in several places, or one that a node stretches, is drawn in full, with a note.
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        help_heading = "Camera",
-        allow_hyphen_values = true,
-        requires = "look_at",
-        group = "viewpoint",
-        conflicts_with_all = ["level", "error", "rows"],
-    )]
-    pub(crate) camera: Option<Vector>,
+    /// All models have the same levels. progressive and naive store unfiltered strips, which --filter applies to.
+    #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), value_name = "MODEL", help_heading = "Levels", hide_short_help = true)]
+    pub(crate) model: Option<ModelKind>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+}
+
+/// Write what one camera sees, with reduced detail where it cannot see it
+///
+/// Detail is reduced far from the camera, outside the frustum and on back faces, with the strips of the full mesh (Skip Strips). The result is
+/// proven to draw exactly the triangles that remain after the collapses. Without -o, only report. `tristrip help levels` explains the details;
+/// `tristrip view` shows a model in the browser.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  tristrip camera-level dragon.ply --eye 0,0,3 --look-at 0,0,0 --pixels 1.5 -o seen.glb
+  tristrip camera-level dragon.ply --eye 0,0,3 --look-at 0,0,0 --triangles 200k
+  tristrip camera-level terrain.ply --eye 0,9,0 --look-at 9,0,9 --foveation 0.2 --attention 0.5,0.7")]
+pub(crate) struct CameraLevelArgs {
+    #[command(flatten)]
+    pub(crate) general: GeneralArgs,
+    /// The position of the camera, in the coordinates of the scene
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+    pub(crate) eye: Vector,
     /// The point that the camera looks at
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        help_heading = "Camera",
-        allow_hyphen_values = true,
-        requires = "camera"
-    )]
-    pub(crate) look_at: Option<Vector>,
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+    pub(crate) look_at: Vector,
     /// The direction that is up in the image
-    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, requires = "camera", default_value_t = Vector([0.0, 1.0, 0.0]))]
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, default_value_t = Vector([0.0, 1.0, 0.0]))]
     pub(crate) up: Vector,
     #[command(flatten)]
     pub(crate) lens: LensArgs,
+    /// The maximum error of a collapse in the image, in pixels
+    #[arg(long, value_name = "PIXELS", help_heading = "Detail", allow_negative_numbers = true, default_value_t = 1.0)]
+    pub(crate) pixels: f32,
+    /// The maximum number of triangles, such as 50000, 200k or 2M
+    ///
+    /// If --pixels needs more, the largest errors in pixels are reduced first. The base mesh may have more.
+    #[arg(long, value_name = "COUNT", help_heading = "Detail", allow_negative_numbers = true)]
+    pub(crate) triangles: Option<Amount>,
     #[command(flatten)]
     pub(crate) criteria: CriteriaArgs,
-    /// How the strips of --model progressive and naive are filtered before they are drawn [default: repair]
-    #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels")]
-    pub(crate) filter: Option<DisplayFilter>,
-    /// The search effort of --filter repair, from 0 to 9 [default: 5]
-    #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Levels")]
-    pub(crate) filter_effort: Option<Effort>,
-    /// Draw the coarsest level whose surface error is at most this: in mesh units, or in % of the bounding-box diagonal
-    #[arg(long, value_name = "ERROR", help_heading = "Levels", allow_negative_numbers = true)]
-    pub(crate) error: Option<Deviation>,
+    /// The ratio of all triangles in the base mesh [default: 0]
+    #[arg(long, value_name = "RATIO", help_heading = "Detail", allow_negative_numbers = true, hide_short_help = true)]
+    pub(crate) base: Option<Ratio>,
     /// What a collapse costs
-    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), help_heading = "Levels")]
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), help_heading = "Detail", hide_short_help = true)]
     pub(crate) price: Price,
     #[command(flatten)]
     pub(crate) output: OutputArgs,

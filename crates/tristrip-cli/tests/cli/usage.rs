@@ -18,8 +18,8 @@ fn negative_numbers_are_values_out_of_range() {
     refused(&["simplify", "a.ply", "--ratio", "-1"], "found `-1`, expected a ratio from 0 to 1");
     refused(&["simplify", "a.ply", "--triangles", "-3"], "invalid value '-3' for '--triangles <N>'");
     refused(&["simplify", "a.ply", "--error", "-0.5"], "found `-0.5`, expected a distance");
-    refused(&["lod", "a.ply", "--base", "-1"], "found `-1`, expected a ratio from 0 to 1");
-    refused(&["lod", "a.ply", "--level", "-1"], "invalid value '-1' for '--level <LEVEL>'");
+    refused(&["level", "a.ply", "--base", "-1"], "found `-1`, expected a ratio from 0 to 1");
+    refused(&["level", "a.ply", "--level", "-1"], "invalid value '-1' for '--level <LEVEL>'");
 }
 
 #[test]
@@ -109,10 +109,6 @@ fn flags_are_checked() {
     refused(&["analyze", "a.ply", "--vertex-caches", "fifo:1..65536"], "more than 1024 vertex caches");
     refused(&["analyze", "a.ply", "--plot", "a.png"], "--plot writes SVG");
     refused(&["analyze", "a", "b", "c", "d", "--plot", "a.svg"], "--plot takes at most 3 inputs");
-    refused(&["strip", "a.ply", "--pareto", "a.png"], "--pareto writes SVG");
-    refused(&["strip", "a", "b", "c", "d", "--pareto", "a.svg"], "--pareto takes at most 3 inputs");
-    let both = ["strip", "a.ply", "--pareto", "a.svg", "--to", "ply", "-o", "a.svg"];
-    refused(&both, "-o and --pareto name the same file");
     refused(&["simplify", "a.ply", "--weight", "uv=-1"], "uv=-1");
     refused(&["simplify", "a.ply", "--ratio", "1.5"], "found `1.5`, expected a ratio from 0 to 1");
     refused(&["simplify", "a.ply", "--ratio", "5%", "--triangles", "9"], "cannot be used with");
@@ -124,27 +120,21 @@ fn flags_are_checked() {
         &["simplify", "a.ply", "--ratio", "5%", "-o", "-", "--to", "glb", "--json"],
         "both write to standard output",
     );
-    refused(&["lod", "a.ply", "--level", "140%"], "found `140%`, expected a number such as 120");
-    refused(&["lod", "a.ply", "--base", "0..1"], "found `0..1`, expected a ratio from 0 to 1");
-    refused(&["lod", "a.ply", "--filter", "fog"], "possible values: none, stss, dtfs");
-    let effort = ["lod", "a.ply", "--filter", "dtfs", "--filter-effort", "3"];
+    refused(&["level", "a.ply", "--level", "140%"], "found `140%`, expected a number such as 120");
+    refused(&["level", "a.ply", "--base", "0..1"], "found `0..1`, expected a ratio from 0 to 1");
+    refused(&["level", "a.ply", "--filter", "fog"], "possible values: none, stss, dtfs");
+    let effort = ["level", "a.ply", "--filter", "dtfs", "--filter-effort", "3"];
     refused(&effort, "--filter-effort belongs to --filter repair, not to dtfs");
-    refused(&["lod", "a.ply", "--filter-effort", "10"], "10 is not in 0..=9");
-    refused(&["lod", "a.ply", "--model", "magic"], "possible values: progressive");
-    refused(&["lod", "a.ply", "--plot", "a.png"], "--plot writes SVG");
-    refused(&["lod", "a", "b", "c", "d", "--plot", "a.svg"], "--plot takes at most 3 inputs");
-    refused(
-        &["lod", "a.ply", "--to", "ply", "-o", "a.svg", "--plot", "a.svg"],
-        "-o and --plot name the same file",
-    );
-    refused(&["lod", "a.ply", "-m", "sgi", "--effort", "3"], "--effort belongs to");
-    refused(&["lod", "a.ply", "-o", "b.obj", "--layout", "restart"], "OBJ has no strips");
+    refused(&["level", "a.ply", "--filter-effort", "10"], "10 is not in 0..=9");
+    refused(&["level", "a.ply", "--model", "magic"], "possible values: progressive");
+    refused(&["level", "a.ply", "-m", "sgi", "--effort", "3"], "--effort belongs to");
+    refused(&["level", "a.ply", "-o", "b.obj", "--layout", "restart"], "OBJ has no strips");
     refused(&["paint", "a.ply"], "unrecognized subcommand");
 }
 
 #[test]
 fn help_has_a_short_and_a_long_form() {
-    for subcommand in ["strip", "compare", "analyze", "verify", "convert", "simplify", "lod"] {
+    for subcommand in ["strip", "compare", "analyze", "verify", "convert", "simplify", "level"] {
         let length = |flag: &str| {
             let output = tristrip().args([subcommand, flag]).assert().success().get_output().stdout.clone();
             output.len()
@@ -161,7 +151,7 @@ fn help_has_a_short_and_a_long_form() {
         let version = tristrip().args([subcommand, "--version"]).assert().success();
         version.stdout(format!("tristrip {}\n", env!("CARGO_PKG_VERSION")));
     }
-    tristrip().assert().code(2).stderr(contains("Usage: tristrip [OPTIONS] <COMMAND>"));
+    tristrip().assert().code(2).stderr(contains("Usage: tristrip [OPTIONS] <COMMAND>").and(contains("Levels of detail:")));
 }
 
 #[test]
@@ -200,10 +190,10 @@ fn completions_and_man_pages_name_every_flag() {
         let output = tristrip().arg("man").args(arguments).assert().success().get_output().stdout.clone();
         String::from_utf8(output).unwrap()
     };
-    let (whole, lod) = (page(&[]), page(&["lod"]));
+    let (whole, level) = (page(&[]), page(&["level"]));
     assert!(whole.contains(".TH tristrip 1") && whole.contains("Exit codes"));
     assert!(["strip", "compare", "simplify"].iter().all(|name| whole.contains(name)));
-    assert!(lod.contains(".TH tristrip-lod 1") && lod.contains("filter\\-effort"), "{lod}");
+    assert!(level.contains(".TH tristrip-level 1") && level.contains("filter\\-effort"), "{level}");
     refused(&["man", "paint"], "unknown subcommand \"paint\"");
     refused(&["completions", "cmd"], "possible values: bash");
 }

@@ -20,7 +20,6 @@ pub enum ModelKind {
     /// [`ProgressiveStrips`] with [`Encoding::Naive`].
     Naive,
     /// [`ProgressiveStrips`] with [`Encoding::Offsets`].
-    #[default]
     Progressive,
     /// [`Mts`].
     Mts,
@@ -29,6 +28,7 @@ pub enum ModelKind {
     /// [`LodStrips`].
     LodStrips,
     /// [`Blocks`] with [`BlockOptions::default`].
+    #[default]
     Blocks,
     /// Skip Strips: a vertex tree over the strips of the full mesh, of which each view may also have its own detail.
     Skip,
