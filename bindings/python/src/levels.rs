@@ -106,7 +106,10 @@ impl Levels {
         let watching = arguments.watching()?;
         let kept = arguments.rest()?;
         let kind: Option<String> = arguments.extract("model")?;
-        let kind = kind.map(|name| name.parse::<ModelKind>().map_err(Failure::from)).transpose()?.unwrap_or_default();
+        let kind = kind
+            .map(|name| name.parse::<ModelKind>().map_err(Failure::from))
+            .transpose()?
+            .unwrap_or_default();
         let options = options_of(arguments)?;
         let ended = watching.run(kept.py(), |watcher| {
             let levels = levels_observed(scene.as_read(), &options, watcher)?;

@@ -7,13 +7,14 @@ mod stream;
 mod view;
 
 use std::ffi::OsString;
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, Error, FromArgMatches, Parser, Subcommand};
+use clap::{Arg, ArgAction, Args, CommandFactory, Error, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use tristrip::Cost;
 use tristrip::Effort;
@@ -47,7 +48,7 @@ const STYLES: Styles = Styles::styled()
 #[command(
     disable_help_subcommand = true,
     arg_required_else_help = true,
-    help_template = "{about-with-newline}\n{usage-heading} {usage}\n\n{after-help}\nOptions:\n{options}"
+    help_template = "{about-with-newline}\n{usage-heading} {usage}{after-help}\n\n{options}"
 )]
 struct Cli {
     #[command(flatten)]
@@ -80,13 +81,15 @@ pub(crate) enum Command {
 }
 
 /// The subcommands by task, in the order of the help.
-const GROUPS: [(&str, &[&str]); 5] = [
+const GROUPS: [(&str, &[&str]); 4] = [
     ("Shrink files", &["strip", "simplify", "convert"]),
     ("Levels of detail", &["chain", "level", "camera-level", "build-lod"]),
     ("Stream and view", &["pack", "unpack", "serve", "view"]),
     ("Inspect and verify", &["analyze", "compare", "bound", "inspect", "verify"]),
-    ("Help", &["help", "completions", "man"]),
 ];
+
+/// The subcommands that print texts about the command.
+const TEXTS: [&str; 3] = ["help", "completions", "man"];
 
 /// Build triangle strips, verify them and write them
 ///
@@ -319,25 +322,33 @@ fn help(subcommand: &[&String]) -> Error {
 
 /// Returns the command with all subcommands; `--version` of a subcommand prints the name of the command.
 pub(crate) fn command_line() -> clap::Command {
-    let command = Cli::command().mut_subcommands(|subcommand| subcommand.display_name("tristrip"));
+    let command = Cli::command().mut_subcommands(|subcommand| {
+        subcommand.display_name("tristrip").disable_version_flag(true).arg(version())
+    });
     let groups = groups(&command);
     let exit_codes = "Exit codes: 0 done and proven; 1 not proven, or a bad input or output; 2 wrong usage.";
     let hint = "`tristrip COMMAND -h` lists the options of a command, `tristrip help COMMAND` explains them.";
     command
-        .after_help(format!("{groups}\n{hint}\n"))
-        .after_long_help(format!("{groups}\n{hint}\n\n{}\n{exit_codes}\n", topics()))
+        .after_help(format!("{groups}\n{hint}"))
+        .after_long_help(format!("{groups}\n{hint}\n\n{}\n{exit_codes}", topics()))
+}
+
+/// Returns the flag that prints the version, which the help of subcommands leaves out.
+fn version() -> Arg {
+    Arg::new("version").short('V').long("version").action(ArgAction::Version).hide(true)
 }
 
 /// Returns the subcommands by task, each with its line of help.
 fn groups(command: &clap::Command) -> String {
     let mut text = String::new();
     for (title, names) in GROUPS {
-        text.push_str(&format!("{title}:\n"));
+        let _ = writeln!(text, "{title}:");
         for name in names {
             let about = command.find_subcommand(name).and_then(clap::Command::get_about);
-            text.push_str(&format!("  {name:<14}{}\n", about.map(ToString::to_string).unwrap_or_default()));
+            let _ = writeln!(text, "  {name:<14}{}", about.map(ToString::to_string).unwrap_or_default());
         }
     }
+    let _ = writeln!(text, "Help: {}", TEXTS.join(", "));
     text
 }
 
@@ -350,7 +361,7 @@ fn topics() -> String {
 /// Returns a parser of the names of subcommands and topics.
 fn help_parser() -> PossibleValuesParser {
     let topics = TOPICS.iter().map(|topic| PossibleValue::new(topic.name).help(topic.summary));
-    let subcommands = GROUPS.iter().flat_map(|(_, names)| names.iter());
+    let subcommands = GROUPS.iter().flat_map(|(_, names)| names.iter()).chain(&TEXTS);
     PossibleValuesParser::new(subcommands.map(PossibleValue::new).chain(topics))
 }
 

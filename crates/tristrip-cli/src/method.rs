@@ -17,7 +17,7 @@ pub(crate) struct WeldArgs {
     ///
     /// Strips can then cross the seam between them. Vertices that differ in any attribute, such as a normal or a texture coordinate,
     /// stay separate. Welding saves indices, not vertices: the vertex buffer is written unchanged.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) weld: bool,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct MethodArgs {
     ///
     /// Applies to best, fewest, cache, tunnel, eta and guided-tunnels, for each input; the first growth of cache is always completed. Results
     /// with a budget differ from run to run; results with --effort do not.
-    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    #[arg(long, hide_short_help = true, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
     #[command(flatten)]
     weld: WeldArgs,

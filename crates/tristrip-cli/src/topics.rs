@@ -8,7 +8,7 @@ pub(crate) struct Topic {
 }
 
 /// All topics.
-pub(crate) static TOPICS: [Topic; 4] = [
+pub(crate) static TOPICS: [Topic; 5] = [
     Topic {
         name: "methods",
         summary: "Stripification methods and their parameters",
@@ -23,6 +23,11 @@ pub(crate) static TOPICS: [Topic; 4] = [
         name: "simplification",
         summary: "How meshes are simplified, and what the options mean",
         text: || include_str!("topics/simplification.txt").into(),
+    },
+    Topic {
+        name: "files",
+        summary: "Formats, layouts of strips, and how files are written",
+        text: || include_str!("topics/files.txt").into(),
     },
     Topic {
         name: "server",

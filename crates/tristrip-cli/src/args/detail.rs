@@ -40,8 +40,11 @@ pub(crate) struct SimplifyArgs {
     pub(crate) triangles: Option<usize>,
     #[command(flatten)]
     pub(crate) collapse: CollapseArgs,
-    /// Whether normals are kept or rebuilt
-    #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default())]
+    /// Keep or rebuild normals: auto, keep or rebuild
+    ///
+    /// auto rebuilds those of flat-shaded parts, and keeps all others where they still fit the faces. rebuild rebuilds all: flat, or smooth up to
+    /// the crease angle that the hard edges of a part show.
+    #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default(), hide_possible_values = true)]
     pub(crate) normals: Normals,
     /// Move the remaining vertices closer to the original surface
     ///
@@ -49,7 +52,7 @@ pub(crate) struct SimplifyArgs {
     #[arg(long)]
     pub(crate) fit: bool,
     /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) compact: bool,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
@@ -110,7 +113,13 @@ pub(crate) struct LevelArgs {
     )]
     pub(crate) pixels: Option<f32>,
     /// The distance from the camera to the nearest point of the model, in mesh units
-    #[arg(long, value_name = "DISTANCE", help_heading = "Level", allow_negative_numbers = true, requires = "pixels")]
+    #[arg(
+        long,
+        value_name = "DISTANCE",
+        help_heading = "Level",
+        allow_negative_numbers = true,
+        requires = "pixels"
+    )]
     pub(crate) distance: Option<f32>,
     /// The vertical field of view of --pixels, in degrees
     #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
@@ -121,8 +130,8 @@ pub(crate) struct LevelArgs {
     /// The ratio of all triangles in the base mesh [default: 5%; 0 with --triangles, --error or --pixels]
     #[arg(long, value_name = "RATIO", help_heading = "Levels", allow_negative_numbers = true)]
     pub(crate) base: Option<Ratio>,
-    /// What a collapse costs
-    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), help_heading = "Levels", hide_short_help = true)]
+    /// What a collapse costs: distance, planes or quadric
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_possible_values = true, help_heading = "Levels", hide_short_help = true)]
     pub(crate) price: Price,
     /// How degenerate triangles are removed from renamed strips [default: repair]
     #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels", hide_possible_values = true)]
@@ -166,7 +175,13 @@ pub(crate) struct CameraLevelArgs {
     #[command(flatten)]
     pub(crate) lens: LensArgs,
     /// The maximum error of a collapse in the image, in pixels
-    #[arg(long, value_name = "PIXELS", help_heading = "Detail", allow_negative_numbers = true, default_value_t = 1.0)]
+    #[arg(
+        long,
+        value_name = "PIXELS",
+        help_heading = "Detail",
+        allow_negative_numbers = true,
+        default_value_t = 1.0
+    )]
     pub(crate) pixels: f32,
     /// The maximum number of triangles, such as 50000, 200k or 2M
     ///
@@ -176,10 +191,16 @@ pub(crate) struct CameraLevelArgs {
     #[command(flatten)]
     pub(crate) criteria: CriteriaArgs,
     /// The ratio of all triangles in the base mesh [default: 0]
-    #[arg(long, value_name = "RATIO", help_heading = "Detail", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "RATIO",
+        help_heading = "Detail",
+        allow_negative_numbers = true,
+        hide_short_help = true
+    )]
     pub(crate) base: Option<Ratio>,
-    /// What a collapse costs
-    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), help_heading = "Detail", hide_short_help = true)]
+    /// What a collapse costs: distance, planes or quadric
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_possible_values = true, help_heading = "Detail", hide_short_help = true)]
     pub(crate) price: Price,
     #[command(flatten)]
     pub(crate) output: OutputArgs,

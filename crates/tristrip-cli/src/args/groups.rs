@@ -26,7 +26,7 @@ pub(crate) struct FromArgs {
     /// The format of the input, if neither extension nor content tells it
     ///
     /// By default the file name extension decides, or the content if the extension is unknown.
-    #[arg(long, value_name = "FORMAT", value_parser = format_parser(&Format::ALL))]
+    #[arg(long, value_name = "FORMAT", value_parser = format_parser(&Format::ALL), hide_short_help = true)]
     pub(crate) from: Option<Format>,
 }
 
@@ -40,12 +40,12 @@ pub(crate) struct SharedArgs {
     #[arg(long, global = true)]
     pub(crate) json: bool,
     /// Print only errors and requested results: JSON, a table, a report without -o
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, hide_short_help = true)]
     pub(crate) quiet: bool,
     /// The number of threads [default: one per core]
     ///
     /// The result does not depend on it.
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 }
 
@@ -54,11 +54,11 @@ pub(crate) struct SharedArgs {
 pub(crate) struct OutputArgs {
     #[command(flatten)]
     pub(crate) target: TargetArgs,
-    /// The layout of strips [default: degenerate for GLB, restart for PLY, list for OBJ]
+    /// The layout: degenerate (default of GLB), restart (default of PLY), separate, list (OBJ)
     ///
-    /// By default, `strip` writes a part as a triangle list where that takes fewer indices than strips. A GLB in layout restart needs the
-    /// draft extension for primitive restart; viewers that ignore it, such as three.js, draw it wrong.
-    #[arg(long, value_parser = named(Layout::ALL, Layout::name, layout_help), value_name = "LAYOUT", requires = "output")]
+    /// By default, `strip` writes a part as a triangle list where that takes fewer indices than strips. `tristrip help files` describes the
+    /// layouts.
+    #[arg(long, value_parser = named(Layout::ALL, Layout::name, layout_help), value_name = "LAYOUT", requires = "output", hide_possible_values = true)]
     pub(crate) layout: Option<Layout>,
 }
 
@@ -73,7 +73,7 @@ pub(crate) struct TargetArgs {
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: Option<PathBuf>,
     /// The format to write [default: by the extension; glb in a directory]
-    #[arg(long, value_name = "FORMAT", requires = "output", value_parser = format_parser(&WRITTEN_FORMATS))]
+    #[arg(long, hide_short_help = true, value_name = "FORMAT", requires = "output", value_parser = format_parser(&WRITTEN_FORMATS))]
     pub(crate) to: Option<Format>,
     /// Skip verification
     #[arg(long)]
@@ -83,7 +83,7 @@ pub(crate) struct TargetArgs {
 /// What collapses may do, and what they cost.
 #[derive(Debug, Args)]
 pub(crate) struct CollapseArgs {
-    /// The maximum surface error in mesh units, or in % of the bounding-box diagonal [default: 1%]
+    /// The maximum error in mesh units, or in % of the bounding-box diagonal [default: 1%]
     ///
     /// 0.01 is in mesh units, 0.1% relative to the diagonal; 100% accepts any error. Simplification stops with a warning rather than exceed it.
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
@@ -91,21 +91,21 @@ pub(crate) struct CollapseArgs {
     /// The weights of attributes: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
     ///
     /// Attributes are part of the price of a collapse. 0 ignores an attribute.
-    #[arg(long, value_name = "WEIGHTS")]
+    #[arg(long, value_name = "WEIGHTS", hide_short_help = true)]
     pub(crate) weight: Option<AttributeWeights>,
-    /// What a collapse costs
-    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default())]
+    /// What a collapse costs: distance, planes or quadric
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_possible_values = true, hide_short_help = true)]
     pub(crate) price: Price,
     /// Allow holes to close, handles to vanish and textures to shift at seams, for very small results
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) permissive: bool,
     /// Keep all vertices at open borders, so that the tiles of a terrain still fit together
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) lock_borders: bool,
     /// Join the two sides of an open border up to this distance or % of the diagonal [default: 0.0001%]
     ///
     /// Both sides then collapse together, and no crack opens between them. Positions are not changed. 0 joins equal positions only.
-    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, hide_short_help = true)]
     pub(crate) weld_distance: Option<Deviation>,
 }
 

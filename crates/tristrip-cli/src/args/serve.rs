@@ -31,8 +31,15 @@ pub(crate) struct ServeArgs {
     pub(crate) packing: PackingArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
-    /// The format of the request log on standard error
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    /// The format of the request log on standard error: text or json
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        value_enum,
+        default_value_t,
+        hide_possible_values = true,
+        hide_short_help = true
+    )]
     pub(crate) log: LogFormat,
 }
 

@@ -8,9 +8,9 @@ use tristrip_pipeline::Level;
 use super::groups::{GeneralArgs, TargetArgs};
 use crate::values::Vector;
 
-/// Pack a model as a progressive GLB: it renders from the first bytes and refines as the rest arrives
+/// Pack a model as a progressive GLB that renders while it loads
 ///
-/// The file is a valid GLB: every viewer draws its base meshes. They are followed by chunks of vertex splits that refine the base meshes to the
+/// The model renders from the first bytes and refines as the rest arrives. The file is a valid GLB: every viewer draws its base meshes. They are followed by chunks of vertex splits that refine the base meshes to the
 /// full ones. `unpack`, all other subcommands and the JavaScript decoder read them, also from a part of the file. Positions and attributes are
 /// rounded to a grid; triangles and their winding are unchanged. Everything else in a scene is kept: nodes, materials, textures, skins,
 /// animations. The file is read back and proven.
@@ -71,7 +71,7 @@ pub(crate) struct UnpackArgs {
     pub(crate) target: TargetArgs,
 }
 
-/// Report the content of a progressive GLB: chunks, bits per vertex, error against bytes
+/// Report chunks, bits per vertex and errors of a progressive GLB
 ///
 /// The bits of the components are those of the range coder: marks select the vertices to split, corners the triangles that move, precision adds
 /// bits to known positions. Bits per vertex are relative to the vertices of the full meshes. A truncated or damaged file is reported up to the

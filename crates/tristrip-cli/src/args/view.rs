@@ -9,10 +9,10 @@ use crate::values::{ImagePoint, ImageSize, Vector};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct LensArgs {
-    /// The vertical angle of the image in degrees
+    /// The vertical field of view in degrees
     #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW, allow_negative_numbers = true)]
     pub(crate) field_of_view: f32,
-    /// The columns and rows of the image in pixels
+    /// The width and height of the image in pixels
     #[arg(long, value_name = "SIZE", default_value_t = ImageSize([1920, 1080]))]
     pub(crate) image: ImageSize,
 }
@@ -21,25 +21,22 @@ pub(crate) struct LensArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Detail")]
 pub(crate) struct CriteriaArgs {
-    /// Keep the detail outside of the image
+    /// Keep the detail outside the frustum
     #[arg(long)]
     pub(crate) no_frustum: bool,
-    /// Keep the detail of faces that look away, which may have four times the error otherwise
+    /// Keep the detail of back faces, which otherwise may have four times the error
     #[arg(long)]
     pub(crate) no_back_faces: bool,
-    /// Give silhouettes no more detail than other faces; they may have half of the error otherwise
+    /// Give silhouettes no extra detail; otherwise they may have only half the error
     #[arg(long)]
     pub(crate) no_silhouettes: bool,
-    /// The direction to a light: faces that look away from it may have twice the error
+    /// The direction to a light: unlit faces may have twice the error
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) light: Option<Vector>,
-    /// How much the allowed error grows per degree away from where somebody looks, such as 0.2
-    ///
-    /// At D degrees from --attention, as seen from the camera, it is 1 + GROWTH x D times as large. An eye that just resolves the pixels has a
-    /// growth of about 1 per degree; without the flag and at 0, the error is the same everywhere.
+    /// How much the allowed error grows per degree from the point of --attention, such as 0.2
     #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
     pub(crate) foveation: Option<f32>,
-    /// The point of the image at which somebody looks, in fractions of its width from the left and its height from the top
+    /// The point of the image that somebody looks at, in fractions of its width and height
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, requires = "foveation", default_value_t = ImagePoint([0.5, 0.5]))]
     pub(crate) attention: ImagePoint,
 }

@@ -170,9 +170,9 @@ fn display_filter(model: ModelKind, filter: Option<DisplayFilter>) -> Result<Dis
     match (model, filter) {
         (ModelKind::Progressive | ModelKind::Naive, filter) => Ok(filter.unwrap_or_default()),
         (_, None | Some(DisplayFilter::None)) => Ok(DisplayFilter::None),
-        (model, Some(filter)) => Err(format!(
-            "--filter {filter} belongs to --model progressive and naive: {model} has none"
-        )),
+        (model, Some(filter)) => {
+            Err(format!("--filter {filter} belongs to --model progressive and naive: {model} has none"))
+        }
     }
 }
 

@@ -113,10 +113,7 @@ fn cameras_of_levels_are_checked() {
         (&["--no-frustum"], "--eye <X,Y,Z>"),
         (&["--light", "0,1,0"], "--eye <X,Y,Z>"),
         (&["--image", "9x9"], "--eye <X,Y,Z>"),
-        (
-            &["--eye", "0,0,9", "--look-at", "0,0,0", "--light", "0,0,0"],
-            "expected a direction",
-        ),
+        (&["--eye", "0,0,9", "--look-at", "0,0,0", "--light", "0,0,0"], "expected a direction"),
     ] {
         let run = tristrip().args(["camera-level", "a.ply"]).args(arguments).assert();
         run.code(2).stdout(is_empty()).stderr(contains(message));
@@ -125,6 +122,7 @@ fn cameras_of_levels_are_checked() {
         let run = tristrip().args(["camera-level", "a.ply"]).args(camera).args(more).assert();
         run.code(2).stderr(contains("unexpected argument"));
     }
-    let wide = tristrip().args(["camera-level", "a.ply"]).args(camera).args(["--field-of-view", "0"]).assert();
+    let wide =
+        tristrip().args(["camera-level", "a.ply"]).args(camera).args(["--field-of-view", "0"]).assert();
     wide.code(2).stderr(contains("found 0, expected an angle"));
 }

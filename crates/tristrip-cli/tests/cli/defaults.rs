@@ -26,7 +26,9 @@ fn help_of(subcommand: &str, flag: &str) -> String {
     let first = lines.next().unwrap_or_else(|| panic!("{subcommand} has no {flag}"));
     let indent = first.len() - first.trim_start().len();
     let rest = lines.take_while(|line| {
-        line.is_empty() || line.len() - line.trim_start().len() > indent + 4 || line.trim_start().starts_with("- ")
+        line.is_empty()
+            || line.len() - line.trim_start().len() > indent + 4
+            || line.trim_start().starts_with("- ")
     });
     [first].into_iter().chain(rest).flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }
@@ -133,7 +135,10 @@ fn simplification_has_one_default() {
         assert_eq!(weld, rust.rules.weld_distance, "{subcommand}");
     }
     let ratios = ChainRatios::default().to_string();
-    assert_eq!((of_command("chain", "--ratios"), of_python("Scene.chain", "ratios")), (Some(ratios.clone()), ratios));
+    assert_eq!(
+        (of_command("chain", "--ratios"), of_python("Scene.chain", "ratios")),
+        (Some(ratios.clone()), ratios)
+    );
 }
 
 #[test]

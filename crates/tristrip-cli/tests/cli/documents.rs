@@ -19,7 +19,7 @@ fn the_docs_contain_the_help() {
          regenerates it.\n",
     );
     let subcommands = SUBCOMMANDS.into_iter().map(|name| vec![name, "--help"]);
-    let topics = ["methods", "levels", "simplification", "server"].map(|name| vec!["help", name]);
+    let topics = ["methods", "levels", "simplification", "files", "server"].map(|name| vec!["help", name]);
     for arguments in [vec!["--help"]].into_iter().chain(subcommands).chain(topics) {
         let assert = tristrip().env_remove("COLUMNS").args(&arguments).assert().success();
         let help = String::from_utf8(assert.get_output().stdout.clone()).unwrap();

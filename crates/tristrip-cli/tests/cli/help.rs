@@ -9,6 +9,8 @@ use predicates::str::contains;
 /// The maximum number of lines of `-h` and of `--help`, at 100 columns.
 const MAX_SHORT: usize = 30;
 const MAX_LONG: usize = 130;
+/// The subcommands that print texts about the command.
+const TEXTS: [&str; 3] = ["help", "completions", "man"];
 
 /// Returns the standard output of a command that succeeds, at the default width of 100 columns.
 fn text(arguments: &[&str]) -> String {
@@ -51,12 +53,13 @@ fn commands_are_listed_by_task() {
     let listed: Vec<&str> = help
         .lines()
         .skip_while(|line| *line != tasks[0])
-        .take_while(|line| !line.is_empty())
+        .take_while(|line| !line.starts_with("Help:"))
         .filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next())
         .collect();
     let distinct: BTreeSet<&str> = listed.iter().copied().collect();
     assert_eq!(listed.len(), distinct.len(), "each command once");
-    assert_eq!(distinct, SUBCOMMANDS.into_iter().collect());
+    assert_eq!(distinct, SUBCOMMANDS.into_iter().filter(|name| !TEXTS.contains(name)).collect());
+    assert!(help.contains(&format!("\nHelp: {}\n", TEXTS.join(", "))));
     let failed = tristrip().assert().code(2);
     let shown = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
     assert_eq!(shown, help, "without arguments");
@@ -64,7 +67,7 @@ fn commands_are_listed_by_task() {
 
 #[test]
 fn topics_explain_methods_levels_simplification_and_the_server() {
-    for topic in ["methods", "levels", "simplification", "server"] {
+    for topic in ["methods", "levels", "simplification", "files", "server"] {
         let text = text(&["help", topic]);
         assert!(text.lines().count() > 20, "{topic}");
         for line in text.lines() {

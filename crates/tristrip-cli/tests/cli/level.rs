@@ -231,7 +231,11 @@ fn every_level_model_draws_the_level() {
     let filtered = ["level", "--model", "sets", "--filter", "dtfs"];
     let refused = tristrip().args(filtered).arg(model("hand.ply")).assert().code(2);
     refused.stderr(contains("--filter dtfs belongs to --model progressive and naive"));
-    tristrip().args(["level", "--model", "sets", "--filter", "none"]).arg(model("hand.ply")).assert().success();
+    tristrip()
+        .args(["level", "--model", "sets", "--filter", "none"])
+        .arg(model("hand.ply"))
+        .assert()
+        .success();
 }
 
 #[test]
