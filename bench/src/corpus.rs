@@ -27,7 +27,7 @@ pub const MEDIUM: usize = 8_000;
 pub const SMALL: usize = 4_000;
 
 /// How many problems of a part's levels are reported.
-const MOST_PROBLEMS: usize = 3;
+const MAX_PROBLEMS: usize = 3;
 
 /// A kind of file: format, layout, and file name suffix.
 type FileKind = (Format, Layout, &'static str);
@@ -152,7 +152,7 @@ pub fn check(
         checked.hashes.extend(of_part.hashes.into_iter().map(line));
         checked.levels += of_part.levels;
         let say = |problem| format!("{}, part {number}: {problem}", source.name);
-        checked.problems.extend(of_part.problems.into_iter().take(MOST_PROBLEMS).map(say));
+        checked.problems.extend(of_part.problems.into_iter().take(MAX_PROBLEMS).map(say));
     }
     Ok(checked)
 }

@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(methods.len(), 4 + 24 + 10 + 4 + 3 + 6 + Cost::ALL.len());
         assert_eq!(methods.iter().map(|m| m.options).collect::<HashSet<_>>().len(), methods.len());
         assert_eq!(methods.iter().map(|m| &m.name).collect::<HashSet<_>>().len(), methods.len());
-        assert_eq!(BEST, format!("best {}", StripifyOptions::default().effort().level()));
+        assert_eq!(BEST, format!("best {}", StripifyOptions::default().effort_or_default().level()));
         assert!(
             [BEST, FEWEST, GUIDED_TUNNELS, CACHE]
                 .iter()

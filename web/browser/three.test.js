@@ -10,7 +10,7 @@ import { largeModels, ownModel, texturedScenes } from './models.js';
 import { morphingSquare, readGlb, writeGlb } from '../testing/scene_glb.js';
 
 /** The share of pixels that may differ from the source: positions and texture coordinates are on a grid. */
-const MOST_DIFFERENCE = 0.001;
+const MAX_DIFFERENCE = 0.001;
 
 /** The share that may differ from what `tristrip unpack` writes: triangles come in another order. */
 const ROUNDING = 0.00002;
@@ -85,7 +85,7 @@ test('the full level looks like the source', { skip }, async (t) => {
         t.diagnostic(`${path.basename(file)}: ${found.base} to ${found.triangles} triangles, ${percent(fromSource)} of the pixels differ from the source`);
         assert.ok(fromUnpacked <= ROUNDING, `${percent(fromUnpacked)} of the pixels differ from the unpacked model`);
         if (others.includes(file)) continue;
-        assert.ok(fromSource <= MOST_DIFFERENCE, `${percent(fromSource)} of the pixels differ from the source`);
+        assert.ok(fromSource <= MAX_DIFFERENCE, `${percent(fromSource)} of the pixels differ from the source`);
       }
       assert.deepEqual(problems, []);
     });
@@ -116,7 +116,7 @@ test('the scene is there early, and refines while the rest arrives', { skip }, a
   server.shape(packed);
   assert.ok(found.length >= 5, `${found.length} steps`);
   assert.ok(found[0].bytes < bytes / 2, `the scene came after ${found[0].bytes} of ${bytes} bytes`);
-  assert.ok(found[0].difference > 5 * MOST_DIFFERENCE, 'the first picture is a coarse one');
+  assert.ok(found[0].difference > 5 * MAX_DIFFERENCE, 'the first picture is a coarse one');
   for (const [i, step] of found.entries()) if (i > 0) assert.ok(step.triangles >= found[i - 1].triangles);
   assert.ok(found.at(-2)?.difference < found[0].difference / 2, 'pictures come near the last one');
   assert.deepEqual(problems, []);

@@ -17,15 +17,15 @@ const EQUAL = 0.0005;
 const DIFFERENT = 0.002;
 
 /** The milliseconds that decoding may take in the worker, and the longest task on the main thread, on a processor that is not shared. */
-const MOST_DECODING = 150;
-const MOST_BLOCKING = 16;
+const MAX_DECODING = 150;
+const MAX_BLOCKING = 16;
 
 /** The bytes by which memory may grow while 50 models are opened and closed, each of which takes more. */
-const MOST_GROWTH = 2 ** 21;
+const MAX_GROWTH = 2 ** 21;
 
 /** How long a model is orbited, a minute for the figure of a release, and the share by which memory may grow meanwhile. */
 const ORBIT_SECONDS = Number(process.env.TRISTRIP_ORBIT_SECONDS ?? 12);
-const MOST_ORBIT_GROWTH = 0.1;
+const MAX_ORBIT_GROWTH = 0.1;
 
 const needsModels = !largeModels && 'SKIPPED: TRISTRIP_MODELS is not set';
 
@@ -779,7 +779,7 @@ test('memory does not grow with the number of models opened', { skip }, async (t
   const megabytes = (/** @type {number} */ bytes) => `${(bytes / 2 ** 20).toFixed(1)} MB`;
   for (const place of /** @type {const} */ (['page', 'worker'])) {
     t.diagnostic(`${place}: ${megabytes(before[place])}, after 50 models ${megabytes(after[place])}`);
-    assert.ok(after[place] < before[place] + MOST_GROWTH, `${place}: ${megabytes(after[place] - before[place])} more`);
+    assert.ok(after[place] < before[place] + MAX_GROWTH, `${place}: ${megabytes(after[place] - before[place])} more`);
   }
   assert.deepEqual(problems, []);
 });
@@ -804,7 +804,7 @@ test('a whole model is decoded in time', { skip: skip || needsModels }, async (t
   });
   let best = Infinity;
   // The first run includes the time to compile the decoder.
-  for (let run = 0; run < 6 && (run < 2 || best > MOST_DECODING); run++) {
+  for (let run = 0; run < 6 && (run < 2 || best > MAX_DECODING); run++) {
     let decode = 0;
     const { sharing } = await traced(page, async () => {
       const progress = await page.evaluate((url) => window.load(url), bunny.url);
@@ -813,14 +813,14 @@ test('a whole model is decoded in time', { skip: skip || needsModels }, async (t
     t.diagnostic(`decoding ${decode.toFixed(0)} ms, by the processor ${(decode / sharing).toFixed(0)} ms`);
     best = Math.min(best, decode / sharing);
   }
-  assert.ok(best <= MOST_DECODING, `${best} ms in the worker`);
+  assert.ok(best <= MAX_DECODING, `${best} ms in the worker`);
 });
 
 test('the page is not blocked while a model is refined', { skip: skip || needsModels }, async (t) => {
   const bunny = pack(path.join(/** @type {string} */ (largeModels), 'bunny.ply'));
   const { page } = await openViewer();
   let best = Infinity;
-  for (let run = 0; run < 5 && best > MOST_BLOCKING; run++) {
+  for (let run = 0; run < 5 && best > MAX_BLOCKING; run++) {
     const { longest } = await traced(page, async () => {
       await page.evaluate((url) => (location.hash = `#model=${url}`), bunny.url.slice(1));
       await waitForState(page, 'complete');
@@ -831,7 +831,7 @@ test('the page is not blocked while a model is refined', { skip: skip || needsMo
     await page.evaluate(() => (location.hash = ''));
     await waitForState(page, 'empty');
   }
-  assert.ok(best <= MOST_BLOCKING, `${best} ms on the main thread`);
+  assert.ok(best <= MAX_BLOCKING, `${best} ms on the main thread`);
 });
 
 test('the first picture of a large model comes soon', { skip: skip || needsModels }, async (t) => {
@@ -884,7 +884,7 @@ test('a full model is orbited while another one loads', { skip: skip || needsMod
   const growth = (/** @type {'page' | 'worker'} */ place) => after[place] / before[place] - 1;
   t.diagnostic(`${ORBIT_SECONDS} s, ${drawn} frames; memory of the page ${(100 * growth('page')).toFixed(1)} %, of the worker ${(100 * growth('worker')).toFixed(1)} % more`);
   assert.ok(drawn > 10, `${drawn} frames`);
-  assert.ok(growth('page') <= MOST_ORBIT_GROWTH && growth('worker') <= MOST_ORBIT_GROWTH);
+  assert.ok(growth('page') <= MAX_ORBIT_GROWTH && growth('worker') <= MAX_ORBIT_GROWTH);
   assert.equal(server.requestsOf(horse.url).length, known + 1, 'the connection was kept');
   assert.deepEqual([...problems, ...other.problems], []);
 });

@@ -5,7 +5,7 @@
  * expected to be those of the kept vertex.
  * @module
  */
-import { CHANNEL_LEVEL, MOST_AXES } from './constants.js';
+import { CHANNEL_LEVEL, MAX_AXES } from './constants.js';
 import { grown, integers } from './growth.js';
 import { abs, clamped, floor, logarithm, max, min } from './math.js';
 import { expectLevel, learnLevel, NumberModel } from './numbers.js';
@@ -44,7 +44,7 @@ export class ChannelModel {
     this.kind = kind;
     this.width = width;
     this.bits = bits;
-    const axes = min(width, MOST_AXES);
+    const axes = min(width, MAX_AXES);
     this.#numbers = new NumberModel(axes);
     this.#levels = Array.from({ length: axes }, () => Int32Array.from(CHANNEL_LEVEL));
     this.#isKept = new Simple(axes);
@@ -65,7 +65,7 @@ export class ChannelModel {
     const most = 2 ** this.bits - 1;
     const values = (this.values = grown(this.values, width * (vertex + 1)));
     for (let component = 0; component < width; component++) {
-      const axis = component < MOST_AXES ? component : MOST_AXES - 1;
+      const axis = component < MAX_AXES ? component : MAX_AXES - 1;
       const kept = length > 0 ? values[width * around[0] + component] : 0;
       const at = width * vertex + component;
       if (this.kind === NAMES || (this.kind === TANGENT && component === 2)) {

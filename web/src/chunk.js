@@ -7,7 +7,7 @@
  * Numbers are written seven bits at a time, the lowest first, with the eighth bit of each byte but the last set.
  * @module
  */
-import { MOST_HEAD_BYTES } from './constants.js';
+import { MAX_HEAD_BYTES } from './constants.js';
 import { fail } from './error.js';
 
 /**
@@ -81,8 +81,8 @@ export class Reader {
  */
 export function readChunkHead(bytes) {
   // Zeros after the end are no part of it.
-  const padded = new Uint8Array(MOST_HEAD_BYTES);
-  padded.set(bytes.subarray(0, MOST_HEAD_BYTES));
+  const padded = new Uint8Array(MAX_HEAD_BYTES);
+  padded.set(bytes.subarray(0, MAX_HEAD_BYTES));
   const reader = new Reader(padded, '');
   const number = () => reader.number('the head of a chunk');
   const [stream, payloadBytes, visits, level, triangles] = [number(), number(), number(), number(), number()];

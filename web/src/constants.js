@@ -6,12 +6,12 @@
 /** The number of which probabilities are shares. */
 export const WHOLE = 1 << 16;
 /** The range of the coder is at least this. */
-export const LEAST_RANGE = 1 << 24;
+export const MIN_RANGE = 1 << 24;
 /** Zeros at the end of a payload that are left out, at most. */
-export const MOST_TRIMMED = 4;
+export const MAX_TRIMMED = 4;
 
 /** A slot counts up to this. */
-export const MOST_COUNT = 255;
+export const MAX_COUNT = 255;
 
 /** The exponentials of scores, from e⁰ to e⁻⁸. */
 export const FALLS_LENGTH = 256;
@@ -24,15 +24,15 @@ export const LEVELS = 80;
 export const MIDDLE_SYMBOL = 9;
 export const LAST_SYMBOL = 15;
 /** The largest bucket. */
-export const MOST_BUCKET = 59;
+export const MAX_BUCKET = 59;
 /** The contexts of small numbers, and the bits of the largest one. */
 export const SMALL_CONTEXTS = 32;
-export const MOST_SMALL_BITS = 25;
+export const MAX_SMALL_BITS = 25;
 
 /** A fan of more corners is not split. */
-export const MOST_CORNERS = 1024;
+export const MAX_CORNERS = 1024;
 /** The fans of a point among which one is chosen. */
-export const MOST_TWINS = 1024;
+export const MAX_TWINS = 1024;
 /** The features of a mark: valence and free corners; then ages; then the distance from the mean. */
 export const AGE_FEATURES = 16 * 8 * 4;
 export const DISTANCE_FEATURES = AGE_FEATURES + 8;
@@ -42,12 +42,12 @@ export const ROLES = 3;
 export const LENGTHS = 16;
 export const VALENCES = 16;
 /** A fan of more corners has no choices by scores. */
-export const MOST_CHOICES = 15;
+export const MAX_CHOICES = 15;
 
 /** The estimates beside the mean of the polygon. */
 export const ESTIMATES = 4;
 /** The largest Laplacian. */
-export const MOST_LAPLACIAN = 1 << 21;
+export const MAX_LAPLACIAN = 1 << 21;
 /** The numbers of points that have weights of their own: 3, 4, 5, 6, 7, and more. */
 export const POLYGONS = 6;
 /** The batches that have weights of their own: the last, the last but one, and all before. */
@@ -64,12 +64,12 @@ export const CHANNEL_LEVEL = [-8000, 50000, 10000];
 export const USUAL_SQUARE = 1 << 24;
 
 /** The components that have contexts of their own. */
-export const MOST_AXES = 4;
+export const MAX_AXES = 4;
 
 /** What a head may say. */
-export const MOST_BITS = 16;
-export const MOST_CHANNELS = 64;
-export const MOST_NAME_BYTES = 256;
-export const MOST_CHANNEL_BITS = 24;
+export const MAX_BITS = 16;
+export const MAX_CHANNELS = 64;
+export const MAX_NAME_BYTES = 256;
+export const MAX_CHANNEL_BITS = 24;
 /** The most bytes of the head of a chunk, with its checksum. */
-export const MOST_HEAD_BYTES = 5 * 5 + 4 + 4;
+export const MAX_HEAD_BYTES = 5 * 5 + 4 + 4;

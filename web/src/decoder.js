@@ -282,7 +282,7 @@ export class Decoder {
   #payload(bytes, { headBytes, payloadBytes, stream, checksum }) {
     const { chunkBytes, meshes } = this.#limits;
     if (payloadBytes > chunkBytes) fail(`${payloadBytes} bytes`, `at most ${chunkBytes}`);
-    if (stream >= meshes) fail(`mesh ${stream}`, `at most ${meshes} meshes`);
+    if (stream >= meshes) fail(`mesh ${stream}`, `a number below ${meshes}`);
     if (bytes.length < headBytes + payloadBytes) return undefined;
     const payload = bytes.subarray(headBytes, headBytes + payloadBytes);
     const found = new Checksum();

@@ -16,7 +16,7 @@ import { min } from './math.js';
 
 const VERSION = 1;
 /** The most bytes of the JSON, unless a limit says less. */
-const MOST_JSON_BYTES = 2 ** 28;
+const MAX_JSON_BYTES = 2 ** 28;
 
 /**
  * @param {number} at the byte
@@ -50,7 +50,7 @@ export class GlbReader {
    * @param {number} [mostJsonBytes]
    * @param {boolean} [isPlainToo] whether a file without a stream is taken as well
    */
-  constructor(mostJsonBytes = MOST_JSON_BYTES, isPlainToo = false) {
+  constructor(mostJsonBytes = MAX_JSON_BYTES, isPlainToo = false) {
     this.#mostJsonBytes = mostJsonBytes;
     this.isPlainToo = isPlainToo;
   }

@@ -1,10 +1,10 @@
 import { ChannelModel, LINEAR, NAMES, OCTAHEDRAL, TANGENT } from './channels.js';
 import {
   ESTIMATES,
-  MOST_BITS,
-  MOST_CHANNEL_BITS,
-  MOST_CHANNELS,
-  MOST_NAME_BYTES,
+  MAX_BITS,
+  MAX_CHANNEL_BITS,
+  MAX_CHANNELS,
+  MAX_NAME_BYTES,
   POLYGONS,
   REGIMES,
   SMALL_CONTEXTS,
@@ -44,7 +44,7 @@ export function readHead(reader) {
   const number = () => reader.number('a count');
   const positionBits = reader.byte();
   const unknownBits = reader.byte();
-  if (positionBits === 0 || positionBits > MOST_BITS || unknownBits >= positionBits) {
+  if (positionBits === 0 || positionBits > MAX_BITS || unknownBits >= positionBits) {
     fail(`${positionBits} bits, ${unknownBits} of them unknown`, '1 to 16 bits per coordinate, and fewer unknown ones');
   }
   const origin = [reader.float(), reader.float(), reader.float()];
@@ -59,7 +59,7 @@ export function readHead(reader) {
   const triangles = number();
   const vertices = number();
   const channelCount = number();
-  if (channelCount > MOST_CHANNELS) fail(`${channelCount} attributes`, `at most ${MOST_CHANNELS}`);
+  if (channelCount > MAX_CHANNELS) fail(`${channelCount} attributes`, `at most ${MAX_CHANNELS}`);
   const channels = [];
   for (let i = 0; i < channelCount; i++) channels.push(readChannel(reader));
   return { positionBits, unknownBits, origin, step, baseTriangles, levels, triangles, vertices, channels };
@@ -82,7 +82,7 @@ function readChannel(reader) {
   const isShaped = kind === OCTAHEDRAL ? components === 3 : kind === TANGENT ? components === 4 : components > 0;
   const isLinear = kind === LINEAR || kind === NAMES;
   // Types 0 and 1 are floats.
-  if (!isShaped || bits > MOST_CHANNEL_BITS || normalized > 1 || (!isLinear && (bits === 0 || valueType > 1))) {
+  if (!isShaped || bits > MAX_CHANNEL_BITS || normalized > 1 || (!isLinear && (bits === 0 || valueType > 1))) {
     fail(`${components} components of ${bits} bits`, 'components and a type that fit the kind, and at most 24 bits');
   }
   const origins = [];
@@ -100,7 +100,7 @@ function readChannel(reader) {
 /** @param {Reader} reader */
 function readName(reader) {
   const length = reader.number('a count');
-  if (length > MOST_NAME_BYTES) fail(`a name of ${length} bytes`, 'at most 256 bytes');
+  if (length > MAX_NAME_BYTES) fail(`a name of ${length} bytes`, 'at most 256 bytes');
   const start = reader.take(length);
   try {
     return new TextDecoder('utf-8', { fatal: true, ignoreBOM: true }).decode(reader.bytes.subarray(start, start + length));

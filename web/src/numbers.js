@@ -7,7 +7,7 @@
  * Based on: Widrow, Hoff, "Adaptive Switching Circuits", 1960.
  * @module
  */
-import { LAST_SYMBOL, LEVELS, MIDDLE_SYMBOL, MOST_BUCKET, MOST_SMALL_BITS, SMALL_CONTEXTS } from './constants.js';
+import { LAST_SYMBOL, LEVELS, MIDDLE_SYMBOL, MAX_BUCKET, MAX_SMALL_BITS, SMALL_CONTEXTS } from './constants.js';
 import { clamped, logarithm } from './math.js';
 import { Simple } from './slots.js';
 
@@ -56,14 +56,14 @@ export class NumberModel {
    * @returns {number}
    */
   decode(coder, set, level) {
-    const usual = clamped(level >> 3, 0, MOST_BUCKET);
+    const usual = clamped(level >> 3, 0, MAX_BUCKET);
     const context = clamped((level + 32) >> 2, 0, LEVELS - 1);
     // 1. The bucket.
     const symbol = this.#symbols.decodeNumber(coder, set * LEVELS + context, 4);
     let bucket = usual - MIDDLE_SYMBOL + symbol;
     if (symbol === 0 && bucket > 0) bucket -= decodeSmall(coder, this.#escapes);
     else if (symbol === LAST_SYMBOL) bucket += decodeSmall(coder, this.#escapes);
-    bucket = clamped(bucket, 0, MOST_BUCKET);
+    bucket = clamped(bucket, 0, MAX_BUCKET);
     // 2. The place within the bucket, and the sign.
     const rest = bucket < 4 ? 0 : (bucket >> 1) - 1;
     const low = bucket > 0 ? coder.bits(rest + 1) : 0;
@@ -81,6 +81,6 @@ export class NumberModel {
  */
 export function decodeSmall(coder, model) {
   let bits = 1;
-  while (bits < MOST_SMALL_BITS && model.decode(coder, bits)) bits++;
+  while (bits < MAX_SMALL_BITS && model.decode(coder, bits)) bits++;
   return ((1 << (bits - 1)) | coder.bits(bits - 1)) - 1;
 }

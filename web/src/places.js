@@ -22,7 +22,7 @@
  * Transmission of Triangle Meshes", 2001.
  * @module
  */
-import { ALONG_LEVEL, BESIDE_LEVEL, ESTIMATES, MOST_CORNERS, MOST_LAPLACIAN, POLYGONS, WEIGHT_ONE } from './constants.js';
+import { ALONG_LEVEL, BESIDE_LEVEL, ESTIMATES, MAX_CORNERS, MAX_LAPLACIAN, POLYGONS, WEIGHT_ONE } from './constants.js';
 import { COUNT, FAN_CELLS } from './fans.js';
 import { clamped, logarithm } from './math.js';
 import { expectLevel, learnLevel, NumberModel } from './numbers.js';
@@ -60,7 +60,7 @@ function reciprocal(n) {
 }
 
 /** The points of the polygon relative to the kept one, which is not among them. */
-const points = integers(3 * (MOST_CORNERS + 2));
+const points = integers(3 * (MAX_CORNERS + 2));
 /** The mean of the polygon, in 1/16, relative to the kept point; then how the estimates differ from it. */
 const estimates = new Float64Array(3 + 3 * ESTIMATES);
 /** The normal of the polygon, with eight bits along its longest axis. */
@@ -183,7 +183,7 @@ export class PlaceModel {
     const share = reciprocal(number);
     const ofFans = reciprocal(fanCount);
     // Larger ones are those of fans with so many others around that their number has wrapped.
-    const mean = (/** @type {number} */ laplacian) => clamped(floor((laplacian * ofFans) / 4096), -MOST_LAPLACIAN, MOST_LAPLACIAN);
+    const mean = (/** @type {number} */ laplacian) => clamped(floor((laplacian * ofFans) / 4096), -MAX_LAPLACIAN, MAX_LAPLACIAN);
     estimates[9] = mean(laplacianX);
     estimates[10] = mean(laplacianY);
     estimates[11] = mean(laplacianZ);

@@ -4,7 +4,7 @@
  * Based on: Martin, "Range encoding: an algorithm for removing redundancy from a digitised message", 1979.
  * @module
  */
-import { LEAST_RANGE, MOST_TRIMMED } from './constants.js';
+import { MIN_RANGE, MAX_TRIMMED } from './constants.js';
 
 /** Reads decisions. Zeros follow the bytes. */
 export class RangeDecoder {
@@ -34,7 +34,7 @@ export class RangeDecoder {
     const no = bit - 1;
     state[1] -= bound & no;
     state[0] = (state[0] & no) + ((bound ^ no) - no);
-    while (state[0] < LEAST_RANGE) {
+    while (state[0] < MIN_RANGE) {
       this.#read();
       state[0] <<= 8;
     }
@@ -61,7 +61,7 @@ export class RangeDecoder {
     const state = this.#state;
     state[1] -= start * state[0];
     state[0] *= size;
-    while (state[0] < LEAST_RANGE) {
+    while (state[0] < MIN_RANGE) {
       this.#read();
       state[0] <<= 8;
     }
@@ -87,6 +87,6 @@ export class RangeDecoder {
 
   /** Whether more has been read than there is: what follows was not written by an encoder. */
   get isPastEnd() {
-    return this.#at > this.#end + MOST_TRIMMED;
+    return this.#at > this.#end + MAX_TRIMMED;
   }
 }

@@ -2,7 +2,7 @@
  * A mesh that batches of splits refine. Every decision is valid, so that any bytes build some mesh.
  * @module
  */
-import { MOST_CORNERS, MOST_TWINS } from './constants.js';
+import { MAX_CORNERS, MAX_TWINS } from './constants.js';
 import { COUNT, FAN_CELLS, IS_OPEN, LEADER, NEXT, SUM, TWIN, VERTEX } from './fans.js';
 import { grown, integers } from './growth.js';
 import { Simple } from './slots.js';
@@ -26,7 +26,7 @@ const SAME_VERTEX = 5;
 const FLAGS = 6;
 
 /** The vertices around a new point, that of the kept fan first. */
-const vertices = integers(MOST_CORNERS + 2);
+const vertices = integers(MAX_CORNERS + 2);
 
 /** A mesh with what is known for the next split. */
 export class Refiner {
@@ -125,7 +125,7 @@ export class Refiner {
       this.corners++;
       if (!this.#splits.decodeMark(coder, fan, done)) break;
       this.surface.collect(fan, this.batch);
-      if (ring.length === 0 || ring.length > MOST_CORNERS) break;
+      if (ring.length === 0 || ring.length > MAX_CORNERS) break;
       this.#decodeGroup(coder, fan);
       if (this.#isTooLarge(coder)) break;
     }
@@ -155,7 +155,7 @@ export class Refiner {
       if (!ring.isOpen || !this.#flags.decode(coder, MORE_IN_GROUP + hasTwins)) break;
       of = this.#decodeTwin(coder, fan);
       surface.collect(of, this.batch);
-    } while (ring.length > 0 && ring.length <= MOST_CORNERS && !this.#isTooLarge(coder));
+    } while (ring.length > 0 && ring.length <= MAX_CORNERS && !this.#isTooLarge(coder));
     // New fans are visited after this one, from the next batch on, so that fans near each other are visited one after the other.
     const { cells } = fans;
     let after = cells[FAN_CELLS * fan + NEXT];
@@ -172,7 +172,7 @@ export class Refiner {
   #decodeTwin(coder, fan) {
     const twinOf = (/** @type {number} */ fan) => this.fans.cells[FAN_CELLS * fan + TWIN];
     let count = 1;
-    for (let twin = twinOf(fan); twin !== fan && count < MOST_TWINS; twin = twinOf(twin)) count++;
+    for (let twin = twinOf(fan); twin !== fan && count < MAX_TWINS; twin = twinOf(twin)) count++;
     let twin = fan;
     for (let steps = coder.bits(32 - Math.clz32(count - 1)) % count; steps > 0; steps--) twin = twinOf(twin);
     return twin;

@@ -2,13 +2,13 @@
  * Probabilities of decisions, learned while decoding. A slot is a probability of 24 bits above a count of 8 bits.
  * @module
  */
-import { MOST_COUNT } from './constants.js';
+import { MAX_COUNT } from './constants.js';
 import { integers } from './growth.js';
 
 /** @import { RangeDecoder } from './range_coder.js' */
 
 /** 2¹⁵ / (count + 1.5). */
-const RATES = Int32Array.from({ length: MOST_COUNT + 1 }, (_, count) => Math.floor(65536 / (2 * count + 3)));
+const RATES = Int32Array.from({ length: MAX_COUNT + 1 }, (_, count) => Math.floor(65536 / (2 * count + 3)));
 
 /** Decisions with a probability in each of some contexts. */
 export class Simple {
@@ -32,7 +32,7 @@ export class Simple {
     const bit = coder.decode((slot >>> 16) | 1);
     const change = Math.imul(((-bit & 0xffffff) - (slot >>> 8)) >> 8, RATES[count]);
     // One more, up to the limit.
-    slots[context] = slot + ((change << 1) & ~255) + ((count - MOST_COUNT) >>> 31);
+    slots[context] = slot + ((change << 1) & ~255) + ((count - MAX_COUNT) >>> 31);
     return bit;
   }
 

@@ -14,7 +14,7 @@
  * @module
  */
 import {
-  AGE_FEATURES, DISTANCE_FEATURES, LENGTHS, MARK_FEATURES, MOST_CHOICES, MOST_CORNERS, ROLES, SCORE_RATE, VALENCES, WHOLE,
+  AGE_FEATURES, DISTANCE_FEATURES, LENGTHS, MARK_FEATURES, MAX_CHOICES, MAX_CORNERS, ROLES, SCORE_RATE, VALENCES, WHOLE,
 } from './constants.js';
 import { BORN, COUNT, FAN_CELLS, IS_OPEN } from './fans.js';
 import { clamped, logarithm } from './math.js';
@@ -33,7 +33,7 @@ import { integers } from './growth.js';
 const [FIRST, WITHIN, LAST] = [0, 1, 2];
 
 /** Edges of a fan with choices by scores. */
-const EDGES = MOST_CHOICES + 1;
+const EDGES = MAX_CHOICES + 1;
 
 // What is known while a run is decoded: the first corners of runs of each number of corners, as bits; of each edge the rows of its features and scores;
 // of each choice its first corner and share; the errors of all corners, as if they were repeated before the first one.
@@ -81,7 +81,7 @@ export class SplitModel {
     const open = cells[at + IS_OPEN];
     const count = cells[at + COUNT];
     const free = count - open - fans.used(at, this.batch);
-    if (count < 2 || count > MOST_CORNERS || (free <= 0 && open === 0)) return 0;
+    if (count < 2 || count > MAX_CORNERS || (free <= 0 && open === 0)) return 0;
     const sum = Math.abs(fans.laplacian(at, 0)) + Math.abs(fans.laplacian(at, 1)) + Math.abs(fans.laplacian(at, 2));
     const distance = ((logarithm(sum + 1) - logarithm(count)) >> 2) + 4;
     const age = (this.batch - cells[at + BORN]) & 255;
@@ -101,7 +101,7 @@ export class SplitModel {
   decodeSplit(coder, fan) {
     const sides = this.#sides;
     const { length: n, isOpen } = ring;
-    const canMove = n > MOST_CHOICES ? corners.subarray(0, n).some((corner) => this.#isFree(corner)) : ring.free !== 0;
+    const canMove = n > MAX_CHOICES ? corners.subarray(0, n).some((corner) => this.#isFree(corner)) : ring.free !== 0;
     split.start = 0;
     split.count = 1;
     split.addsStart = split.addsEnd = true;
@@ -151,7 +151,7 @@ export class SplitModel {
    */
   #decodeRun(coder, fan) {
     const { length: n, isOpen, free } = ring;
-    if (n > MOST_CHOICES) {
+    if (n > MAX_CHOICES) {
       this.#decodePlain(coder);
       return;
     }

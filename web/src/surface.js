@@ -13,7 +13,7 @@
  * A split takes time in proportion to the corners that move; a triangle takes 32 bytes, and a fan 4.
  * @module
  */
-import { MOST_CORNERS } from './constants.js';
+import { MAX_CORNERS } from './constants.js';
 import { grown, integers } from './growth.js';
 
 /** No corner: an edge of one triangle. */
@@ -40,11 +40,11 @@ export function previous(corner) {
 }
 
 /**
- * The corners of a fan, counterclockwise, at most `MOST_CORNERS` and one more; and the fans at the other ends of its edges, one more. Both twice, so that
+ * The corners of a fan, counterclockwise, at most `MAX_CORNERS` and one more; and the fans at the other ends of its edges, one more. Both twice, so that
  * runs need not end at the last one.
  */
-export const corners = integers(2 * MOST_CORNERS + 2);
-export const around = integers(2 * MOST_CORNERS + 2);
+export const corners = integers(2 * MAX_CORNERS + 2);
+export const around = integers(2 * MAX_CORNERS + 2);
 
 /** What else is known of that fan: which of the first 32 corners are free, if there are not more. */
 export const ring = { length: 0, isOpen: false, free: 0 };
@@ -176,7 +176,7 @@ export class Surface {
       around[length++] = cells[after];
       last = cells[previous(at)];
       at = opposite === NONE ? NONE : next(opposite);
-      if (at === first || length > MOST_CORNERS) {
+      if (at === first || length > MAX_CORNERS) {
         ring.isOpen = false;
         break;
       }

@@ -9,7 +9,7 @@ import { countTriangles } from '../webgl/indices.js';
 import { readMaterial } from '../webgl/materials.js';
 import { cofactors, compose, determinant, multiply, transformBox, transformPoint } from '../webgl/matrix.js';
 import { ShownModel } from '../webgl/model.js';
-import { addedTargets, MOST_ADDED } from '../webgl/morphs.js';
+import { addedTargets, MAX_ADDED } from '../webgl/morphs.js';
 import { Scene } from '../webgl/scene.js';
 import { FRAGMENT, VERTEX } from '../webgl/shaders.js';
 import { morphingSquare, readGlb, sceneGlb } from '../testing/scene_glb.js';
@@ -226,9 +226,9 @@ test('the bounds of a mesh have its morph targets', () => {
 test('the largest weights are added, as many as the shader has room for', () => {
   assert.deepEqual(addedTargets([0, 0.5, 0, -2]), [[1, 0.5], [3, -2]]);
   const many = addedTargets(Array.from({ length: 100 }, (_, i) => i - 50));
-  assert.equal(many.length, MOST_ADDED);
+  assert.equal(many.length, MAX_ADDED);
   assert.deepEqual(Math.min(...many.map(([, weight]) => Math.abs(weight))), 18);
-  assert.match(VERTEX, new RegExp(`vec2 added\\[${MOST_ADDED}\\]`));
+  assert.match(VERTEX, new RegExp(`vec2 added\\[${MAX_ADDED}\\]`));
 });
 
 test('shaders take powers of numbers that are not negative: others are black pixels on some drivers', () => {

@@ -24,7 +24,7 @@ import { threeName } from './names.js';
 const SKIN_WEIGHT = 'skinWeight';
 
 /** More ranges of one buffer than this are uploaded as one: an object out of view collects them. */
-const MOST_RANGES = 128;
+const MAX_RANGES = 128;
 
 /** @typedef {Refined & { isAttached: boolean }} User a geometry, and whether it has the buffers of the stream */
 
@@ -147,7 +147,7 @@ export class StreamMesh {
       index.array.set(array, start);
       index.addUpdateRange(start, array.length);
     }
-    if (index.updateRanges.length > MOST_RANGES) {
+    if (index.updateRanges.length > MAX_RANGES) {
       const start = index.updateRanges.reduce((least, range) => Math.min(least, range.start), length);
       index.clearUpdateRanges();
       index.addUpdateRange(start, length - start);

@@ -8,7 +8,7 @@
  * @typedef {(uri: string) => Promise<Blob>} FindFile
  */
 
-const MOST_BYTES = 2 ** 26;
+const MAX_BYTES = 2 ** 26;
 
 /**
  * Returns what finds files in the folder of a model of this site, and in folders inside it.
@@ -21,7 +21,7 @@ export function besideUrl(model) {
     const address = new URL(uri, folder);
     if (address.origin !== location.origin || !address.href.startsWith(folder.href)) throw new Error('It is not beside the model.');
     const response = await fetch(address, { redirect: 'error' });
-    if (!response.ok || Number(response.headers.get('Content-Length')) > MOST_BYTES) {
+    if (!response.ok || Number(response.headers.get('Content-Length')) > MAX_BYTES) {
       await response.body?.cancel();
       throw new Error(`The server answers ${response.status}, or the file is too large.`);
     }

@@ -17,9 +17,9 @@
 
 const DECADE = Math.LN10;
 /** The grid has at most so many steps. */
-const MOST_STEPS = 3.5;
+const MAX_STEPS = 3.5;
 /** About the most points that are drawn: two per unit of the width of the chart. */
-const MOST_POINTS = 500;
+const MAX_POINTS = 500;
 
 /**
  * Returns whether a point is on a curve with a logarithmic error.
@@ -46,7 +46,7 @@ export function curveOf(points, totalBytes) {
   least = Math.floor(Math.log(least) / DECADE) * DECADE;
   most = Math.ceil(Math.log(most) / DECADE + 1e-9) * DECADE;
   const total = Math.max(totalBytes, last.bytes);
-  return { points: thin(known, total), least, most, step: Math.ceil((most - least) / DECADE / MOST_STEPS) * DECADE, totalBytes: total };
+  return { points: thin(known, total), least, most, step: Math.ceil((most - least) / DECADE / MAX_STEPS) * DECADE, totalBytes: total };
 }
 
 /**
@@ -54,10 +54,10 @@ export function curveOf(points, totalBytes) {
  * @param {number} totalBytes
  */
 function thin(points, totalBytes) {
-  if (points.length <= MOST_POINTS) return points;
+  if (points.length <= MAX_POINTS) return points;
   let column = -1;
   return points.filter(({ bytes }, i) => {
-    const next = Math.floor((MOST_POINTS * bytes) / totalBytes);
+    const next = Math.floor((MAX_POINTS * bytes) / totalBytes);
     if (next === column && i < points.length - 1) return false;
     column = next;
     return true;

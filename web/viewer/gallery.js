@@ -23,7 +23,7 @@ const notes = element('notes', HTMLElement);
 const text = element('gallery-text', HTMLElement);
 
 /** How often a thumbnail is asked for again, and the milliseconds before the first time. The pauses double. */
-const MOST_IMAGE_TRIES = 5;
+const MAX_IMAGE_TRIES = 5;
 const IMAGE_PAUSE = 2000;
 
 /** The names of the models, by their URLs. @type {Map<string, string>} */
@@ -76,7 +76,7 @@ function card({ name, url, kind, bytes, triangles, thumbnail }) {
 function retryImage(image, url) {
   let tries = 0;
   image.addEventListener('error', () => {
-    if (tries === MOST_IMAGE_TRIES) return image.remove();
+    if (tries === MAX_IMAGE_TRIES) return image.remove();
     setTimeout(() => (image.src = url), IMAGE_PAUSE * 2 ** tries++);
   });
 }

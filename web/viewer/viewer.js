@@ -35,8 +35,8 @@ import { Figures } from './figures.js';
 const STILL = { animation: 0, isPlaying: false };
 
 /** What a list of animations has room for. */
-const MOST_NAMES = 500;
-const MOST_LETTERS = 80;
+const MAX_NAMES = 500;
+const MAX_LETTERS = 80;
 
 const MARKS = ['tristrip:click', 'tristrip:first-picture', 'tristrip:complete'];
 
@@ -106,7 +106,7 @@ export class Viewer {
 
   /** The names of the animations of the model, of the first ones if there are very many. */
   get animations() {
-    return (this.#shown?.animations ?? []).slice(0, MOST_NAMES).map(({ name }, i) => name.slice(0, MOST_LETTERS) || `Animation ${i + 1}`);
+    return (this.#shown?.animations ?? []).slice(0, MAX_NAMES).map(({ name }, i) => name.slice(0, MAX_LETTERS) || `Animation ${i + 1}`);
   }
 
   /** Whether an animation is played, and which one, from 0 on. @returns {Playing} */

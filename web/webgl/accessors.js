@@ -10,7 +10,7 @@ const ARRAYS = { 5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint
 /** @type {Record<string, number>} */
 const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
 /** The most values of the accessors without buffer views, which hold zeros. */
-const MOST_ZEROS = 2 ** 24;
+const MAX_ZEROS = 2 ** 24;
 const FIRST_BYTES = 2 ** 16;
 
 /** What is 1 in normalized integers, by their size in bytes and whether they have a sign. */
@@ -106,7 +106,7 @@ export function viewEnd(json, index) {
  * @param {number} [mostZeros] the most values without a buffer view
  * @returns {Accessor}
  */
-export function readAccessor(json, index, bytes, mostZeros = MOST_ZEROS) {
+export function readAccessor(json, index, bytes, mostZeros = MAX_ZEROS) {
   const accessor = json.accessors[index];
   const { componentType, normalized = false, count, type, sparse } = accessor;
   const Type = ARRAYS[componentType];
@@ -133,7 +133,7 @@ export class Accessors {
   #json;
   /** @type {Map<number, Accessor>} */
   #known = new Map();
-  #zerosLeft = MOST_ZEROS;
+  #zerosLeft = MAX_ZEROS;
 
   /** @param {any} json */
   constructor(json) {

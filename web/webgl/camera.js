@@ -15,8 +15,8 @@ import { multiply, perspective, view } from './matrix.js';
 /** The height of the view at distance 1: an angle of 40 degrees. */
 const VIEW_HEIGHT = 2 * Math.tan((20 * Math.PI) / 180);
 /** Numbers of a view beyond this are none of a model: products of two of them are to be numbers for the GPU. */
-const MOST_NUMBER = 1e15;
-const MOST_PITCH = Math.PI / 2 - 0.001;
+const MAX_NUMBER = 1e15;
+const MAX_PITCH = Math.PI / 2 - 0.001;
 /** The view that models are shown in first. */
 const FIRST_YAW = 0.5;
 const FIRST_PITCH = 0.25;
@@ -74,7 +74,7 @@ export class Camera {
   orbit(right, up) {
     this.isAutomatic = false;
     this.yaw = (this.yaw + right) % (2 * Math.PI);
-    this.pitch = clamp(this.pitch + up, -MOST_PITCH, MOST_PITCH);
+    this.pitch = clamp(this.pitch + up, -MAX_PITCH, MAX_PITCH);
   }
 
   /**
@@ -136,10 +136,10 @@ export class Camera {
    */
   parse(text) {
     const numbers = text.split(',').map(Number);
-    if (numbers.length !== 6 || !numbers.every((x) => Math.abs(x) <= MOST_NUMBER) || !(numbers[2] >= 1 / MOST_NUMBER)) return false;
+    if (numbers.length !== 6 || !numbers.every((x) => Math.abs(x) <= MAX_NUMBER) || !(numbers[2] >= 1 / MAX_NUMBER)) return false;
     this.isAutomatic = false;
     this.yaw = numbers[0];
-    this.pitch = clamp(numbers[1], -MOST_PITCH, MOST_PITCH);
+    this.pitch = clamp(numbers[1], -MAX_PITCH, MAX_PITCH);
     this.distance = numbers[2];
     this.target = numbers.slice(3);
     return true;

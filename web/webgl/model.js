@@ -22,9 +22,9 @@ import { Textures } from './textures.js';
  */
 
 /** The most instances of all nodes together. */
-const MOST_INSTANCES = 10000;
+const MAX_INSTANCES = 10000;
 /** The most texels of the morph targets of all primitives together: 16 bytes each. Targets beyond are left out. */
-const MOST_MORPH_TEXELS = 2 ** 23;
+const MAX_MORPH_TEXELS = 2 ** 23;
 const REQUIRED = new Set([EXTENSION, 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_mesh_quantization', 'KHR_materials_emissive_strength', 'EXT_mesh_gpu_instancing', 'EXT_texture_webp']);
 
 /**
@@ -61,8 +61,8 @@ export class ShownModel {
   #vertices = new Map();
   /** @type {Map<string, IndexData>} */
   #indices = new Map();
-  #instancesLeft = MOST_INSTANCES;
-  #morphTexelsLeft = MOST_MORPH_TEXELS;
+  #instancesLeft = MAX_INSTANCES;
+  #morphTexelsLeft = MAX_MORPH_TEXELS;
   #areBoundsOld = false;
   /** What is made of the binary chunk, and how many bytes that needs.
    * @type {{ end: number, run: (bytes: Uint8Array) => void }[]} */

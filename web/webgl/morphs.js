@@ -20,7 +20,7 @@ import { floats, RowTexture } from './row_texture.js';
 /** The attributes that targets change, in the order of the shader's `slots`. */
 export const MORPHED = ['POSITION', 'NORMAL', 'TEXCOORD_0', 'COLOR_0'];
 /** The most targets that are added at once: those of the largest weights. The shader has the same number. */
-export const MOST_ADDED = 64;
+export const MAX_ADDED = 64;
 
 /** The targets of a primitive. */
 export class Morphs {
@@ -109,5 +109,5 @@ export class Morphs {
  */
 export function addedTargets(weights) {
   const added = weights.map((weight, target) => /** @type {[number, number]} */ ([target, weight])).filter(([, weight]) => weight !== 0);
-  return added.length > MOST_ADDED ? added.sort((a, b) => Math.abs(b[1]) - Math.abs(a[1])).slice(0, MOST_ADDED) : added;
+  return added.length > MAX_ADDED ? added.sort((a, b) => Math.abs(b[1]) - Math.abs(a[1])).slice(0, MAX_ADDED) : added;
 }

@@ -22,7 +22,7 @@ import { floats, RowTexture, words } from './row_texture.js';
 const STRIP = 5;
 const RESTART = 0xffffffff;
 /** How far back the start of a strip is searched for. */
-const MOST_STEPS_BACK = 2 ** 16;
+const MAX_STEPS_BACK = 2 ** 16;
 
 /** The attributes that have textures, the samplers of those, and their formats. @type {[string, string, 'RGB32F' | 'RGBA32F'][]} */
 const ATTRIBUTES = [
@@ -136,7 +136,7 @@ function fillIndices({ array, mode }, from, to) {
   const restart = array && restartOf(array);
   let start = from;
   if (array && mode === STRIP) {
-    const least = Math.max(from - MOST_STEPS_BACK, 0);
+    const least = Math.max(from - MAX_STEPS_BACK, 0);
     while (start > least && array[start - 1] !== restart) start--;
   } else start = 0;
   for (let position = from, at = 0; position < to; position++) {

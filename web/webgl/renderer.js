@@ -19,7 +19,7 @@ import { Programs, UNITS } from './programs.js';
 export const MODES = ['shaded', 'textured', 'wireframe', 'strips', 'normals'];
 /** @typedef {typeof MODES[number]} Mode */
 
-const MOST_PIXEL_RATIO = 2;
+const MAX_PIXEL_RATIO = 2;
 /** The key light, to the right of the camera, above it and behind it. */
 const KEY_LIGHT = [0.45, 0.65, 0.61];
 const LINE_COLOR = [0.06, 0.1, 0.18];
@@ -222,7 +222,7 @@ export class Renderer {
 
   #resize() {
     const canvas = this.#canvas;
-    const ratio = Math.min(window.devicePixelRatio, MOST_PIXEL_RATIO);
+    const ratio = Math.min(window.devicePixelRatio, MAX_PIXEL_RATIO);
     const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     if (canvas.width !== width || canvas.height !== height) {

@@ -3,7 +3,7 @@
  * @module
  */
 
-const MOST_SIZE = 4096;
+const MAX_SIZE = 4096;
 const BAND_PIXELS = 2 ** 19;
 const TYPES = [/^image\/png$/, /^image\/jpeg$/, /^image\/webp$/];
 
@@ -118,7 +118,7 @@ export class Textures {
     const gl = this.#gl;
     const plain = /** @type {ImageBitmapOptions} */ ({ premultiplyAlpha: 'none', colorSpaceConversion: 'none' });
     let bitmap = await createImageBitmap(blob, plain);
-    const scale = Math.min(1, MOST_SIZE / Math.max(bitmap.width, bitmap.height));
+    const scale = Math.min(1, MAX_SIZE / Math.max(bitmap.width, bitmap.height));
     if (scale < 1) {
       const large = bitmap;
       bitmap = await createImageBitmap(large, { ...plain, resizeWidth: Math.ceil(large.width * scale), resizeHeight: Math.ceil(large.height * scale) });

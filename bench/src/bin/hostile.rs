@@ -21,7 +21,7 @@ use tristrip_bench::text::Table;
 
 /// The factor by which the larger size is larger, and the most by which its time may be longer.
 const SIZES: u32 = 4;
-const MOST_GROWTH: f64 = 5.0;
+const MAX_GROWTH: f64 = 5.0;
 /// The shortest time of which growth is compared, in seconds.
 const SHORT: f64 = 0.25;
 
@@ -149,7 +149,7 @@ fn violation(method: &HostileMethod, small: Option<Figures>, large: Option<Figur
     if large.seconds > 1.0 + 1e-6 * method.microseconds * large.triangles {
         return Some("time");
     }
-    let grows = small.is_none_or(|small| large.seconds > MOST_GROWTH * small.seconds);
+    let grows = small.is_none_or(|small| large.seconds > MAX_GROWTH * small.seconds);
     (grows && large.seconds > SHORT).then_some("growth")
 }
 

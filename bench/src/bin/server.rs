@@ -19,10 +19,10 @@ use tristrip_bench::failure::Failure;
 use tristrip_serve::{Content, Limits, PackingOptions, Server, ServerOptions};
 
 /// The bars of the server.
-const MOST_MEMORY_BYTES: u64 = 200 << 20;
+const MAX_MEMORY_BYTES: u64 = 200 << 20;
 const FEWEST_REQUESTS_PER_SECOND: f64 = 1000.0;
 /// How long a client may be held up by slow ones.
-const MOST_HELD_UP: Duration = Duration::from_secs(1);
+const MAX_HELD_UP: Duration = Duration::from_secs(1);
 
 /// Measure the web server
 #[derive(Debug, Parser)]
@@ -119,7 +119,7 @@ fn many_clients(args: &Args, directory: &Path, expected: &[u8]) -> Result<bool, 
         args.rate / 1000,
         memory as f64 / f64::from(1 << 20)
     );
-    Ok(failed == 0 && memory <= MOST_MEMORY_BYTES)
+    Ok(failed == 0 && memory <= MAX_MEMORY_BYTES)
 }
 
 /// Reads the large file at a rate, and returns whether all its bytes came.
@@ -170,7 +170,7 @@ fn slow_clients(directory: &Path, expected: &[u8]) -> Result<bool, Failure> {
     times.sort();
     let (median, most) = (times[times.len() / 2], times[times.len() - 1]);
     println!("beside 200 slow heads and 200 slow readers: median {median:.1?}, at most {most:.1?}");
-    Ok(most <= MOST_HELD_UP)
+    Ok(most <= MAX_HELD_UP)
 }
 
 /// Asks for what is outside the directory in 200 ways and more.

@@ -14,7 +14,7 @@ use tristrip::{Faces, Layout, MAX_COUNT, Strips};
 use crate::errors::Failure;
 
 /// The most items of an array that repeats some of them.
-const MOST_REPEATED: usize = 1 << 20;
+const MAX_REPEATED: usize = 1 << 20;
 
 /// Faces as given by a user.
 pub(crate) enum GivenFaces<'py> {
@@ -150,7 +150,7 @@ pub(crate) fn as_array<'py>(
 /// Checks that a large array has memory of its own for its items: a view that repeats a few would be copied into as much as it claims.
 fn check_memory(name: &str, array: &Bound<'_, PyUntypedArray>) -> Result<(), Failure> {
     let repeats = array.shape().iter().zip(array.strides()).any(|(&size, &stride)| size > 1 && stride == 0);
-    if repeats && array.len() > MOST_REPEATED {
+    if repeats && array.len() > MAX_REPEATED {
         let found = format!("a view that repeats items, of {} items", array.len());
         return Err(Failure::mesh(name, found, "an array with memory for each item"));
     }

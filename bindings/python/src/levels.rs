@@ -47,9 +47,11 @@ use crate::strips::{Strips, index_bits, layout_of};
 ///     ParameterError: an option is unknown or has a wrong value.
 ///
 /// References:
-///     "naive" and "progressive": Kim, Lee: Progressive Strips, 2005. "sets": Belmonte et al.: Sorted Edges for Triangle Strips, 2006. "mts": Belmonte et
-///     al.: Multiresolution Triangle Strips, 2004. "lod-strips": Ramos, Chover: LodStrips, 2004. "progressive-mesh": Hoppe: Progressive Meshes, 1996.
-///     "skip": El-Sana et al.: Skip Strips, 1999. "blocks" is of this project.
+///     "naive" and "progressive": Kim, Park, Yang, Neelamkavil: A Rendering-Efficient Progressive Transmission of 3D Meshes, 2005. "sets": Belmonte,
+///     Aguado, Sancho: Triangle Strip Multiresolution Modelling Using Sorted Edges, 2006. "mts": Belmonte, Remolar, Ribelles, Chover, Fernández:
+///     Efficiently Using Connectivity Information between Triangles in a Mesh for Real-Time Rendering, 2004. "lod-strips": Ramos, Chover: LodStrips:
+///     Level of Detail Strips, 2004. "progressive-mesh": Hoppe: Progressive Meshes, 1996. "skip": El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli:
+///     Efficiently Computing and Updating Triangle Strips for Real-Time Rendering, 2000. "blocks" is of this project.
 ///
 /// >>> import numpy, tristrip
 /// >>> angle = numpy.linspace(0, 2 * numpy.pi, 33)[:-1]

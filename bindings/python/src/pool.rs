@@ -12,7 +12,7 @@ use crate::errors::Failure;
 /// The stack of each thread: that of a main thread.
 const STACK_BYTES: usize = 8 << 20;
 /// More threads than any machine has, and fewer than a system refuses.
-const MOST_THREADS: usize = 1024;
+const MAX_THREADS: usize = 1024;
 
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
@@ -63,7 +63,7 @@ pub(crate) fn set_threads(threads: Option<i64>) -> PyResult<()> {
         None => 0,
         Some(count) => usize::try_from(count)
             .ok()
-            .filter(|count| (1..=MOST_THREADS).contains(count))
+            .filter(|count| (1..=MAX_THREADS).contains(count))
             .ok_or_else(|| Failure::option("threads", count, "1 to 1024, or None"))?,
     };
     let built = build(count)?;

@@ -43,7 +43,7 @@ pub(crate) fn pack_options(arguments: &Arguments<'_>) -> PyResult<PackOptions> {
     if !POSITION_BITS.contains(&bits) {
         return Err(Failure::option("position_bits", bits, "4 to 16").into());
     }
-    let stream = StreamOptions::default().with_position_bits(bits).map_err(Failure::from)?;
+    let stream = StreamOptions::default().with_position_bits(bits);
     Ok(PackOptions::default().with_stream(stream).with_eye(eye).with_verify(verify))
 }
 

@@ -216,7 +216,7 @@ impl Strips {
     /// {'faces': 2, 'triangles': 2}
     /// >>> tristrip.stripify(faces).verify([[0, 1, 2], [2, 3, 1]])
     /// Traceback (most recent call last):
-    /// tristrip.NotProvenError: 1 triangles are missing and 1 are extra or flipped; the first is [1, 2, 3]
+    /// tristrip.NotProvenError: triangles missing: 1, extra or flipped: 1; the first is [1, 2, 3]
     #[pyo3(signature = (faces, vertices = None))]
     fn verify<'py>(
         &self,
@@ -494,7 +494,7 @@ fn of_mesh(
     proves: bool,
     watcher: &Watcher,
 ) -> Result<Strips, Failure> {
-    let prepared = PreparedFaces::new(mesh, options.weld());
+    let prepared = PreparedFaces::new(mesh, options.weld);
     let graph = DualGraph::new(prepared.faces());
     let watch: &dyn Watch = watcher;
     let strips = plan_watched(&prepared, &graph, options, watch)?.strips();

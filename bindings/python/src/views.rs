@@ -119,7 +119,7 @@ fn options(arguments: &Arguments<'_>) -> PyResult<ViewModelOptions> {
     let order: MergeOrder = order.as_deref().unwrap_or("quadric").parse().map_err(Failure::from)?;
     let verify = arguments.extract("verify")?.unwrap_or(true);
     let stripify = method::taken(arguments, "best")?;
-    if stripify.weld() {
+    if stripify.weld {
         return Err(Failure::option("weld", "True", "False: each vertex keeps its attributes").into());
     }
     Ok(ViewModelOptions::default().with_stripify(stripify).with_order(order).with_verify(verify))
@@ -401,8 +401,8 @@ impl Detail {
         let field_of_view = arguments.extract("field_of_view")?.unwrap_or(tristrip::lod::View::FIELD_OF_VIEW);
         let image = arguments.extract("image")?.unwrap_or(USUAL_IMAGE);
         let is_kept = |name: &str| PyResult::Ok(arguments.extract(name)?.unwrap_or(true));
-        let mut criteria = ViewCriteria::new(arguments.extract("pixels")?.unwrap_or(1.0))
-            .map_err(Failure::from)?
+        let mut criteria = ViewCriteria::default()
+            .with_pixels(arguments.extract("pixels")?.unwrap_or(1.0))
             .with_frustum(is_kept("frustum")?)
             .with_back_faces(is_kept("back_faces")?)
             .with_silhouettes(is_kept("silhouettes")?);
@@ -417,7 +417,7 @@ impl Detail {
             None => (),
         }
         if let Some(direction) = arguments.extract("light")? {
-            criteria = criteria.with_light(direction).map_err(Failure::from)?;
+            criteria = criteria.with_light(direction);
         }
         let attention = arguments.extract("attention")?.unwrap_or(MIDDLE);
         if let Some(growth) = arguments.extract("foveation")? {
@@ -425,6 +425,7 @@ impl Detail {
             let foveation = Foveation::new(growth).map_err(wrong)?;
             criteria = criteria.with_foveation(foveation.with_attention(attention).map_err(Failure::from)?);
         }
+        criteria.check().map_err(Failure::from)?;
         Ok(Self { field_of_view, image, criteria })
     }
 }

@@ -229,3 +229,13 @@ def test_bad_arguments() -> None:
     refused(price="cheap")
     refused(method="x")
     refused(odd=3)
+
+
+def test_the_papers_have_their_real_titles() -> None:
+    text = " ".join((tristrip.Levels.__doc__ or "").split())
+    for title in (
+        "Kim, Park, Yang, Neelamkavil: A Rendering-Efficient Progressive Transmission of 3D Meshes, 2005",
+        "Belmonte, Aguado, Sancho: Triangle Strip Multiresolution Modelling Using Sorted Edges, 2006",
+        "Efficiently Computing and Updating Triangle Strips for Real-Time Rendering, 2000",
+    ):
+        assert title in text

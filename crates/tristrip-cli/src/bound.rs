@@ -78,7 +78,7 @@ fn bound(
         Event::Bounded(_) => report.seconds.stripify = Some(seconds),
         _ => (),
     };
-    let bounded = bound_observed(&model, task.options.weld(), &Stages::new(console, load, show))?;
+    let bounded = bound_observed(&model, task.options.weld, &Stages::new(console, load, show))?;
     report.components = bounded.components();
     console.stage("bound", &counted(report.components.len(), "component"), report.seconds.stripify);
     report.bound = Some(bounded.bounds);

@@ -110,7 +110,7 @@ fn compare(
         if interrupted() {
             return Err(Failure::Input("not processed: interrupted".into()));
         }
-        let options = options.with_weld(survey.options.weld());
+        let options = options.with_weld(survey.options.weld);
         console.doing(&MethodReport::of(&options).label());
         let watch = SearchWatch::new(console.progress(), task.budget, &options);
         report.methods.push(row(&survey.prepared, &options, &watch));

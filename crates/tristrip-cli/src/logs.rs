@@ -13,7 +13,7 @@ use tracing_subscriber::fmt;
 use crate::args::LogFormat;
 
 /// The lines that may wait to be written.
-const MOST_LINES: usize = 4096;
+const MAX_LINES: usize = 4096;
 /// How long the end of the command waits for lines.
 const END_TIME: Duration = Duration::from_secs(1);
 
@@ -46,7 +46,7 @@ impl Write for Lines {
 impl Log {
     /// Starts the log. A second one would get no lines.
     pub(crate) fn start(format: LogFormat) -> Self {
-        let (sender, receiver) = sync_channel(MOST_LINES);
+        let (sender, receiver) = sync_channel(MAX_LINES);
         thread::spawn(move || write_all(&receiver));
         let lines = sender.clone();
         let writer = move || Lines(lines.clone());

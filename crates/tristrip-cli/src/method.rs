@@ -102,7 +102,7 @@ impl MethodArgs {
     /// A flag does not fit the method.
     pub(crate) fn validate(&self) -> Result<StripifyOptions, String> {
         let named = self.method.unwrap_or_default();
-        let method = named.options.method();
+        let method = named.options.method;
         let searches = matches!(method, Method::Best | Method::Fewest | Method::Cache);
         let tunnels = matches!(method, Method::Tunnel { .. } | Method::Eta { .. } | Method::GuidedTunnels(_));
         if self.effort.is_some() && !searches {

@@ -49,14 +49,15 @@ pub(crate) struct SearchWatch {
 
 impl SearchWatch {
     pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>, options: &StripifyOptions) -> Self {
-        let searches = match options.method() {
+        let searches = match options.method {
             Method::Best
             | Method::Fewest
             | Method::Tunnel { .. }
             | Method::Eta { .. }
             | Method::GuidedTunnels(_) => true,
             Method::Cache => {
-                options.objective() == Objective::Indices || options.effort().level() >= CACHE_SEARCHES
+                options.objective == Objective::Indices
+                    || options.effort_or_default().level() >= CACHE_SEARCHES
             }
             _ => false,
         };

@@ -31,7 +31,6 @@ struct StripReport {
     file: String,
     #[serde(flatten)]
     method: MethodReport,
-    /// The methods used, with their numbers of parts; `null` if no strips were built.
     /// `null` if the proof was not requested or not reached.
     proven: Option<bool>,
     seconds: Seconds,

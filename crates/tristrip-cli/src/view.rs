@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::io::{self, Write};
 use std::path::Path;
+use std::sync::Arc;
 use std::thread;
 
 use serde::Serialize;
@@ -123,11 +124,13 @@ fn pack_job(job: &Job, console: &mut Console, report: &mut ViewReport) -> Result
 /// Reads a file that is a progressive GLB already, and says whether it is cut off: the viewer shows what is there.
 fn progressive(job: &Job) -> Option<(Vec<u8>, Option<String>)> {
     let path = job.input.path.as_ref().filter(|path| Format::from_path(path) == Some(Format::Glb))?;
-    let bytes = std::fs::read(path).ok()?;
-    let glb = ProgressiveGlb::open(bytes.clone()).ok()??;
+    let bytes = Arc::new(std::fs::read(path).ok()?);
+    let glb = ProgressiveGlb::open(Arc::clone(&bytes)).ok()??;
     let (present, all) = (glb.chunks().len(), glb.chunk_bytes());
     let note = format!("the file is cut off: {present} of {all} bytes of its chunks are there");
-    Some((bytes, (!glb.is_complete()).then_some(note)))
+    let note = (!glb.is_complete()).then_some(note);
+    drop(glb);
+    Some((Arc::unwrap_or_clone(bytes), note))
 }
 
 /// Returns the name of a file as it is served: without what a path of a URL cannot have.

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// The most bytes of a library that are parsed; longer ones are no material libraries.
 const LONGEST_LIBRARY: usize = 64 << 20;
 /// The most images of a library.
-const MOST_IMAGES: usize = 4096;
+const MAX_IMAGES: usize = 4096;
 
 /// A file that an OBJ file refers to, directly or in a library.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -197,9 +197,9 @@ impl Materials {
         }
         let lost = lost.into_iter().map(|(what, count)| format!("{name}: {what} in {count} materials"));
         self.losses.extend(lost);
-        if images.by_name.len() > MOST_IMAGES {
+        if images.by_name.len() > MAX_IMAGES {
             let count = images.by_name.len();
-            self.problems.push(format!("{name}: only the first {MOST_IMAGES} images of {count} are read"));
+            self.problems.push(format!("{name}: only the first {MAX_IMAGES} images of {count} are read"));
         }
         let mut names: Vec<String> =
             images.by_name.into_values().flatten().map(|image| (*image).into()).collect();
@@ -223,7 +223,7 @@ impl<'a> LibraryImages<'a> {
 
     /// Returns the name of an image from the folder of the OBJ file; `None` if there are too many images.
     fn name(&mut self, image: String) -> Option<Arc<str>> {
-        let is_read = self.by_name.len() < MOST_IMAGES;
+        let is_read = self.by_name.len() < MAX_IMAGES;
         let folder = self.folder;
         let named = |image: &String| {
             let name = if folder.is_empty() { image.clone() } else { format!("{folder}/{image}") };

@@ -1,6 +1,6 @@
 //! The content of a file: parts with a mesh each, and for glTF the scene around them.
 
-use tristrip::{Error as MeshError, Mesh, MeshProblem, Strips};
+use tristrip::{Mesh, Strips};
 
 use crate::error::Error;
 use crate::gltf::scene::Scene;
@@ -31,15 +31,7 @@ impl Model {
         }
         for (part, drawing) in self.parts.iter().zip(drawings) {
             let Drawing::Strips(strips) = drawing else { continue };
-            let vertex_count = part.mesh.vertex_count() as u32;
-            for (face, strip) in strips.iter().enumerate() {
-                if let Some(corner) = strip.iter().position(|&v| v >= vertex_count) {
-                    let (face, found) = (face as u32, strip[corner]);
-                    let corner = corner as u32;
-                    let problem = MeshProblem::VertexIndex { face, corner, found, vertex_count };
-                    return Err(MeshError::Mesh(problem).into());
-                }
-            }
+            strips.check_vertices(part.mesh.vertex_count())?;
         }
         Ok(())
     }

@@ -123,7 +123,7 @@ pub fn measure(
         let label = candidate.label;
         points.push(point.map_err(|source| Error::Method { label, source })?);
     }
-    points.push(list(model.parts(), options.vertex_cache()));
+    points.push(list(model.parts(), options.vertex_cache));
     let costs: Vec<ParetoCost> = points.iter().map(|point| point.cost).collect();
     for point in &mut points {
         point.optimal = !costs.iter().any(|cost| cost.dominates(point.cost));
@@ -139,9 +139,9 @@ pub fn measure(
 /// end unless it is one of them.
 fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidate> {
     let base = StripifyOptions::default()
-        .with_weld(options.weld())
-        .with_seed(options.seed())
-        .with_vertex_cache(options.vertex_cache());
+        .with_weld(options.weld)
+        .with_seed(options.seed)
+        .with_vertex_cache(options.vertex_cache);
     let plain = |label: &str, method| Candidate { label: label.into(), options: base.with_method(method) };
     let mut candidates = vec![
         plain("input", Method::Input),
@@ -158,7 +158,8 @@ fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidat
     let search = |options: StripifyOptions| {
         let report = MethodReport::of(&options);
         let words = [Some(report.method()), report.objective()].into_iter().flatten();
-        let label = format!("{} {}", words.collect::<Vec<_>>().join(" "), options.effort().level());
+        let label =
+            format!("{} {}", words.collect::<Vec<_>>().join(" "), options.effort_or_default().level());
         Candidate { label, options }
     };
     let fewest = base.with_method(Method::Fewest);
@@ -185,7 +186,7 @@ impl Candidate {
         let watch = observer.search(&self.options);
         let strips = model.find_strips(&self.options, &*watch)?;
         model.prove(&strips)?;
-        let cache = self.options.vertex_cache();
+        let cache = self.options.vertex_cache;
         let (metrics, used) = figures(&strips, cache);
         let report = MethodReport::of(&self.options);
         Ok(ParetoPoint {
@@ -194,7 +195,7 @@ impl Candidate {
             objective: report.objective().map(Into::into),
             effort: report.effort(),
             stopped: watch.stopped(),
-            is_file_order: self.options.method() == Method::Input,
+            is_file_order: self.options.method == Method::Input,
             ..ParetoPoint::of(metrics.indices_restart, used, cache)
         })
     }

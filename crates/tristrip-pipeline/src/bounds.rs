@@ -66,7 +66,7 @@ impl Bounds {
 
     /// Compares the figure that a method minimizes with its bound; returns `None` for methods that do not search.
     pub fn gap(&self, options: &StripifyOptions, figures: &Figures) -> Option<BoundGap> {
-        let (figure, found, bound) = match (options.method(), options.cost()) {
+        let (figure, found, bound) = match (options.method, options.cost) {
             (Method::Fewest, _) => ("strips", figures.strips, self.strips),
             (Method::Best, Cost::Restart) => {
                 ("indices_restart", figures.indices_restart, self.indices_restart)

@@ -94,7 +94,7 @@ impl Figures {
         options: &StripifyOptions,
     ) -> Result<(Self, Vec<PartFigures>), Error> {
         check_vertices(parts)?;
-        let optimized_cache = (options.method() == Method::Cache).then(|| options.vertex_cache());
+        let optimized_cache = (options.method == Method::Cache).then(|| options.vertex_cache);
         let caches: Vec<_> =
             [VertexCache::fifo(16), VertexCache::fifo(32)].into_iter().chain(optimized_cache).collect();
         let measured = map(parts, |&(strips, _)| {

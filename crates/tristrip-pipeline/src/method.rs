@@ -43,7 +43,7 @@ impl Serialize for MethodReport {
 impl MethodReport {
     /// Names a method and those of its options that apply to it.
     pub fn of(options: &StripifyOptions) -> Self {
-        let method = options.method();
+        let method = options.method;
         let default = StripifyOptions::default().with_method(default_of(method));
         let parameters = parameters_of(options).into_iter().map(|(parameter, value)| ReportedParameter {
             name: parameter.name,
@@ -221,8 +221,9 @@ pub fn compared_methods(
         let options = options.with_method(method);
         effort.map_or(options, |effort| options.with_effort(effort))
     });
-    let is_default =
-        |options: &StripifyOptions| options.method() == Method::Best && options.effort() == default.effort();
+    let is_default = |options: &StripifyOptions| {
+        options.method == Method::Best && options.effort_or_default() == default.effort_or_default()
+    };
     std::iter::once(default).chain(all.filter(|options| !is_default(options))).collect()
 }
 

@@ -49,7 +49,7 @@ use crate::text::counted;
 const BASE_PERCENT: usize = 2;
 const FEWEST_BASE_TRIANGLES: usize = 256;
 /// The triangles of a mesh up to which such a simplification measures distances.
-const MOST_BY_DISTANCE: usize = 200_000;
+const MAX_BY_DISTANCE: usize = 200_000;
 
 /// How a model is packed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -329,7 +329,7 @@ fn drawn_base(group: &Group, streamed: &StreamedMesh, locked: &[bool]) -> Result
     }
     let (triangles, _) = drawn_triangles(&group.mesh);
     // By planes alone it takes a third of the time.
-    let price = if triangles.len() / 3 > MOST_BY_DISTANCE { Price::Planes } else { Price::Distance };
+    let price = if triangles.len() / 3 > MAX_BY_DISTANCE { Price::Planes } else { Price::Distance };
     let options = SimplifyOptions::default().with_triangles(most).with_locked(locked.to_vec());
     let coarse = simplify_triangles(&group.mesh, triangles, &options.with_price(price))?;
     Ok(coarse.sequence.drawn(0)?.into_flattened())

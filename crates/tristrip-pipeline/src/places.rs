@@ -10,7 +10,7 @@ use tristrip::lod::{Camera, ViewCriteria};
 use tristrip_io::Model;
 
 /// The largest magnitude of a number of a transform: products with positions stay far from the limits of a float.
-const MOST: f64 = 1e30;
+const MAX_COORDINATE: f64 = 1e30;
 /// Scales that differ by less are the same: a rotation has a scale of 1 except for rounding.
 pub(crate) const SAME_SCALE: f64 = 1e-6;
 /// How far a transform may be from one that keeps angles, relative to the square of its scale.
@@ -26,7 +26,7 @@ impl Place {
 
     /// Takes a transform; one whose numbers are too large counts as none. Adding 0.0 turns −0.0 into 0.0.
     pub(crate) fn new(rows: [[f64; 4]; 3]) -> Self {
-        let usable = rows.as_flattened().iter().all(|x| x.abs() <= MOST);
+        let usable = rows.as_flattened().iter().all(|x| x.abs() <= MAX_COORDINATE);
         if usable { Self(rows.map(|row| row.map(|x| x + 0.0))) } else { Self::IDENTITY }
     }
 
@@ -109,12 +109,13 @@ impl Place {
         let inward =
             inward.with_field_of_view(camera.field_of_view()).ok()?.with_image(columns, rows).ok()?;
         let mut criteria = *criteria;
-        if let Some(light) = criteria.light() {
-            criteria = criteria.with_light(turned(light.map(f64::from))).ok()?;
+        if let Some(light) = criteria.light {
+            criteria = criteria.with_light(turned(light.map(f64::from)));
+            criteria.check().ok()?;
         }
         let (right, own_right) = (turned(right), inward.axes()[0]);
         let is_mirrored = (0..3).map(|k| f64::from(right[k]) * own_right[k]).sum::<f64>() < 0.0;
-        if let Some(foveation) = criteria.foveation().filter(|_| is_mirrored) {
+        if let Some(foveation) = criteria.foveation.filter(|_| is_mirrored) {
             let [x, y] = foveation.attention();
             criteria = criteria.with_foveation(foveation.with_attention([1.0 - x, y]).ok()?);
         }
@@ -212,9 +213,9 @@ mod tests {
         let camera = Camera::new([7.0, 2.0, 0.0], [7.0, 0.0, 0.0]).unwrap().with_up([1.0, 0.0, 0.0]).unwrap();
         // Twice as large, turned by a quarter around z, and moved along x.
         let place = Place::new([[0.0, -2.0, 0.0, 7.0], [2.0, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);
-        let criteria = ViewCriteria::default().with_light([0.0, 3.0, 0.0]).unwrap();
+        let criteria = ViewCriteria::default().with_light([0.0, 3.0, 0.0]);
         let (inward, lit) = place.inward(&camera, &criteria).unwrap();
-        assert_eq!(lit.light(), Some([1.5, 0.0, 0.0]));
+        assert_eq!(lit.light, Some([1.5, 0.0, 0.0]));
         assert_eq!(
             (inward.eye(), inward.look_at(), inward.up()),
             ([1.0, 0.0, 0.0], [0.0; 3], [0.0, -0.5, 0.0])
@@ -225,7 +226,7 @@ mod tests {
         let criteria = criteria.with_foveation(left);
         let attention = |place: &Place| {
             let (_, criteria) = place.inward(&camera, &criteria)?;
-            criteria.foveation().map(|foveation| foveation.attention())
+            criteria.foveation.map(|foveation| foveation.attention())
         };
         assert_eq!(attention(&place), Some([0.25, 0.125]));
         let mirror = Place::new([[-2.0, 0.0, 0.0, 7.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);

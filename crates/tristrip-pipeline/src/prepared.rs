@@ -166,7 +166,7 @@ impl<'a> Survey<'a> {
         let mut notes = model.notes.clone();
         let options = fitted(options, model, &mut notes);
         begin(observer, Stage::Prepare)?;
-        let prepared = PreparedModel::new(model, options.weld());
+        let prepared = PreparedModel::new(model, options.weld);
         observer.event(Event::Prepared);
         begin(observer, Stage::Survey)?;
         let mesh = prepared.mesh_figures();
@@ -178,7 +178,7 @@ impl<'a> Survey<'a> {
 
 /// Returns the options adapted to a model: welding is disabled, with a note, if vertices may differ in values that were not read.
 fn fitted(options: StripifyOptions, model: &Model, notes: &mut Vec<String>) -> StripifyOptions {
-    if options.weld() && tristrip_io::gltf::has_unread_vertex_values(model) {
+    if options.weld && tristrip_io::gltf::has_unread_vertex_values(model) {
         let why = "vertices may differ in morph targets or in attributes that were not decoded";
         notes.push(format!("not welded: {why}"));
         return options.with_weld(false);

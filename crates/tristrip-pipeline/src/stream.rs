@@ -14,7 +14,7 @@ use tristrip::stream::{EncodedStream, StreamOptions, encode, unsplittable};
 use crate::error::Error;
 
 /// How often collapses are found. The models need up to five times.
-const MOST_SEARCHES: usize = 8;
+const MAX_SEARCHES: usize = 8;
 
 /// A mesh as a stream, and what was found on the way.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,13 +103,13 @@ fn splittable_batches(
     triangles: &[u32],
     simplify: &SimplifyOptions,
 ) -> Result<(MergeTree, Vec<bool>), Error> {
-    let mut locked = simplify.locked().to_vec();
+    let mut locked = simplify.locked.clone();
     locked.resize(mesh.vertex_count(), false);
     let batches = |locked: &[bool]| {
         let options = simplify.clone().with_locked(locked.to_vec());
         refinement_batches(mesh, triangles.to_vec(), &options)
     };
-    for _ in 1..MOST_SEARCHES {
+    for _ in 1..MAX_SEARCHES {
         let tree = batches(&locked)?;
         let found = unsplittable(&tree.sequence);
         if found.is_empty() {

@@ -89,7 +89,7 @@ impl Stripped {
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     pub fn draw<'a>(&'a self, model: &'a Model, options: &EncodeOptions) -> Drawn<'a> {
-        choose(model, (&self.strips, &self.of_parts), *options, self.options.method() == Method::Cache)
+        choose(model, (&self.strips, &self.of_parts), *options, self.options.method == Method::Cache)
     }
 }
 
@@ -198,8 +198,8 @@ fn measured(
 
 /// Returns whether the options ask for a search that takes longer than the bound of its result.
 fn is_long_search(options: &StripifyOptions) -> bool {
-    match options.method() {
-        Method::Best => options.effort() > StripifyOptions::default().effort(),
+    match options.method {
+        Method::Best => options.effort_or_default() > StripifyOptions::default().effort_or_default(),
         Method::Fewest => true,
         _ => false,
     }

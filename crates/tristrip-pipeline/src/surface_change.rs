@@ -11,7 +11,7 @@
 //!
 //! # Complexity
 //! O((n + p) log n) time for n triangles and p points where triangles are of similar size, as on scans and models. Where the boxes of many
-//! overlap, a search visits them all: fewer points are compared then, so that the boxes visited stay within a bound ([`MOST_VISITS`]).
+//! overlap, a search visits them all: fewer points are compared then, so that the boxes visited stay within a bound ([`MAX_VISITS`]).
 
 mod side;
 
@@ -24,7 +24,7 @@ use side::Attributes;
 pub(crate) use side::{Facet, Side, dot, sub};
 
 /// The number of boxes of triangles that the searches on one surface may visit, by estimate.
-pub(crate) const MOST_VISITS: f64 = 2e7;
+pub(crate) const MAX_VISITS: f64 = 2e7;
 /// The boxes that a search visits at least, by estimate.
 const FEWEST_VISITS: f64 = 100.0;
 
@@ -186,7 +186,7 @@ fn compare(surface: &ChangedSurface<'_>, sides: &[Side; 2], points: [f64; 2], se
 
 /// Returns the number of points to search where so many boxes contain each.
 fn affordable(points: f64, crowd: f64) -> f64 {
-    points.min(MOST_VISITS / (FEWEST_VISITS + crowd))
+    points.min(MAX_VISITS / (FEWEST_VISITS + crowd))
 }
 
 #[expect(clippy::cast_sign_loss, reason = "at least 1")]

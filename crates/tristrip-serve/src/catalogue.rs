@@ -22,15 +22,15 @@ use crate::glb_start::{HEAD_BYTES, bytes_at, json_bytes};
 use crate::paths::SitePath;
 
 /// The depth of folders, and the files and folders that are looked at.
-const MOST_DEPTH: usize = 16;
-const MOST_ENTRIES: usize = 10_000;
+const MAX_DEPTH: usize = 16;
+const MAX_ENTRIES: usize = 10_000;
 /// The bytes of all files that a scan reads.
 const SCAN_BYTES: u64 = 256 << 20;
 /// The most bytes of JSON that are read. A GLB with more is listed without its numbers, as one that is not progressive.
-const MOST_JSON_BYTES: u64 = 16 << 20;
+const MAX_JSON_BYTES: u64 = 16 << 20;
 /// The first piece of a stream that is read to find its numbers, and the most bytes of it.
 const PIECE_BYTES: u64 = 16 << 10;
-const MOST_STREAM_BYTES: u64 = 16 << 20;
+const MAX_STREAM_BYTES: u64 = 16 << 20;
 
 /// What a client gets of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -123,12 +123,12 @@ impl Scanner {
         packs: bool,
         is_wanted: &dyn Fn() -> bool,
     ) -> Option<Catalogue> {
-        let mut walk = Walk { folder, is_wanted, left: MOST_ENTRIES, files: Vec::new() };
-        walk.collect("", MOST_DEPTH)?;
+        let mut walk = Walk { folder, is_wanted, left: MAX_ENTRIES, files: Vec::new() };
+        walk.collect("", MAX_DEPTH)?;
         let Walk { left, mut files, .. } = walk;
         let mut notes = Vec::new();
         if left == 0 {
-            notes.push(format!("only the first {MOST_ENTRIES} files and folders were looked at"));
+            notes.push(format!("only the first {MAX_ENTRIES} files and folders were looked at"));
         }
         files.sort_by(|(a, ..), (b, ..)| a.cmp(b));
         let mut bytes_left = self.most_bytes;
@@ -226,7 +226,7 @@ fn contents_of(file_bytes: u64, mut read: impl FnMut(u64, u64) -> Option<Vec<u8>
     let mut contents = Contents::default();
     let find = || {
         let mut start = read(0, HEAD_BYTES.min(file_bytes))?;
-        let length = json_bytes(&start).filter(|length| *length <= MOST_JSON_BYTES)?;
+        let length = json_bytes(&start).filter(|length| *length <= MAX_JSON_BYTES)?;
         start.extend(read(HEAD_BYTES, length)?);
         let name = b"TRISTRIP_progressive";
         // Most files are told apart without parsing.
@@ -251,7 +251,7 @@ fn size_of(
     let end = end.min(file_bytes);
     let mut decoder = Decoder::new(range.limits(end.saturating_sub(at)));
     let mut missing: BTreeSet<u32> = range.streams().clone();
-    let end = end.min(at.saturating_add(MOST_STREAM_BYTES));
+    let end = end.min(at.saturating_add(MAX_STREAM_BYTES));
     let (mut bytes, mut piece) = (Vec::new(), PIECE_BYTES);
     while at < end {
         let length = piece.min(end - at);

@@ -21,10 +21,10 @@ use crate::paths::SitePath;
 /// The version of what packings and pictures are: one more whenever the same file gives other bytes and the package has no other version.
 const PACKING_VERSION: u32 = 1;
 /// The bytes of a GLB in which URIs are looked for.
-const MOST_JSON_BYTES: u64 = 64 << 10;
+const MAX_JSON_BYTES: u64 = 64 << 10;
 /// How deep folders beside a document are looked into, and the most files and folders that are looked at.
-const MOST_DEPTH: usize = 4;
-const MOST_ENTRIES: usize = 10_000;
+const MAX_DEPTH: usize = 4;
+const MAX_ENTRIES: usize = 10_000;
 
 /// A model file in the folder of a server.
 #[derive(Debug, Clone)]
@@ -49,9 +49,9 @@ impl Source {
             version.tag()
         );
         if names_files(folder, path, format) {
-            let mut left = MOST_ENTRIES;
+            let mut left = MAX_ENTRIES;
             let (parent, _) = path.as_str().rsplit_once('/').unwrap_or_default();
-            add_versions(folder, parent, MOST_DEPTH, &mut left, &mut key);
+            add_versions(folder, parent, MAX_DEPTH, &mut left, &mut key);
         }
         Some(Self { path: path.clone(), format, key })
     }
@@ -107,7 +107,7 @@ fn names_files(folder: &Folder, path: &SitePath, format: Format) -> bool {
     match format {
         Format::Obj | Format::Gltf => true,
         Format::Glb => {
-            let start = folder.open_file(path).and_then(|(file, _)| first_bytes(&file, MOST_JSON_BYTES));
+            let start = folder.open_file(path).and_then(|(file, _)| first_bytes(&file, MAX_JSON_BYTES));
             let key = b"\"uri\"";
             let has_uri =
                 |start: &[u8]| json_of(start).is_none_or(|json| json.windows(key.len()).any(|at| at == key));

@@ -13,9 +13,9 @@ use std::fmt;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 
 /// The longest path in bytes, the most components, and the longest component.
-const MOST_BYTES: usize = 2048;
-const MOST_COMPONENTS: usize = 32;
-const MOST_COMPONENT_BYTES: usize = 255;
+const MAX_BYTES: usize = 2048;
+const MAX_COMPONENTS: usize = 32;
+const MAX_COMPONENT_BYTES: usize = 255;
 
 /// What is encoded in the paths of URLs.
 const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/');
@@ -39,7 +39,7 @@ pub(crate) enum BadPath {
 impl SitePath {
     /// Decodes the path of a URL, behind the slash that ends its route.
     pub(crate) fn decode(raw: &str) -> Result<Self, BadPath> {
-        if raw.len() > 3 * MOST_BYTES || !is_well_encoded(raw) {
+        if raw.len() > 3 * MAX_BYTES || !is_well_encoded(raw) {
             return Err(BadPath::Malformed);
         }
         let decoded = percent_decode_str(raw).decode_utf8().map_err(|_| BadPath::Malformed)?;
@@ -48,7 +48,7 @@ impl SitePath {
 
     /// Checks a path that is not encoded.
     pub(crate) fn new(path: &str) -> Result<Self, BadPath> {
-        if path.len() > MOST_BYTES || path.split('/').count() > MOST_COMPONENTS {
+        if path.len() > MAX_BYTES || path.split('/').count() > MAX_COMPONENTS {
             return Err(BadPath::Malformed);
         }
         if !path.split('/').all(is_portable) {
@@ -96,7 +96,7 @@ fn is_well_encoded(raw: &str) -> bool {
 fn is_portable(component: &str) -> bool {
     let stem = component.split('.').next().unwrap_or_default().trim_end();
     !component.is_empty()
-        && component.len() <= MOST_COMPONENT_BYTES
+        && component.len() <= MAX_COMPONENT_BYTES
         && !matches!(component, "." | "..")
         && !component.contains(['\\', ':', '*', '?', '"', '<', '>', '|', '\u{fffd}'])
         && !component.contains(char::is_control)

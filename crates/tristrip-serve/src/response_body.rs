@@ -24,7 +24,7 @@ use crate::streams::StreamEnd;
 /// The pieces per second of a paced body, and the fewest bytes of one.
 const PIECES_PER_SECOND: u64 = 20;
 const FEWEST_BYTES: u64 = 64;
-const MOST_BYTES: u64 = 64 << 10;
+const MAX_BYTES: u64 = 64 << 10;
 
 /// The rate of a body.
 #[derive(Debug)]
@@ -44,7 +44,7 @@ impl Pace {
     /// Returns the next piece of what is left, which is not empty, once it is due.
     fn poll_piece(&mut self, context: &mut Context<'_>) -> Poll<Bytes> {
         ready!(self.due.as_mut().poll(context));
-        let most = (self.bytes_per_second / PIECES_PER_SECOND).clamp(FEWEST_BYTES, MOST_BYTES);
+        let most = (self.bytes_per_second / PIECES_PER_SECOND).clamp(FEWEST_BYTES, MAX_BYTES);
         let piece = self.rest.split_to(self.rest.len().min(most as usize));
         let time = Duration::from_secs_f64(piece.len() as f64 / self.bytes_per_second as f64);
         let next = self.due.deadline().max(Instant::now()) + time;

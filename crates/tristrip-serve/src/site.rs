@@ -42,9 +42,9 @@ use crate::workshop::{JobKey, JobKind, Refusal, Workshop};
 /// How long a list of models is answered without another scan.
 const LIST_TIME: Duration = Duration::from_secs(2);
 /// How often a list is asked for that does not come.
-const MOST_LISTINGS: usize = 3;
+const MAX_LISTINGS: usize = 3;
 /// The folders whose files are looked at for packings at once.
-const MOST_FINDS: usize = 4;
+const MAX_FINDS: usize = 4;
 /// Smaller files are not compressed.
 const FEWEST_COMPRESSED_BYTES: u64 = 1024;
 
@@ -83,7 +83,7 @@ impl Site {
             assets: Arc::new(Assets::default()),
             scanner: Scanner::default(),
             list: Mutex::new(None),
-            finds: Arc::new(Semaphore::new(MOST_FINDS)),
+            finds: Arc::new(Semaphore::new(MAX_FINDS)),
         }
     }
 
@@ -196,7 +196,7 @@ async fn metrics(State(site): State<Arc<Site>>) -> Response {
 
 async fn models(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response {
     // A scan may have been given up just before this client came.
-    for _ in 0..MOST_LISTINGS {
+    for _ in 0..MAX_LISTINGS {
         let mut listing = site.listing();
         if let Ok(Some((_, resource))) = listing.wait_for(Option::is_some).await.as_deref() {
             return resource.reply(&headers);

@@ -17,9 +17,9 @@ use crate::packing::Source;
 const SIZE: [u32; 2] = [320, 240];
 /// The triangles of a level of a progressive file, and the most of another model: enough that an edge is shorter than a pixel.
 const LEVEL_TRIANGLES: usize = 200_000;
-const MOST_TRIANGLES: usize = 4_000_000;
+const MAX_TRIANGLES: usize = 4_000_000;
 /// The most samples that are tested for a picture, about 800 times all of them: a few seconds.
-const MOST_SAMPLES: u64 = 1 << 30;
+const MAX_SAMPLES: u64 = 1 << 30;
 
 /// The options that a picture depends on, for keys.
 pub(crate) const OPTIONS: &str = "thumbnail 3 320x240";
@@ -61,7 +61,7 @@ fn level(bytes: Vec<u8>) -> Result<Option<Model>, String> {
 }
 
 fn of_model(model: &Model) -> Result<Vec<u8>, String> {
-    if drawn_triangles(model)? > MOST_TRIANGLES {
+    if drawn_triangles(model)? > MAX_TRIANGLES {
         return cube();
     }
     let options = RenderOptions::default().with_size(SIZE[0], SIZE[1]).with_background(None);
@@ -69,7 +69,7 @@ fn of_model(model: &Model) -> Result<Vec<u8>, String> {
         let mode = if is_coloured(model) { Mode::Textured } else { Mode::Shaded };
         let draw = || {
             let textured = TexturedModel::new(model)?;
-            let is_small = textured.sample_count(&options)? <= MOST_SAMPLES;
+            let is_small = textured.sample_count(&options)? <= MAX_SAMPLES;
             if is_small { textured.picture(mode, &options).map(Some) } else { Ok(None) }
         };
         draw().map_err(|error: tristrip_render::Error| error.to_string())

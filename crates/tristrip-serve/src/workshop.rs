@@ -31,9 +31,9 @@ use crate::options::PackingOptions;
 /// The stack of each thread that packs, as that of the command's threads.
 const STACK_BYTES: usize = 8 << 20;
 /// The files of the cache that are looked at at once.
-const MOST_LOOKUPS: usize = 8;
+const MAX_LOOKUPS: usize = 8;
 /// The failures that are remembered.
-const MOST_FAILURES: usize = 1024;
+const MAX_FAILURES: usize = 1024;
 
 /// What jobs make.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,7 +125,7 @@ impl Workshop {
             wait_time: options.wait_time,
             job_time: options.job_time,
             failure_time: options.failure_time,
-            lookups: Arc::new(Semaphore::new(MOST_LOOKUPS)),
+            lookups: Arc::new(Semaphore::new(MAX_LOOKUPS)),
             running: Mutex::default(),
             failures: Mutex::default(),
             metrics,
@@ -257,10 +257,10 @@ impl Workshop {
     /// Remembers a failure for a while; with too many of them, the old ones are forgotten.
     fn remember(&self, key: &str, message: &Arc<str>) {
         let mut failures = lock(&self.failures);
-        if failures.len() >= MOST_FAILURES {
+        if failures.len() >= MAX_FAILURES {
             failures.retain(|_, (since, _)| since.elapsed() < self.failure_time);
         }
-        if failures.len() < MOST_FAILURES {
+        if failures.len() < MAX_FAILURES {
             failures.insert(key.to_owned(), (Instant::now(), Arc::clone(message)));
         }
     }

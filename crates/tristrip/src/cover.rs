@@ -46,18 +46,23 @@ pub struct PathCover {
 }
 
 /// A violated invariant of a cover.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CoverFault {
     /// The cover does not have one node per triangle of the graph.
+    #[error("the cover does not have one node per triangle of the graph")]
     Size,
     /// A link crosses a boundary.
+    #[error("a link crosses a boundary at {0:?}")]
     NoTwin(HalfEdge),
     /// A link is stored on one side only, or twice in one triangle.
+    #[error("a link is stored on one side only, or twice, at {0:?}")]
     OneSided(HalfEdge),
     /// The path through this triangle is closed.
+    #[error("the path through {0:?} is closed")]
     Cycle(FaceId),
     /// The number of links differs from the stored count.
+    #[error("the number of links differs from the stored count")]
     Count,
 }
 
@@ -74,7 +79,12 @@ pub(crate) struct Numbering {
 
 impl PathCover {
     /// Creates the cover in which every triangle is a path by itself.
-    pub(crate) fn isolated(triangle_count: usize) -> Self {
+    ///
+    /// ```
+    /// use tristrip::PathCover;
+    /// assert_eq!(PathCover::isolated(3).path_count(), 3);
+    /// ```
+    pub fn isolated(triangle_count: usize) -> Self {
         Self { links: vec![FREE | FREE << 2; triangle_count], link_count: 0 }
     }
 
@@ -163,9 +173,25 @@ impl PathCover {
         true
     }
 
-    /// Joins the ends of two different paths across a half-edge. Returns whether it succeeded.
-    #[cfg(test)]
-    pub(crate) fn join(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
+    /// Joins the ends of two different paths across a half-edge of the graph of the triangles. Returns whether it succeeded: the half-edge has a
+    /// twin, and its two triangles are ends of different paths. The time is proportional to the length of one of them.
+    ///
+    /// ```
+    /// use tristrip::{DualGraph, Faces, HalfEdge, PathCover};
+    /// // Three triangles around vertex 0.
+    /// let graph = DualGraph::new(&Faces::from_triangles(vec![0, 1, 2, 0, 2, 3, 0, 3, 1])?);
+    /// let mut cover = PathCover::isolated(3);
+    /// let joined: Vec<bool> = (0..9).map(|half_edge| cover.join(&graph, HalfEdge(half_edge))).collect();
+    /// // Half-edges 1, 4 and 7 are at the boundary. A third link would close the path.
+    /// assert_eq!(joined, [true, false, true, false, false, false, false, false, false]);
+    /// assert_eq!((cover.path_count(), cover.check(&graph)), (1, Ok(())));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn join(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
+        let is_of_graph = graph.is_of_triangles() && graph.face_count() == self.links.len();
+        if !is_of_graph || half_edge.0 as usize >= graph.half_edge_count() {
+            return false;
+        }
         let Some(twin) = graph.twin(half_edge) else { return false };
         let (face, other) = (graph.face_of(half_edge), graph.face_of(twin));
         self.other_end(graph, face) != Some(other) && face != other && self.link(graph, half_edge)
@@ -173,10 +199,10 @@ impl PathCover {
 
     /// Iterates over a path from one of its ends: each triangle with the half-edges over which the path enters and leaves it.
     /// From a triangle inside a path it goes in one direction only, over the second stored link.
-    pub(crate) fn walk<'a>(&'a self, graph: &'a DualGraph, start: FaceId) -> Walk<'a> {
+    pub(crate) fn walk<'a>(&'a self, graph: &'a DualGraph, start: FaceId) -> PathWalk<'a> {
         let [a, b] = self.edges(start);
         let exit = if a.is_some() && b.is_some() { b } else { a.or(b) };
-        Walk { cover: self, graph, state: Some((start, None, exit)), left: self.links.len() }
+        PathWalk { cover: self, graph, state: Some((start, None, exit)), left: self.links.len() }
     }
 
     /// Returns the other end of the path that ends at this triangle; the triangle itself if it is isolated, `None` inside a path.
@@ -332,7 +358,7 @@ impl PathCover {
 
 /// Iterator over a path: see [`PathCover::walk`].
 #[derive(Debug)]
-pub(crate) struct Walk<'a> {
+pub(crate) struct PathWalk<'a> {
     cover: &'a PathCover,
     graph: &'a DualGraph,
     state: Option<(FaceId, Option<HalfEdge>, Option<HalfEdge>)>,
@@ -340,7 +366,7 @@ pub(crate) struct Walk<'a> {
     left: usize,
 }
 
-impl Iterator for Walk<'_> {
+impl Iterator for PathWalk<'_> {
     type Item = (FaceId, Option<HalfEdge>, Option<HalfEdge>);
 
     #[inline]

@@ -58,7 +58,7 @@ const RENUMBER_ABOVE: usize = 3 << 20;
 pub struct DualGraph {
     /// The twin of each half-edge, `NO_TWIN` at a boundary.
     twins: Vec<u32>,
-    shape: Shape,
+    shape: FaceShape,
     /// Whether it is known that no two half-edges have the same direction over the same vertices.
     is_simple: bool,
 }
@@ -73,12 +73,12 @@ impl PartialEq for DualGraph {
 impl Eq for DualGraph {}
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Shape {
+enum FaceShape {
     Triangles,
     Polygons { offsets: Vec<u32>, face_of: Vec<u32> },
 }
 
-impl Shape {
+impl FaceShape {
     /// Returns the first half-edge of a face.
     fn first_half_edge(&self, face: u32) -> u32 {
         match self {
@@ -110,12 +110,12 @@ impl DualGraph {
         };
         if faces.as_triangles().is_some() {
             let (twins, is_simple) = pair(&TriangleCorners { corners: faces.corners() });
-            return Self { twins, shape: Shape::Triangles, is_simple };
+            return Self { twins, shape: FaceShape::Triangles, is_simple };
         }
         let (offsets, face_of) = polygon_shape(faces);
         let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
         let (twins, is_simple) = pair(&corners);
-        Self { twins, shape: Shape::Polygons { offsets, face_of }, is_simple }
+        Self { twins, shape: FaceShape::Polygons { offsets, face_of }, is_simple }
     }
 
     /// Creates the graph of triangles from the twin of each half-edge. The caller has paired the twins.
@@ -125,7 +125,7 @@ impl DualGraph {
 
     /// Creates the graph of triangles from packed twins: `u32::MAX` at a boundary.
     pub(crate) fn from_triangle_twins(twins: Vec<u32>) -> Self {
-        Self { twins, shape: Shape::Triangles, is_simple: false }
+        Self { twins, shape: FaceShape::Triangles, is_simple: false }
     }
 
     /// Counts the faces, the nodes of the graph.
@@ -137,14 +137,14 @@ impl DualGraph {
     /// ```
     pub fn face_count(&self) -> usize {
         match &self.shape {
-            Shape::Triangles => self.twins.len() / 3,
-            Shape::Polygons { offsets, .. } => offsets.len() - 1,
+            FaceShape::Triangles => self.twins.len() / 3,
+            FaceShape::Polygons { offsets, .. } => offsets.len() - 1,
         }
     }
 
     /// Returns whether every face is a triangle.
     pub(crate) fn is_of_triangles(&self) -> bool {
-        self.shape == Shape::Triangles
+        self.shape == FaceShape::Triangles
     }
 
     /// Counts the half-edges: one per corner.
@@ -180,8 +180,8 @@ impl DualGraph {
         };
         let (here, there) = (self.twins.len(), faces.corner_count());
         let same_faces = match (&self.shape, faces.offsets()) {
-            (Shape::Triangles, None) => true,
-            (Shape::Polygons { offsets, .. }, Some(expected)) => offsets == expected,
+            (FaceShape::Triangles, None) => true,
+            (FaceShape::Polygons { offsets, .. }, Some(expected)) => offsets == expected,
             _ => false,
         };
         if here != there || !same_faces {
@@ -211,8 +211,8 @@ impl DualGraph {
     /// Returns the half-edge after one in its face.
     fn next(&self, half_edge: u32) -> u32 {
         match &self.shape {
-            Shape::Triangles => half_edge - half_edge % 3 + (half_edge + 1) % 3,
-            Shape::Polygons { offsets, face_of } => {
+            FaceShape::Triangles => half_edge - half_edge % 3 + (half_edge + 1) % 3,
+            FaceShape::Polygons { offsets, face_of } => {
                 let face = face_of[half_edge as usize] as usize;
                 if half_edge + 1 == offsets[face + 1] { offsets[face] } else { half_edge + 1 }
             }
@@ -230,16 +230,16 @@ impl DualGraph {
     #[inline]
     pub(crate) fn face_of(&self, half_edge: HalfEdge) -> FaceId {
         match &self.shape {
-            Shape::Triangles => FaceId(half_edge.0 / 3),
-            Shape::Polygons { face_of, .. } => FaceId(face_of[half_edge.0 as usize]),
+            FaceShape::Triangles => FaceId(half_edge.0 / 3),
+            FaceShape::Polygons { face_of, .. } => FaceId(face_of[half_edge.0 as usize]),
         }
     }
 
     /// Iterates over the half-edges of a face of this graph in its winding.
     pub(crate) fn half_edges(&self, face: FaceId) -> impl DoubleEndedIterator<Item = HalfEdge> + use<> {
         let range = match &self.shape {
-            Shape::Triangles => 3 * face.0..3 * face.0 + 3,
-            Shape::Polygons { offsets, .. } => offsets[face.0 as usize]..offsets[face.0 as usize + 1],
+            FaceShape::Triangles => 3 * face.0..3 * face.0 + 3,
+            FaceShape::Polygons { offsets, .. } => offsets[face.0 as usize]..offsets[face.0 as usize + 1],
         };
         range.map(HalfEdge)
     }
@@ -287,7 +287,7 @@ impl DualGraph {
 
     /// Counts the faces without a neighbour.
     pub(crate) fn isolated_count(&self) -> usize {
-        if let Shape::Triangles = self.shape {
+        if let FaceShape::Triangles = self.shape {
             return self.neighbour_counts().filter(|&count| count == 0).count();
         }
         (0..self.face_count() as u32).filter(|&face| self.neighbours(FaceId(face)).next().is_none()).count()

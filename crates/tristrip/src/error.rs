@@ -27,14 +27,14 @@ pub enum Error {
         /// What the format requires.
         expected: String,
     },
-    /// The input is too large for 32-bit ids.
+    /// There are more items than a limit allows: 32-bit ids, an index type, a buffer, or the memory.
     #[error("{what}: found {found}, the limit is {limit}")]
     LimitExceeded {
-        /// The kind of item that was counted.
+        /// The kind of item that is limited.
         what: &'static str,
-        /// Number of items found.
+        /// The number of items that the input has or needs.
         found: u64,
-        /// Largest accepted number.
+        /// The largest accepted number.
         limit: u64,
     },
 }
@@ -55,6 +55,20 @@ pub enum MeshProblem {
         /// Number of vertices of the mesh.
         vertex_count: u32,
     },
+    /// A strip refers to a vertex that does not exist.
+    #[error(
+        "strip {strip}, vertex {position}: found vertex index {found}, expected less than {vertex_count}"
+    )]
+    StripVertex {
+        /// Strip, counted from 0.
+        strip: u32,
+        /// Position in the strip, counted from 0.
+        position: u32,
+        /// The index found.
+        found: u32,
+        /// Number of vertices of the mesh.
+        vertex_count: u32,
+    },
     /// A coordinate is NaN or infinite.
     #[error("vertex {vertex}: found coordinate {found}, expected a finite number")]
     NotFinite {
@@ -64,7 +78,7 @@ pub enum MeshProblem {
         found: f32,
     },
     /// The number of corners does not match the sizes of the faces.
-    #[error("faces: found {found} corners, expected {expected}")]
+    #[error("faces: number of corners: found {found}, expected {expected}")]
     CornerCount {
         /// Number of corners found.
         found: u64,
@@ -72,7 +86,7 @@ pub enum MeshProblem {
         expected: String,
     },
     /// The length of a vertex attribute does not match the number of positions.
-    #[error("attribute `{name}`: found {found} values, expected {expected} (one per vertex)")]
+    #[error("attribute `{name}`: number of values: found {found}, expected {expected} (one per vertex)")]
     AttributeLength {
         /// Name of the attribute.
         name: String,

@@ -32,7 +32,7 @@ use crate::vector::{Point, cross, dot, sub};
 pub use fit::NormalFit;
 use fit::{SAME_NORMAL, fits};
 use known::KnownNormals;
-use surface::{InnerEdge, Surface, normals_of, positions, scaled_to_one, unit_normal, vector};
+use surface::{InnerEdge, TriangleNormals, normals_of, positions, scaled_to_one, unit_normal, vector};
 
 /// The share of corners with the normals of their faces, in a flat-shaded mesh.
 const FLAT_CORNERS: f64 = 0.98;
@@ -62,7 +62,7 @@ impl Shading {
     /// ```
     pub fn of(mesh: &Mesh, triangles: &[u32]) -> Result<Option<Self>, Error> {
         let Some(normals) = normals_of(mesh) else { return Ok(None) };
-        let surface = Surface::new(mesh, triangles)?;
+        let surface = TriangleNormals::new(mesh, triangles)?;
         let edges = surface.inner_edges();
         let at = |corner: u32| vector(normals, triangles[corner as usize]);
         let is_hard = |edge: &InnerEdge| edge.ends.iter().any(|&[a, b]| differ(at(a), at(b)));
@@ -162,7 +162,7 @@ impl Shading {
     ) -> Result<Vec<[f32; 3]>, Error> {
         check_triangles(before.len())?;
         check_corners(before, mesh.vertex_count())?;
-        let surface = Surface::new(mesh, triangles)?;
+        let surface = TriangleNormals::new(mesh, triangles)?;
         let stored = normals_of(mesh);
         let own = |corner: usize| stored.and_then(|stored| scaled_to_one(vector(stored, triangles[corner])));
         let smooth = if self.is_flat {
@@ -185,7 +185,7 @@ impl Shading {
     /// cancel out.
     fn smooth(
         &self,
-        surface: &Surface,
+        surface: &TriangleNormals,
         mesh: &Mesh,
         triangles: &[u32],
         known: &KnownNormals,

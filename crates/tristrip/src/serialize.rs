@@ -21,10 +21,10 @@ use serde::de::{Deserialize, Deserializer, Error as _};
 use serde::ser::{Error as _, Serialize, Serializer};
 
 use crate::effort::Effort;
-use crate::lod::{Encoding, Filter, RepairOptions};
+use crate::lod::{Encoding, Filter};
 use crate::simplify::{AttributeWeights, Price, SimplifyOptions};
 use crate::strip::{Cost, Layout};
-use crate::stripify::{FaceTriangulation, LastTie, Method, Objective, Patches, Start, StripifyOptions, Ties};
+use crate::stripify::{FaceTriangulation, LastTie, Objective, Patches, Start, Ties};
 use crate::vertex_cache::{FlushPolicy, Replacement, VertexCache};
 
 /// Serializes a value as it is written. A value that would not be parsed is refused.
@@ -87,48 +87,6 @@ impl<'de> Deserialize<'de> for Effort {
     }
 }
 
-/// The fields of [`StripifyOptions`]. Without an effort it is the default of the method.
-#[derive(serde::Serialize, serde::Deserialize, Default)]
-#[serde(rename = "StripifyOptions", default, deny_unknown_fields)]
-struct StripifyFields {
-    method: Method,
-    cost: Cost,
-    effort: Option<Effort>,
-    vertex_cache: VertexCache,
-    objective: Objective,
-    weld: bool,
-    seed: u64,
-}
-
-impl Serialize for StripifyOptions {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let fields = StripifyFields {
-            method: self.method(),
-            weld: self.weld(),
-            seed: self.seed(),
-            cost: self.cost(),
-            effort: self.set_effort(),
-            vertex_cache: self.vertex_cache(),
-            objective: self.objective(),
-        };
-        fields.serialize(to)
-    }
-}
-
-impl<'de> Deserialize<'de> for StripifyOptions {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let fields = StripifyFields::deserialize(from)?;
-        let options = Self::default()
-            .with_method(fields.method)
-            .with_weld(fields.weld)
-            .with_seed(fields.seed)
-            .with_cost(fields.cost)
-            .with_vertex_cache(fields.vertex_cache)
-            .with_objective(fields.objective);
-        Ok(fields.effort.map_or(options, |effort| options.with_effort(effort)))
-    }
-}
-
 /// The fields of [`SimplifyOptions`].
 #[derive(serde::Serialize, serde::Deserialize, Default)]
 #[serde(rename = "SimplifyOptions", default, deny_unknown_fields)]
@@ -177,17 +135,17 @@ impl From<WeightFields> for AttributeWeights {
 impl Serialize for SimplifyOptions {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let vanishing =
-            self.vanishing().iter().map(|&error| (error >= 0.0 && error.is_finite()).then_some(error));
+            self.vanishing.iter().map(|&error| (error >= 0.0 && error.is_finite()).then_some(error));
         let fields = SimplifyFields {
-            triangle_count: self.triangle_count(),
-            error: self.error(),
-            locked: self.locked().to_vec(),
-            locked_borders: self.locks_borders(),
+            triangle_count: self.triangle_count,
+            error: self.error,
+            locked: self.locked.clone(),
+            locked_borders: self.locked_borders,
             vanishing: vanishing.collect(),
-            permissive: self.is_permissive(),
-            weights: (*self.weights()).into(),
-            price: self.price(),
-            weld_distance: self.weld_distance(),
+            permissive: self.permissive,
+            weights: self.weights.into(),
+            price: self.price,
+            weld_distance: self.weld_distance,
         };
         fields.serialize(to)
     }
@@ -197,54 +155,19 @@ impl<'de> Deserialize<'de> for SimplifyOptions {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let fields = SimplifyFields::deserialize(from)?;
         let vanishing = fields.vanishing.into_iter().map(|error| error.unwrap_or(f32::INFINITY)).collect();
-        let options = Self::default()
-            .with_triangles(fields.triangle_count)
-            .with_locked(fields.locked)
-            .with_locked_borders(fields.locked_borders)
-            .with_vanishing(vanishing)
-            .with_permissive(fields.permissive)
-            .with_weights(fields.weights.into())
-            .with_price(fields.price)
-            .with_weld_distance(fields.weld_distance);
-        let options = match fields.error {
-            Some(error) => options.with_error(error),
-            None => options,
+        let options = Self {
+            triangle_count: fields.triangle_count,
+            error: fields.error,
+            locked: fields.locked,
+            error_factors: Vec::new(),
+            locked_borders: fields.locked_borders,
+            vanishing,
+            permissive: fields.permissive,
+            weights: fields.weights.into(),
+            price: fields.price,
+            weld_distance: fields.weld_distance,
         };
         options.check_limits().map_err(D::Error::custom)?;
         Ok(options)
-    }
-}
-
-/// The fields of [`RepairOptions`].
-#[derive(serde::Serialize, serde::Deserialize)]
-#[serde(rename = "RepairOptions", default, deny_unknown_fields)]
-struct RepairFields {
-    effort: Effort,
-    seed: u64,
-    cost: Cost,
-}
-
-impl From<RepairOptions> for RepairFields {
-    fn from(options: RepairOptions) -> Self {
-        Self { effort: options.effort(), seed: options.seed(), cost: options.cost() }
-    }
-}
-
-impl Default for RepairFields {
-    fn default() -> Self {
-        RepairOptions::default().into()
-    }
-}
-
-impl Serialize for RepairOptions {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        RepairFields::from(*self).serialize(to)
-    }
-}
-
-impl<'de> Deserialize<'de> for RepairOptions {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let fields = RepairFields::deserialize(from)?;
-        Ok(Self::default().with_effort(fields.effort).with_seed(fields.seed).with_cost(fields.cost))
     }
 }

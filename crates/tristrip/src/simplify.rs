@@ -10,8 +10,9 @@
 //! close and seams move onto others.
 //!
 //! # Algorithm
-//! See the module `decimate`: quadrics in a local frame for a first order of the collapses, the distances of all removed vertices
-//! from the triangles for their price; and the module `queue` for [`Price::Quadric`], the published algorithm. With the feature `rayon` several threads find prices (module `ahead`); the result is the same.
+//! Quadrics in a local frame for a first order of the collapses, the distances of all removed vertices
+//! from the triangles for their price (`order/decimate`); for [`Price::Quadric`] the published algorithm (`order/queue`). With the feature `rayon` several threads find prices; the result is
+//! the same.
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
@@ -22,33 +23,12 @@
 //! O(n log n) time; 270 bytes per triangle while it runs, 30 of them for the result; for attributes that have a price 92 bytes per vertex
 //! more, and 36 per value.
 
-mod ahead;
-mod attribute_quadrics;
-mod attributes;
-mod box_tree;
-mod curve;
-mod decimate;
-mod deviation;
-mod fan;
-mod frame;
-mod irregular;
-mod joined;
-mod merge_tree;
-mod neighbourhood;
 mod options;
 mod order;
-mod outcome;
 mod price;
-mod quadric;
-mod queue;
-mod removed_points;
-mod skin;
-mod stopped;
 mod surface;
 #[cfg(test)]
 mod tests;
-mod topology;
-mod waiting;
 
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
@@ -57,12 +37,12 @@ use crate::index::Index;
 use crate::mesh::{Faces, Mesh, Positions, attribute_bits, check_positions};
 use crate::prepare::PreparedFaces;
 pub use crate::vector::nearest_in_triangle;
-use attributes::PricedAttributes;
-use decimate::Decimation;
-pub use joined::{JoinedSimplification, SurfaceSimplifier, simplify_joined};
-pub use merge_tree::{MergeOrder, MergeTree, merge_tree, refinement_batches};
 pub use options::{AttributeWeights, Price, SimplifyOptions};
-pub use stopped::Stopped;
+use order::decimate::Decimation;
+pub use order::joined::{JoinedSimplification, SurfaceSimplifier, simplify_joined};
+pub use order::merge_tree::{MergeOrder, MergeTree, merge_tree, refinement_batches};
+pub use order::stopped::Stopped;
+use price::attributes::PricedAttributes;
 
 /// The collapses of a simplification.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +120,7 @@ pub fn simplify_triangles(
     options.check(mesh.vertex_count(), triangles.len())?;
     let sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
     let bits = |v| attribute_bits(mesh, v as usize);
-    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, *options.weights());
+    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, options.weights);
     Ok(run(sequence, mesh.positions(), bits, priced, options))
 }
 
@@ -182,8 +162,8 @@ fn run<P: Positions + ?Sized>(
 ) -> Simplification {
     let mut decimation =
         Decimation::new(positions, attribute_bits, sequence.triangles(), priced, options, &[]);
-    let is_reached = decimation.run(options.triangle_count(), &mut sequence);
+    let is_reached = decimation.run(options.triangle_count, &mut sequence);
     let stopped = (!is_reached).then(|| decimation.stopped());
-    decimation.finish(options.triangle_count(), &mut sequence);
+    decimation.finish(options.triangle_count, &mut sequence);
     Simplification { sequence, stopped }
 }

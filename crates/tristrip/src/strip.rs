@@ -286,6 +286,28 @@ impl Strips {
         &self.vertices[start..self.ends[index] as usize]
     }
 
+    /// Checks that all vertices are below a number.
+    ///
+    /// # Errors
+    /// The first strip vertex that is not: its strip and its position in the strip.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2]);
+    /// strips.push(&[2, 1, 7]);
+    /// assert!(strips.check_vertices(8).is_ok());
+    /// let error = strips.check_vertices(7).unwrap_err().to_string();
+    /// assert_eq!(error, "strip 1, vertex 2: found vertex index 7, expected less than 7");
+    /// ```
+    pub fn check_vertices(&self, vertex_count: usize) -> Result<(), Error> {
+        let Some(at) = self.vertices.iter().position(|&v| v as usize >= vertex_count) else { return Ok(()) };
+        let strip = self.ends.partition_point(|&end| end as usize <= at);
+        let start = if strip == 0 { 0 } else { self.ends[strip - 1] as usize };
+        let (strip, position) = (strip as u32, (at - start) as u32);
+        let (found, vertex_count) = (self.vertices[at], vertex_count as u32);
+        Err(MeshProblem::StripVertex { strip, position, found, vertex_count }.into())
+    }
+
     /// Iterates over the triangles drawn, with the winding of their faces; degenerate ones are omitted.
     ///
     /// ```

@@ -94,7 +94,7 @@ fn plan_known<'a>(
     watch: &dyn Watch,
 ) -> Result<StripPlan<'a>, Error> {
     let is_ours =
-        matches!(options.method(), Method::Sequential | Method::Best | Method::Fewest | Method::Cache);
+        matches!(options.method, Method::Sequential | Method::Best | Method::Fewest | Method::Cache);
     let mut plan = match is_ours.then(|| scattered::gather(prepared, graph)).flatten() {
         Some((prepared, graph)) => plan_in_order(&prepared, &graph, options, watch)?.into_owned(),
         None => plan_in_order(prepared, graph, options, watch)?,
@@ -110,30 +110,32 @@ fn plan_in_order<'a>(
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> Result<StripPlan<'a>, Error> {
-    Ok(match options.method() {
+    Ok(match options.method {
         Method::Sequential => sequential::plan(prepared, graph),
-        Method::Best => best::plan(prepared, graph, options.cost(), options.effort(), options.seed(), watch),
+        Method::Best => {
+            best::plan(prepared, graph, options.cost, options.effort_or_default(), options.seed, watch)
+        }
         Method::Fewest => fewest::plan(prepared, graph, options, watch),
         Method::Cache => cache::plan(prepared, graph, options, watch),
         Method::Input => input::plan(prepared, graph),
         Method::Sgi { last_tie } => sgi::plan(prepared, graph, last_tie),
         Method::StripeLocal { triangulation, ties } => {
-            stripe::plan_local(prepared, graph, triangulation, ties, options.seed())
+            stripe::plan_local(prepared, graph, triangulation, ties, options.seed)
         }
         Method::StripeGlobal { patches, cutoff, ties } => {
-            stripe::plan_global(prepared, graph, (patches, cutoff, ties), options.seed())?
+            stripe::plan_global(prepared, graph, (patches, cutoff, ties), options.seed)?
         }
-        Method::QuadRows { cutoff } => stripe::quad_rows::plan(prepared, graph, cutoff, options.seed())?,
+        Method::QuadRows { cutoff } => stripe::quad_rows::plan(prepared, graph, cutoff, options.seed)?,
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
         Method::Eta { tunnels, acceptance, localization } => {
-            tunnel::plan_joined(prepared, graph, tunnels.start(), |graph, cover| {
+            tunnel::plan_joined(prepared, graph, tunnels.start, |graph, cover| {
                 let eta = EtaOptions { tunnels, acceptance, localization };
-                eta::join(graph, cover, eta, options.seed(), watch);
+                eta::join(graph, cover, eta, options.seed, watch);
             })
         }
         Method::GuidedTunnels(tunnels) => {
-            tunnel::plan_joined(prepared, graph, tunnels.start(), |graph, cover| {
-                guided_tunnels::join(graph, cover, tunnels, options.seed(), watch);
+            tunnel::plan_joined(prepared, graph, tunnels.start, |graph, cover| {
+                guided_tunnels::join(graph, cover, tunnels, options.seed, watch);
             })
         }
     })

@@ -21,7 +21,7 @@ const SILENCE = 20_000;
 const FIRST_TRIES = 2;
 const TRIES = 8;
 /** How often a server may say that it is busy. */
-const MOST_BUSY_ANSWERS = 500;
+const MAX_BUSY_ANSWERS = 500;
 /** Answers that may be others at the next try. */
 const TEMPORARY = new Set([408, 425, 429, 500, 502, 503, 504]);
 
@@ -99,7 +99,7 @@ export class Download {
         // Errors of `fetch` and of its streams are TypeErrors.
         if (!(error instanceof Loss || error instanceof TypeError || (error instanceof DOMException && error.name !== 'AbortError'))) throw error;
         const { pause, isBusy } = error instanceof Loss ? error : { pause: 0, isBusy: false };
-        const isLast = isBusy ? ++this.#busyAnswers >= MOST_BUSY_ANSWERS : ++this.#tries >= (this.receivedBytes > 0 ? TRIES : FIRST_TRIES);
+        const isLast = isBusy ? ++this.#busyAnswers >= MAX_BUSY_ANSWERS : ++this.#tries >= (this.receivedBytes > 0 ? TRIES : FIRST_TRIES);
         if (isLast) throw new DownloadError('connection', `The connection was lost: ${error.message}`);
         await this.#pause(pause, isBusy);
         if (this.#signal.aborted) return;

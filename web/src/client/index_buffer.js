@@ -10,10 +10,10 @@
 /** The indices of a block, the blocks between two runs that are uploaded with them, and the most ranges before runs farther apart are joined. */
 const BLOCK = 64;
 const GAP = 2;
-const MOST_RANGES = 256;
+const MAX_RANGES = 256;
 
 /** The least room of a buffer that is not empty. */
-const LEAST_ROOM = 1024;
+const MIN_ROOM = 1024;
 
 /** An index buffer, and what has changed in it. */
 export class IndexBuffer {
@@ -53,7 +53,7 @@ export class IndexBuffer {
     const { capacity } = this;
     if (length <= capacity) return;
     const Type = /** @type {any} */ (this.#indices.constructor);
-    const longer = new Type(Math.max(length, Math.ceil(1.5 * capacity), LEAST_ROOM));
+    const longer = new Type(Math.max(length, Math.ceil(1.5 * capacity), MIN_ROOM));
     longer.set(this.#indices);
     this.#indices = longer;
     const changed = new Uint8Array(Math.ceil(longer.length / BLOCK));
@@ -116,7 +116,7 @@ export class IndexBuffer {
    */
   takeChanges() {
     const runs = this.#changedRuns();
-    for (let gap = GAP; runs.length > MOST_RANGES; gap *= 2) joinNear(runs, gap);
+    for (let gap = GAP; runs.length > MAX_RANGES; gap *= 2) joinNear(runs, gap);
     this.#changed.fill(0);
     return runs.map(({ first, end }) => ({ start: first * BLOCK, array: this.#indices.slice(first * BLOCK, Math.min(end * BLOCK, this.length)) }));
   }

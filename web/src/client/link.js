@@ -7,7 +7,7 @@
 const STALLED = 2000;
 /** Pieces of a simulated network: the time that each takes, in seconds, and the fewest bytes. */
 const PIECE_SECONDS = 1 / 64;
-const LEAST_PIECE = 256;
+const MIN_PIECE = 256;
 
 /** A download's place among the others. */
 export class Turn {
@@ -107,7 +107,7 @@ export class Link {
 
   /** The most bytes that are delivered at once. */
   get pieceBytes() {
-    return this.#bitsPerSecond === 0 ? Infinity : Math.max(LEAST_PIECE, Math.floor((this.#bitsPerSecond / 8) * PIECE_SECONDS));
+    return this.#bitsPerSecond === 0 ? Infinity : Math.max(MIN_PIECE, Math.floor((this.#bitsPerSecond / 8) * PIECE_SECONDS));
   }
 
   /**

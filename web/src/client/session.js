@@ -29,12 +29,12 @@ import { MeshBuffers } from './mesh_buffers.js';
 /** Decoding makes a break after so many milliseconds. */
 const SLICE = 12;
 /** An update waits so long, and this many times the time that the last one took to build, while more chunks wait. */
-const LEAST_INTERVAL = 60;
+const MIN_INTERVAL = 60;
 const BUILD_SHARE = 3;
 /** Bytes without an update are told this often, in milliseconds. */
 const PROGRESS_INTERVAL = 100;
 /** The most primitives that a stream refines: each update tells of all parts of a mesh. */
-const MOST_PRIMITIVES = 2 ** 16;
+const MAX_PRIMITIVES = 2 ** 16;
 
 /**
  * A chunk that has arrived.
@@ -386,7 +386,7 @@ export class Session {
       this.#decodeChunk();
       const now = performance.now();
       this.#decodeMilliseconds += now - start;
-      const interval = Math.max(LEAST_INTERVAL, BUILD_SHARE * this.#lastBuild);
+      const interval = Math.max(MIN_INTERVAL, BUILD_SHARE * this.#lastBuild);
       if (this.#isTaken && !this.#isGoingBack && now - this.#lastUpdate > interval) this.#sendUpdate();
       if (now < end) continue;
       await pause();
@@ -476,7 +476,7 @@ function partsOf(json) {
     for (const primitive of listOf(mesh?.primitives)) {
       const { stream, part } = primitive?.extensions?.[EXTENSION] ?? {};
       if (!Number.isSafeInteger(stream)) continue;
-      if (++count > MOST_PRIMITIVES) fail(`more than ${MOST_PRIMITIVES} primitives`, 'fewer');
+      if (++count > MAX_PRIMITIVES) fail(`more than ${MAX_PRIMITIVES} primitives`, 'fewer');
       if (!parts.has(stream)) parts.set(stream, new Set());
       if (Number.isSafeInteger(part)) parts.get(stream)?.add(part);
       else parts.set(stream, undefined);

@@ -32,8 +32,8 @@ const LENGTH = 3;
 const TRIANGLES = 4;
 const WRITTEN_IN = 5;
 /** The share of a buffer that may be restarts between strips, also when nothing more comes, and the restarts that it may have in any case. */
-const MOST_WASTE = 1 / 3;
-const MOST_WASTE_AT_END = 1 / 32;
+const MAX_WASTE = 1 / 3;
+const MAX_WASTE_AT_END = 1 / 32;
 const FREE_WASTE = 1024;
 /** A link mask that no triangle has. */
 const UNKNOWN = 255;
@@ -99,7 +99,7 @@ export class StripSegments {
     for (let t = 0; t < count; t++) if (strips.links(t) !== this.#links[t]) this.#send(t, strips, partOf);
     this.#clearFreed();
     for (const [i, { end, live }] of this.#buffers.entries()) {
-      const most = isLast ? MOST_WASTE_AT_END * end : Math.max(MOST_WASTE * end, FREE_WASTE);
+      const most = isLast ? MAX_WASTE_AT_END * end : Math.max(MAX_WASTE * end, FREE_WASTE);
       if (end - live > most) this.#compact(i, isLast);
     }
     return [...this.#parts.keys()].map((part, i) => {

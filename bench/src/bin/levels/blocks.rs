@@ -193,8 +193,7 @@ pub(super) fn compare(figures: &[BlockFigures], built: Option<&BuildFigures>) ->
         if SENT.contains(&model.model.as_str()) {
             let what = format!(
                 "vertices sent by blocks over all levels, {} bytes per triangle, {}",
-                model.options.memory(),
-                model.model
+                model.options.memory, model.model
             );
             targets.push(Target::at_most(what, 0.42, model.sent, 2));
         }
@@ -239,8 +238,8 @@ pub(super) fn table(figures: &[BlockFigures]) -> Table {
         let last = |values: &[f64]| values.last().copied().unwrap_or(0.0);
         table.push(vec![
             model.model.clone(),
-            model.options.repair().effort().level().to_string(),
-            if model.options.small_uploads() { "yes" } else { "" }.into(),
+            model.options.repair.effort.level().to_string(),
+            if model.options.small_uploads { "yes" } else { "" }.into(),
             format!("{:.1}", model.memory as f64 / model.triangles.max(1) as f64),
             model.keys.to_string(),
             format!("{:.3}", model.sent),

@@ -16,13 +16,13 @@ use tristrip_bench::text::Table;
 const MODELS: [(&str, f64, Option<f64>); 3] =
     [("bunny", 0.39, Some(0.3)), ("terrain_gcanyon_512", 0.335, None), ("dragon", 0.43, Some(5.0))];
 /// The most bytes per vertex beside the strips.
-const MOST_BYTES: f64 = 90.0;
+const MAX_BYTES: f64 = 90.0;
 /// The threads that price the collapses of the merge tree.
 const TREE_THREADS: usize = 2;
 /// How often a tree and its model are built: their times are medians.
 const BUILDS: usize = 3;
 /// The most nanoseconds of a collapse or split.
-const MOST_NANOSECONDS: f64 = 100.0;
+const MAX_NANOSECONDS: f64 = 100.0;
 /// The levels between which collapses and splits are timed, in shares of all, and how often.
 const MOVES: [usize; 4] = [4, 2, 3, 0];
 
@@ -122,9 +122,9 @@ pub(super) fn compare(built: &[BuildFigures]) -> Vec<Target> {
             targets.push(Target::at_most(format!("seconds to build, {name}"), seconds, found, 1));
         }
         let what = format!("bytes per vertex beside the strips, {name}");
-        targets.push(Target::at_most(what, MOST_BYTES, model.bytes, 0));
+        targets.push(Target::at_most(what, MAX_BYTES, model.bytes, 0));
         let what = format!("nanoseconds per collapse or split with its checks, {name}");
-        targets.push(Target::at_most(what, MOST_NANOSECONDS, model.nanoseconds, 0));
+        targets.push(Target::at_most(what, MAX_NANOSECONDS, model.nanoseconds, 0));
     }
     targets
 }

@@ -190,7 +190,7 @@ fn random_view(random: &mut Random, mesh: &Mesh) -> Result<(Camera, ViewCriteria
     let mut share = || random.below(1001) as f32 / 1000.0;
     let look_at = [0, 1, 2].map(|k| low[k] + share() * size[k]);
     let eye = [0, 1, 2].map(|k| look_at[k] + (share() - 0.5) * 2.0 * diagonal);
-    let criteria = ViewCriteria::new([0.1, 0.3, 1.0, 3.0, 10.0][random.below(5)])?;
+    let criteria = ViewCriteria::default().with_pixels([0.1, 0.3, 1.0, 3.0, 10.0][random.below(5)]);
     let criteria = criteria.with_frustum(random.coin()).with_silhouettes(random.coin());
     Ok((Camera::new(eye, look_at)?, criteria))
 }

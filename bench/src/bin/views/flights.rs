@@ -93,7 +93,7 @@ fn fly(
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/views");
     let text = fs::read_to_string(folder.join(format!("{}.json", flight.name)))?;
     let cameras = FlightPath::from_json(&text)?.cameras(frame_count, Lens::default())?;
-    let criteria = ViewCriteria::new(flight.pixels)?;
+    let criteria = ViewCriteria::default().with_pixels(flight.pixels);
     let is_sample = |frame: usize| frame % (frame_count / SAMPLES).max(1) == frame_count / SAMPLES / 2;
     prove(built, &cameras, &criteria, is_sample)?;
 

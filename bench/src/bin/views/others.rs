@@ -81,7 +81,7 @@ pub(super) fn fly_all(
         mesh: &built.mesh,
         frames,
         points: &others.points,
-        allowed: criteria.pixels().into(),
+        allowed: criteria.pixels.into(),
         measured: HashMap::new(),
     };
     alternatives.iter_mut().map(|alternative| run.fly(&mut **alternative)).collect()

@@ -95,7 +95,7 @@ def decoder_html(decoder: Decoder) -> str:
 
 
 #: Scenes with more triangles are shown without a picture, which would take seconds.
-_MOST_DRAWN = 1_000_000
+_MAX_DRAWN = 1_000_000
 
 
 def picture(png: bytes) -> str:
@@ -106,7 +106,7 @@ def picture(png: bytes) -> str:
 def _drawn(triangles: int, draw: Any) -> str:
     from ._errors import TristripError
 
-    if triangles > _MOST_DRAWN:
+    if triangles > _MAX_DRAWN:
         return ""
     try:
         return picture(draw())

@@ -85,7 +85,7 @@ pub(crate) fn compare<'py>(
             if watcher.is_interrupted() {
                 break;
             }
-            let row = row(&survey.prepared, &options.with_weld(survey.options.weld()), watcher);
+            let row = row(&survey.prepared, &options.with_weld(survey.options.weld), watcher);
             rows.lock().unwrap_or_else(PoisonError::into_inner).push(row);
         }
         Ok(())

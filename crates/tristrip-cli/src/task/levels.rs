@@ -155,7 +155,7 @@ pub(super) fn build_lod_task(args: BuildLodArgs) -> Result<BuildLodTask, String>
         return Err(format!("{}: build-lod writes .tlod; use this extension", output.display()));
     }
     let options = method.validate()?;
-    if options.weld() {
+    if options.weld {
         return Err(
             "--weld does not fit build-lod: the file holds the vertices of the mesh as they are".into()
         );

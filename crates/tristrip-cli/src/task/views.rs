@@ -20,8 +20,8 @@ pub(super) fn view_criteria(
     triangles: Option<Count>,
     args: &CriteriaArgs,
 ) -> Result<ViewCriteria, String> {
-    let criteria = ViewCriteria::new(checked_pixels(pixels)?).map_err(|error| of_flag(&error))?;
-    let mut criteria = criteria
+    let mut criteria = ViewCriteria::default()
+        .with_pixels(checked_pixels(pixels)?)
         .with_frustum(!args.no_frustum)
         .with_back_faces(!args.no_back_faces)
         .with_silhouettes(!args.no_silhouettes);
@@ -29,7 +29,7 @@ pub(super) fn view_criteria(
         criteria = criteria.with_budget(most);
     }
     if let Some(Vector(direction)) = args.light {
-        criteria = criteria.with_light(direction).map_err(|error| of_flag(&error))?;
+        criteria = criteria.with_light(direction);
     }
     if let Some(growth) = args.foveation {
         let foveation = Foveation::new(growth)
@@ -38,5 +38,6 @@ pub(super) fn view_criteria(
             .map_err(|error| of_flag(&error))?;
         criteria = criteria.with_foveation(foveation);
     }
+    criteria.check().map_err(|error| of_flag(&error))?;
     Ok(criteria)
 }

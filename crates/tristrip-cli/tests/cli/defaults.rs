@@ -66,17 +66,17 @@ fn of_python(function: &str, parameter: &str) -> String {
 
 #[test]
 fn methods_and_efforts_have_one_default() {
-    let effort = |method| StripifyOptions::default().with_method(method).effort().level();
+    let effort = |method| StripifyOptions::default().with_method(method).effort_or_default().level();
     assert_eq!(effort(Method::Best), effort(Method::Cache));
     let efforts = format!("{}; for fewest {}", effort(Method::Best), effort(Method::Fewest));
     for subcommand in ["strip", "chain", "level", "camera-level", "build-lod"] {
-        let method = StripifyOptions::default().method().to_string();
+        let method = StripifyOptions::default().method.to_string();
         assert_eq!(of_command(subcommand, "--method"), Some(method), "{subcommand}");
         assert_eq!(of_command(subcommand, "--effort"), Some(efforts.clone()), "{subcommand}");
     }
     assert_eq!(of_command("compare", "--effort"), Some(efforts));
     assert_eq!(of_command("compare", "--cost"), Some(Cost::default().to_string()));
-    assert_eq!(of_command("compare", "--seed"), Some(StripifyOptions::default().seed().to_string()));
+    assert_eq!(of_command("compare", "--seed"), Some(StripifyOptions::default().seed.to_string()));
     for function in [
         "stripify",
         "Levels.__new__",
@@ -85,7 +85,7 @@ fn methods_and_efforts_have_one_default() {
         "ViewModel.build",
         "ViewModel.from_scene",
     ] {
-        assert_eq!(of_python(function, "method"), StripifyOptions::default().method().name(), "{function}");
+        assert_eq!(of_python(function, "method"), StripifyOptions::default().method.name(), "{function}");
         // None: the default of the method in Rust.
         assert_eq!(of_python(function, "effort"), "None", "{function}");
         assert_eq!(of_python(function, "cost"), "None", "{function}");
@@ -94,9 +94,9 @@ fn methods_and_efforts_have_one_default() {
     assert_eq!(of_python("Scene.chain", "method"), "None");
     assert_eq!(of_python("Scene.compare", "effort"), "None");
     assert_eq!(of_python("Scene.compare", "cost"), Cost::default().name());
-    assert_eq!(of_python("Scene.compare", "seed"), StripifyOptions::default().seed().to_string());
+    assert_eq!(of_python("Scene.compare", "seed"), StripifyOptions::default().seed.to_string());
     assert_eq!(of_python("Strips.vertex_cache", "cache"), VertexCache::default().to_string());
-    assert!(!StripifyOptions::default().weld());
+    assert!(!StripifyOptions::default().weld);
     for function in ["stripify", "Scene.strip", "Scene.chain", "Scene.compare", "Scene.bound"] {
         assert_eq!(of_python(function, "weld"), "False", "{function}");
     }
@@ -149,7 +149,7 @@ fn levels_have_one_default() {
     // The command writes one level, which needs no model that moves between levels: it draws filtered strips.
     assert_eq!(of_command("level", "--model"), None);
     assert_eq!(of_command("level", "--filter"), Some(DisplayFilter::default().to_string()));
-    let effort = RepairOptions::default().effort().level().to_string();
+    let effort = RepairOptions::default().effort.level().to_string();
     assert_eq!(of_command("level", "--filter-effort"), Some(effort));
     let (angle, rows) = (View::FIELD_OF_VIEW, View::ROWS);
     for subcommand in ["level", "camera-level"] {
@@ -178,8 +178,8 @@ fn levels_have_one_default() {
 
 #[test]
 fn streams_have_one_default() {
-    let bits = of_command("pack", "--position-bits").unwrap().parse().unwrap();
-    assert_eq!(StreamOptions::default().with_position_bits(bits).ok(), Some(StreamOptions::default()));
+    let bits = StreamOptions::default().position_bits.to_string();
+    assert_eq!(of_command("pack", "--position-bits"), Some(bits));
     for function in ["pack", "Scene.pack"] {
         assert_eq!(of_python(function, "position_bits"), "None", "{function}");
         assert_eq!(of_python(function, "eye"), "None", "{function}");

@@ -188,12 +188,12 @@ pub struct ProgressiveGlb {
 }
 
 impl ProgressiveGlb {
-    /// Opens a file; `None` if it is not a GLB with a stream.
+    /// Opens a file without a copy of its bytes; `None` if it is not a GLB with a stream.
     ///
     /// # Errors
     /// The JSON is cut off or not valid, or the file ends before the chunks.
-    pub fn open(bytes: impl Into<Vec<u8>>) -> Result<Option<Self>, Error> {
-        let file = Arc::new(bytes.into());
+    pub fn open(bytes: impl Into<Arc<Vec<u8>>>) -> Result<Option<Self>, Error> {
+        let file = bytes.into();
         let Some(GlbContainer { json, bin, .. }) = container::open_start(Arc::clone(&file)) else {
             return if container::is_glb(&file) {
                 container::open(file, &mut Vec::new()).map(|_| None)

@@ -13,7 +13,7 @@ use crate::model::Model;
 use crate::text::{Text, integer, quote};
 
 /// The most material libraries of a file; others are ignored.
-const MOST_LIBRARIES: usize = 64;
+const MAX_LIBRARIES: usize = 64;
 
 /// The most bytes of the name of a material library; others are ignored, as longer paths are in no file system.
 const LONGEST_NAME: usize = 4096;
@@ -121,7 +121,7 @@ impl<'a> ObjParser<'a> {
             name.split('/').enumerate().filter(is_kept).map(|(_, folder)| folder).collect();
         let name = folders.join("/");
         let is_name = !name.is_empty() && name.len() <= LONGEST_NAME;
-        if is_name && !self.libraries.contains(&name) && self.libraries.len() < MOST_LIBRARIES {
+        if is_name && !self.libraries.contains(&name) && self.libraries.len() < MAX_LIBRARIES {
             self.libraries.push(name);
         }
     }
@@ -270,7 +270,7 @@ impl<'a> ObjParser<'a> {
 
     /// Counts a line whose content a mesh cannot hold.
     fn drop_line(&mut self, word: &[u8]) -> Result<(), Error> {
-        const MOST_KEYWORDS: usize = 32;
+        const MAX_KEYWORDS: usize = 32;
         const LONGEST_KEYWORD: usize = 32;
         if word.len() > LONGEST_KEYWORD || !word.iter().all(u8::is_ascii_graphic) {
             return Err(Error::format(self.text.position(), quote(word), "a keyword"));
@@ -278,7 +278,7 @@ impl<'a> ObjParser<'a> {
         let word = String::from_utf8_lossy(word);
         if let Some(count) = self.dropped.get_mut(word.as_ref()) {
             *count += 1;
-        } else if self.dropped.len() < MOST_KEYWORDS {
+        } else if self.dropped.len() < MAX_KEYWORDS {
             self.dropped.insert(word.into_owned(), 1);
         } else {
             self.other_dropped += 1;

@@ -6,7 +6,7 @@ use std::time::Instant;
 const LARGER: usize = 8;
 
 /// The growth that is still linear: memory that no longer fits a cache, and other programs on the machine, cost time too.
-const MOST_GROWTH: f64 = 28.0;
+const MAX_GROWTH: f64 = 28.0;
 
 /// Checks that a run takes time in proportion to the size of its input, which `build` makes.
 pub(crate) fn check_linear<T>(size: usize, build: impl Fn(usize) -> T, run: impl Fn(&T)) {
@@ -20,5 +20,5 @@ pub(crate) fn check_linear<T>(size: usize, build: impl Fn(usize) -> T, run: impl
         times.fold(f64::INFINITY, f64::min)
     };
     let growth = seconds(LARGER * size) / seconds(size);
-    assert!(growth < MOST_GROWTH, "{LARGER} times the size takes {growth:.1} times as long");
+    assert!(growth < MAX_GROWTH, "{LARGER} times the size takes {growth:.1} times as long");
 }

@@ -356,7 +356,7 @@ fn refuses_invalid_drawings() {
     strips.push(&[0, 1, 3]);
     assert_eq!(
         message(&[Drawing::Strips(&strips)]),
-        "face 0, corner 2: found vertex index 3, expected less than 3"
+        "strip 0, vertex 2: found vertex index 3, expected less than 3"
     );
     let mut model = model_with(&rich());
     model.parts.pop();

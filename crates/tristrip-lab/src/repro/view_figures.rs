@@ -215,7 +215,7 @@ impl BuiltModel<'_> {
 
 /// Returns the criteria of a view. Without hysteresis, as published, the detail depends on the camera alone.
 fn criteria(pixels: f32) -> Result<ViewCriteria, Error> {
-    Ok(ViewCriteria::new(pixels)?.with_hysteresis(Hysteresis::new(1.0)?))
+    Ok(ViewCriteria::default().with_pixels(pixels).with_hysteresis(Hysteresis::new(1.0)?))
 }
 
 /// Searches the error in pixels by which the views of some cameras have a number of triangles, on average.

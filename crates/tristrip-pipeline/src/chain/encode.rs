@@ -139,14 +139,14 @@ impl Chain {
         observer: &dyn Observer,
     ) -> Result<Encoded, Error> {
         let stripify: StripifyOptions = self.options.stripify;
-        let prepared = PreparedModel::new(model, stripify.weld());
+        let prepared = PreparedModel::new(model, stripify.weld);
         let (strips, stopped) = prepared.search(&stripify, observer)?;
         let (_, of_parts) = prepared.figures_with_parts(&strips, &stripify)?;
         if options.verify {
             prepared.prove(&strips)?;
         }
         drop(prepared);
-        let keep_found = stripify.method() == Method::Cache;
+        let keep_found = stripify.method == Method::Cache;
         let drawn = choose(model, (&strips, &of_parts), options, keep_found);
         let mut encoded = encode_observed(model, &drawn.drawings, &options.with_verify(false), observer)?;
         encoded.notes.extend(stopped.map(|stopped| stopped.note().to_owned()));

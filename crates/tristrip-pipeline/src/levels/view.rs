@@ -21,8 +21,8 @@ use crate::text::{count, counted};
 type Seen = (Camera, ViewCriteria);
 
 /// The range of allowed errors in pixels in which that of a budget is searched, and the steps of the search after powers of two.
-const LEAST_PIXELS: f32 = 1e-3;
-const MOST_PIXELS: f32 = 1e9;
+const MIN_PIXELS: f32 = 1e-3;
+const MAX_PIXELS: f32 = 1e9;
 const HALVINGS: usize = 8;
 
 /// A view as it is drawn.
@@ -77,7 +77,7 @@ pub(super) fn displayed(
     });
     let mut views = views.into_iter().collect::<Result<Vec<SkipView>, Error>>()?;
     choose_detail(&mut views, &cameras, criteria)?;
-    if let Some(budget) = criteria.budget() {
+    if let Some(budget) = criteria.budget {
         let drawn: usize = views.iter().map(SkipView::triangle_count).sum();
         if drawn > budget {
             notes.push(format!("{} asked for: the view has {}", counted(budget, "triangle"), count(drawn)));
@@ -112,8 +112,8 @@ fn choose_detail(
     cameras: &[Option<Seen>],
     criteria: &ViewCriteria,
 ) -> Result<(), Error> {
-    let Some(budget) = criteria.budget().filter(|_| views.len() > 1) else {
-        return update_all(views, cameras, |criteria| Ok(*criteria)).map(|_| ());
+    let Some(budget) = criteria.budget.filter(|_| views.len() > 1) else {
+        return update_all(views, cameras, |criteria| *criteria).map(|_| ());
     };
     // What was tried before must not matter.
     let any = Hysteresis::new(1.0)?;
@@ -123,9 +123,9 @@ fn choose_detail(
         })
     };
     // 1. A power of two of the allowed error that is enough, if one is.
-    let (mut low, mut high) = (criteria.pixels(), criteria.pixels());
-    while drawn(high)? > budget && high < MOST_PIXELS {
-        (low, high) = (high, (2.0 * high).max(LEAST_PIXELS));
+    let (mut low, mut high) = (criteria.pixels, criteria.pixels);
+    while drawn(high)? > budget && high < MAX_PIXELS {
+        (low, high) = (high, (2.0 * high).max(MIN_PIXELS));
     }
     // 2. The least one between it and half of it.
     for _ in 0..HALVINGS {
@@ -139,12 +139,12 @@ fn choose_detail(
 fn update_all(
     views: &mut [SkipView],
     cameras: &[Option<Seen>],
-    criteria_of: impl Fn(&ViewCriteria) -> Result<ViewCriteria, tristrip::Error>,
+    criteria_of: impl Fn(&ViewCriteria) -> ViewCriteria,
 ) -> Result<usize, Error> {
     let mut sum = 0;
     for (view, seen) in views.iter_mut().zip(cameras) {
         if let Some((camera, criteria)) = seen {
-            view.update(camera, &criteria_of(criteria)?)?;
+            view.update(camera, &criteria_of(criteria))?;
         }
         sum += view.triangle_count();
     }

@@ -61,13 +61,13 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "triangulation",
         help: "When polygons are triangulated.",
         values: named!(FaceTriangulation),
-        get: |options| match options.method() {
+        get: |options| match options.method {
             Method::StripeLocal { triangulation, .. } => Some(word(triangulation.name())),
             _ => None,
         },
         set: |options, text| {
             let triangulation = text.parse()?;
-            Ok(options.with_method(match options.method() {
+            Ok(options.with_method(match options.method {
                 Method::StripeLocal { ties, .. } => Method::StripeLocal { triangulation, ties },
                 other => other,
             }))
@@ -77,13 +77,13 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "ties",
         help: "Which of several equally good neighbours comes next.",
         values: named!(Ties),
-        get: |options| match options.method() {
+        get: |options| match options.method {
             Method::StripeLocal { ties, .. } | Method::StripeGlobal { ties, .. } => Some(word(ties.name())),
             _ => None,
         },
         set: |options, text| {
             let ties = text.parse()?;
-            Ok(options.with_method(match options.method() {
+            Ok(options.with_method(match options.method {
                 Method::StripeLocal { triangulation, .. } => Method::StripeLocal { triangulation, ties },
                 Method::StripeGlobal { patches, cutoff, .. } => {
                     Method::StripeGlobal { patches, cutoff, ties }
@@ -96,7 +96,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "last-tie",
         help: "Which neighbour comes next where the look-ahead leaves several.",
         values: named!(LastTie),
-        get: |options| match options.method() {
+        get: |options| match options.method {
             Method::Sgi { last_tie } => Some(word(last_tie.name())),
             _ => None,
         },
@@ -106,13 +106,13 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "patches",
         help: "How patches of quadrilaterals become strips.",
         values: named!(Patches),
-        get: |options| match options.method() {
+        get: |options| match options.method {
             Method::StripeGlobal { patches, .. } => Some(word(patches.name())),
             _ => None,
         },
         set: |options, text| {
             let patches = text.parse()?;
-            Ok(options.with_method(match options.method() {
+            Ok(options.with_method(match options.method {
                 Method::StripeGlobal { cutoff, ties, .. } => Method::StripeGlobal { patches, cutoff, ties },
                 other => other,
             }))
@@ -122,13 +122,13 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "cutoff",
         help: "The minimum size of a patch, in quadrilaterals.",
         values: Values::Other(POSITIVE),
-        get: |options| match options.method() {
+        get: |options| match options.method {
             Method::StripeGlobal { cutoff, .. } | Method::QuadRows { cutoff } => Some(number(cutoff)),
             _ => None,
         },
         set: |options, text| {
             let cutoff = positive("cutoff", text)?;
-            Ok(options.with_method(match options.method() {
+            Ok(options.with_method(match options.method {
                 Method::StripeGlobal { patches, ties, .. } => Method::StripeGlobal { patches, cutoff, ties },
                 Method::QuadRows { .. } => Method::QuadRows { cutoff },
                 other => other,
@@ -140,7 +140,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         help: "The cost to minimize. Strips with the minimum restart cost are nearly the cheapest for \
                degenerate joins, too.",
         values: named!(Cost),
-        get: |options| (options.method() == Method::Best).then(|| word(options.cost().name())),
+        get: |options| (options.method == Method::Best).then(|| word(options.cost.name())),
         set: |options, text| Ok(options.with_cost(text.parse()?)),
     },
     Parameter {
@@ -148,14 +148,14 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         help: "The vertex cache to optimize for. Desktop GPUs behave like 16 to 32 entries. The cache is kept \
                from one strip to the next, as GPUs do.",
         values: Values::Other("fifo:N or lru:N, N entries"),
-        get: |options| (options.method() == Method::Cache).then(|| word(options.vertex_cache())),
+        get: |options| (options.method == Method::Cache).then(|| word(options.vertex_cache)),
         set: |options, text| Ok(options.with_vertex_cache(text.parse()?)),
     },
     Parameter {
         name: "objective",
         help: "What to favour where fewer indices cost more misses.",
         values: named!(Objective),
-        get: |options| (options.method() == Method::Cache).then(|| word(options.objective().name())),
+        get: |options| (options.method == Method::Cache).then(|| word(options.objective.name())),
         set: |options, text| Ok(options.with_objective(text.parse()?)),
     },
     Parameter {
@@ -170,8 +170,8 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
                objective=indices it searches in the same way as best.",
         values: Values::Other(EFFORT),
         get: |options| {
-            let searches = matches!(options.method(), Method::Best | Method::Fewest | Method::Cache);
-            searches.then(|| number(options.effort().level()))
+            let searches = matches!(options.method, Method::Best | Method::Fewest | Method::Cache);
+            searches.then(|| number(options.effort_or_default().level()))
         },
         set: |options, text| {
             let effort = text.parse().ok().and_then(Effort::new);
@@ -183,13 +183,13 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "tunnel-length",
         help: "The maximum length of a tunnel, in edges of the dual graph.",
         values: Values::Other(POSITIVE),
-        get: |options| match options.method() {
+        get: |options| match options.method {
             Method::Tunnel { length } => Some(number(length)),
-            method => tunnels(method).map(|tunnels| number(tunnels.length())),
+            method => tunnels(method).map(|tunnels| number(tunnels.length)),
         },
         set: |options, text| {
             let length = positive("tunnel-length", text)?;
-            Ok(options.with_method(match options.method() {
+            Ok(options.with_method(match options.method {
                 Method::Tunnel { .. } => Method::Tunnel { length },
                 method => with_tunnels(method, |tunnels| tunnels.with_length(length)),
             }))
@@ -199,10 +199,10 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "threshold",
         help: "The number of triangles that a search visits before it gives up.",
         values: Values::Other(POSITIVE),
-        get: |options| tunnels(options.method()).map(|tunnels| number(tunnels.threshold())),
+        get: |options| tunnels(options.method).map(|tunnels| number(tunnels.threshold)),
         set: |options, text| {
             let threshold = positive("threshold", text)?;
-            let method = with_tunnels(options.method(), |tunnels| tunnels.with_threshold(threshold));
+            let method = with_tunnels(options.method, |tunnels| tunnels.with_threshold(threshold));
             Ok(options.with_method(method))
         },
     },
@@ -210,10 +210,10 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "start",
         help: "The initial strips.",
         values: named!(Start),
-        get: |options| tunnels(options.method()).map(|tunnels| word(tunnels.start().name())),
+        get: |options| tunnels(options.method).map(|tunnels| word(tunnels.start.name())),
         set: |options, text| {
             let start = text.parse()?;
-            let method = with_tunnels(options.method(), |tunnels| tunnels.with_start(start));
+            let method = with_tunnels(options.method, |tunnels| tunnels.with_start(start));
             Ok(options.with_method(method))
         },
     },
@@ -221,13 +221,13 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "acceptance",
         help: "Which tunnels are accepted.",
         values: named!(Acceptance),
-        get: |options| match options.method() {
+        get: |options| match options.method {
             Method::Eta { acceptance, .. } => Some(word(acceptance.name())),
             _ => None,
         },
         set: |options, text| {
             let acceptance = text.parse()?;
-            Ok(options.with_method(match options.method() {
+            Ok(options.with_method(match options.method {
                 Method::Eta { tunnels, localization, .. } => {
                     Method::Eta { tunnels, acceptance, localization }
                 }
@@ -239,13 +239,13 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "localization",
         help: "How far identifiers are written during a search. The strips are the same; only the time differs.",
         values: named!(Localization),
-        get: |options| match options.method() {
+        get: |options| match options.method {
             Method::Eta { localization, .. } => Some(word(localization.name())),
             _ => None,
         },
         set: |options, text| {
             let localization = text.parse()?;
-            Ok(options.with_method(match options.method() {
+            Ok(options.with_method(match options.method {
                 Method::Eta { tunnels, acceptance, .. } => Method::Eta { tunnels, acceptance, localization },
                 other => other,
             }))
@@ -257,10 +257,10 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         values: Values::Other(NATURAL),
         get: |options| {
             let fixed = matches!(
-                options.method(),
+                options.method,
                 Method::Sequential | Method::Input | Method::Sgi { .. } | Method::Tunnel { .. }
             );
-            (!fixed).then(|| number(options.seed()))
+            (!fixed).then(|| number(options.seed))
         },
         set: |options, text| {
             let seed = text.parse().map_err(|_| invalid("seed", format!("`{text}`"), NATURAL))?;
@@ -380,7 +380,7 @@ pub fn with_method_parameter(
     name: &str,
     value: &str,
 ) -> Result<StripifyOptions, Error> {
-    let text = format!("{}:{name}={value}", options.method());
+    let text = format!("{}:{name}={value}", options.method);
     set(options, &name.replace('_', "-"), value, &text)
 }
 
@@ -388,7 +388,7 @@ pub fn with_method_parameter(
 fn set(options: StripifyOptions, name: &str, value: &str, text: &str) -> Result<StripifyOptions, Error> {
     let found = PARAMETERS.iter().find(|parameter| parameter.name == name);
     let Some(parameter) = found.filter(|parameter| (parameter.get)(&options).is_some()) else {
-        let at = Method::ALL.iter().position(|method| method.name() == options.method().name());
+        let at = Method::ALL.iter().position(|method| method.name() == options.method.name());
         let expected = at.map_or("a parameter of the method", |at| EXPECTED[at].as_str());
         return Err(invalid("method", format!("`{name}` in `{text}`"), expected));
     };

@@ -7,7 +7,7 @@ use crate::places::Place;
 /// By how much an error counts where the surface faces away: it is seen at silhouettes only, or when the eye moves.
 const FACING_AWAY: f64 = 0.5;
 /// The least distance from the eye, relative to the largest: what is nearer counts as much.
-const LEAST_DISTANCE: f64 = 1.0 / 64.0;
+const MIN_DISTANCE: f64 = 1.0 / 64.0;
 
 /// Returns by how much an error at each vertex of a mesh counts, seen from a position in the scene: by the distance, in the place where it looks largest.
 pub(super) fn error_factors(mesh: &Mesh, places: &[Place], eye: [f32; 3]) -> Vec<f32> {
@@ -27,7 +27,7 @@ pub(super) fn error_factors(mesh: &Mesh, places: &[Place], eye: [f32; 3]) -> Vec
         let in_place = |place: &Place| {
             let towards = towards(place, p);
             let facing: f64 = place.turned(normal).iter().zip(towards).map(|(a, b)| a * b).sum();
-            let near = farthest / length(towards).max(farthest * LEAST_DISTANCE);
+            let near = farthest / length(towards).max(farthest * MIN_DISTANCE);
             place.scale() * if facing < 0.0 { near * FACING_AWAY } else { near }
         };
         places.iter().map(in_place).fold(0.0, f64::max) as f32

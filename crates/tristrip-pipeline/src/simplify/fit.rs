@@ -52,11 +52,11 @@ use surface::{Point, Surface, unit};
 /// The rounds of search and solution.
 const ROUNDS: usize = 3;
 /// The smallest cosine of the angle by which a triangle may turn.
-const MOST_TURN: f64 = 0.5;
+const MAX_TURN: f64 = 0.5;
 /// How often the moves around a turned triangle are halved before they are dropped.
 const HALVINGS: usize = 3;
 /// How often moves are halved or dropped before all are.
-const MOST_ATTEMPTS: usize = 16;
+const MAX_ATTEMPTS: usize = 16;
 
 /// What was fitted.
 pub(super) struct Fitted {
@@ -158,7 +158,7 @@ fn moves_of(group: &[Member<'_>], goes_on: &(dyn Fn() -> bool + Sync)) -> Result
         let by = points.equations(&original, &simplified).solve(&is_free);
         step(&mut simplified, by, &normals);
         let mut has_moved = vec![true; simplified.triangles.len()];
-        let stays_near = (0..MOST_ATTEMPTS).any(|attempt| {
+        let stays_near = (0..MAX_ATTEMPTS).any(|attempt| {
             points.search(&original, &simplified, &has_moved);
             let far = points.beyond(&original, &simplified, &has_moved, limit);
             if !far.is_empty() {
@@ -232,11 +232,11 @@ fn starts(group: &[Member<'_>], base: &[Mesh]) -> Result<Vec<Option<u32>>, Error
 /// Adds the moves to the positions. Around triangles that would turn too far from their normals they are halved, and at last dropped, until no triangle
 /// turns; if that takes too long, all are dropped.
 fn step(surface: &mut Surface, mut moves: Vec<Point>, normals: &[Point]) {
-    for attempt in 0..MOST_ATTEMPTS {
+    for attempt in 0..MAX_ATTEMPTS {
         let moved: Vec<Point> = surface.at.iter().zip(&moves).map(|(at, by)| sum(*at, *by)).collect();
         let turned = |(t, normal): (&[u32; 3], &Point)| {
             let now = unit_normal(&moved, t);
-            (dot(*normal, *normal) > 0.0 && dot(now, *normal) < MOST_TURN).then_some(*t)
+            (dot(*normal, *normal) > 0.0 && dot(now, *normal) < MAX_TURN).then_some(*t)
         };
         let turned: Vec<[u32; 3]> = surface.triangles.iter().zip(normals).filter_map(turned).collect();
         if turned.is_empty() {

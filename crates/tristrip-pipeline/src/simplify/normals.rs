@@ -31,7 +31,7 @@ use tangents::tangents;
 
 /// The growth of the share of the area with normals that do not fit ([`NormalFit`]) above which the normals of a part are repaired: at
 /// a fifth of the triangles that of a duck is 0.01, that of a truck with dark smears 0.12.
-const MOST_UNFIT: f64 = 0.02;
+const MAX_UNFIT: f64 = 0.02;
 
 /// The share of flat sides from which the normals of a part are repaired: the body of a truck has 0.65, its wheels 0.44, a cloth with 115,200 triangles
 /// 0.28, a man 0.11. Without flat sides the normals that vertices keep are nearer to those of the original surface than any that fit the
@@ -93,7 +93,7 @@ impl Rebuilding {
             let mesh = &*part.compact.mesh;
             let Some(before) = NormalFit::of(mesh, part.triangles())? else { return Ok(None) };
             let after = NormalFit::of(mesh, done.sequence.drawn(0)?.as_flattened())?.unwrap_or_default();
-            let is_unfit = before.flat >= FLAT_SIDES && after.unfit - before.unfit > MOST_UNFIT;
+            let is_unfit = before.flat >= FLAT_SIDES && after.unfit - before.unfit > MAX_UNFIT;
             if is_unfit { Shading::of(mesh, part.triangles()) } else { Ok(None) }
         };
         let found: Result<Vec<Option<Shading>>, tristrip::Error> = map(&all, shading).into_iter().collect();

@@ -15,7 +15,7 @@ use crate::places::{Place, Places};
 const SPARSE: usize = 16;
 
 /// The number of positions in all places from which a bounding box is measured exactly; beyond it the boxes of parts are.
-const MOST_PLACED: usize = 1 << 27;
+const MAX_PLACED: usize = 1 << 27;
 
 /// The vertices of a part that a reduced mesh has, ascending; `None` if it has all of them.
 #[derive(Debug, Clone, Default)]
@@ -256,7 +256,7 @@ pub(crate) fn diagonal(parts: &[Part<'_>]) -> f64 {
             high[axis] = high[axis].max(x);
         }
     };
-    let mut budget = MOST_PLACED;
+    let mut budget = MAX_PLACED;
     for part in parts {
         let positions = part.compact.mesh.positions();
         let corners = part.triangles.iter().map(|&vertex| positions[vertex as usize]);

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use tristrip::union_find::UnionFind;
 use tristrip::{CollapseSequence, Error, Faces, Mesh, PositionIds};
 
-use crate::surface_change::{MOST_VISITS, Side};
+use crate::surface_change::{MAX_VISITS, Side};
 
 /// A component of the surface of some parts.
 #[derive(Debug, Clone, Copy)]
@@ -119,7 +119,7 @@ fn find(parts: &[(&Mesh, &[u32])], limit: f64) -> Result<Vanishing, Error> {
     }
     let tree = stays.tree();
     let searches = candidates.iter().filter(|&&candidate| candidate).count() as f64;
-    if stays.crowd(&tree) * searches > MOST_VISITS {
+    if stays.crowd(&tree) * searches > MAX_VISITS {
         return Ok(Vanishing::default());
     }
     // 3. The largest distance of each component.

@@ -42,7 +42,7 @@ fn packed(model: &Model) -> Vec<u8> {
 }
 
 fn open(bytes: &[u8]) -> ProgressiveGlb {
-    ProgressiveGlb::open(bytes).unwrap().unwrap()
+    ProgressiveGlb::open(bytes.to_vec()).unwrap().unwrap()
 }
 
 fn at(glb: &ProgressiveGlb, goal: StreamGoal) -> Unpacked {
@@ -152,7 +152,7 @@ fn a_file_that_is_cut_at_any_byte_gives_what_is_complete() {
     assert!(ends.len() > 1);
     let full = at(&whole, StreamGoal::Level(Level::Percent(100.0)));
     for end in 0..bytes.len() {
-        let Ok(opened) = ProgressiveGlb::open(&bytes[..end]) else {
+        let Ok(opened) = ProgressiveGlb::open(bytes[..end].to_vec()) else {
             assert!(end < whole.chunk_start(), "{end}");
             continue;
         };
@@ -185,7 +185,7 @@ fn damaged_files_are_reported() {
         let mut damaged = bytes.clone();
         let at = next() % bytes.len();
         damaged[at] ^= 1 << (next() % 8);
-        let result = ProgressiveGlb::open(damaged.as_slice());
+        let result = ProgressiveGlb::open(damaged.clone());
         let Ok(Some(glb)) = result else {
             refused += 1;
             continue;
@@ -208,8 +208,15 @@ fn files_without_a_stream_are_told_apart() {
         std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/models/milktruck.glb")).unwrap();
     assert!(ProgressiveGlb::open(glb).unwrap().is_none());
     for bytes in [&b""[..], b"glT", b"ply\n", b"glTF\x02\0\0\0\xff\xff\xff\x7f"] {
-        assert!(!matches!(ProgressiveGlb::open(bytes), Ok(Some(_))));
+        assert!(!matches!(ProgressiveGlb::open(bytes.to_vec()), Ok(Some(_))));
     }
+}
+
+#[test]
+fn opening_a_file_does_not_copy_it() {
+    let file = std::sync::Arc::new(packed(&two_materials(12)));
+    let glb = ProgressiveGlb::open(std::sync::Arc::clone(&file)).unwrap().unwrap();
+    assert!(std::ptr::eq(glb.chunks(), &file[glb.chunk_start()..][..glb.chunk_bytes()]));
 }
 
 #[test]
@@ -274,7 +281,7 @@ fn tiny_meshes_stay_whole() {
 #[test]
 fn more_position_bits_are_nearer_to_the_input() {
     let error = |bits: u32| {
-        let stream = StreamOptions::default().with_position_bits(bits).unwrap();
+        let stream = StreamOptions::default().with_position_bits(bits);
         let options = PackOptions::default().with_stream(stream);
         pack(&two_materials(16), &options, &()).unwrap().position_error
     };
@@ -327,12 +334,11 @@ fn parts_stay_closed_beside_one_with_morph_targets() {
 #[test]
 fn wrong_documents_are_refused() {
     let bytes = packed(&two_materials(16));
-    let view = ProgressiveGlb::open(bytes.as_slice()).unwrap().map(|_| "\"bufferView\":0").unwrap();
+    let view = ProgressiveGlb::open(bytes.clone()).unwrap().map(|_| "\"bufferView\":0").unwrap();
     let refused = |from: &str, to: &str| {
         let glb = with_json(&bytes, from, to);
         let level = StreamGoal::Level(Level::Percent(100.0));
-        let unpacked =
-            ProgressiveGlb::open(glb.as_slice()).map(|glb| glb.map(|glb| unpack(&glb, level, None)));
+        let unpacked = ProgressiveGlb::open(glb.clone()).map(|glb| glb.map(|glb| unpack(&glb, level, None)));
         assert!(read(&glb, Format::Glb).is_err(), "{from} became {to}");
         assert!(!matches!(unpacked, Ok(Some(Ok(_)))), "{from} became {to}");
     };

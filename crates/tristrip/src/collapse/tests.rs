@@ -13,6 +13,18 @@ fn fan() -> CollapseSequence {
 }
 
 #[test]
+fn the_memory_counts_the_largest_errors() {
+    let rename = [Rename { removed: 3, kept: 2 }];
+    let build = |collapses: &[(&[Rename], f32)]| {
+        CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], collapses.iter().copied())
+            .unwrap()
+            .memory()
+    };
+    // A rename, its end, a dropped triangle, its end, the error, and the largest error so far.
+    assert_eq!(build(&[(&rename, 0.5)]) - build(&[]), 8 + 4 + 4 + 4 + 4 + 4);
+}
+
+#[test]
 fn levels_of_a_fan() {
     let fan = fan();
     assert_eq!(fan.len(), 3);

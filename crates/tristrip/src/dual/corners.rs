@@ -16,7 +16,7 @@ pub(super) fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// The corners of faces of one shape. The functions are called for every half-edge, so they are inlined.
-pub(super) trait Corners: Sync {
+pub(super) trait FaceCorners: Sync {
     /// Whether faces may have more than three corners.
     const LARGER: bool;
     fn vertices(&self) -> &[u32];
@@ -31,7 +31,7 @@ pub(super) struct TriangleCorners<'a> {
     pub(super) corners: &'a [u32],
 }
 
-impl Corners for TriangleCorners<'_> {
+impl FaceCorners for TriangleCorners<'_> {
     const LARGER: bool = false;
     #[inline]
     fn vertices(&self) -> &[u32] {
@@ -57,7 +57,7 @@ pub(super) struct PolygonCorners<'a> {
     pub(super) face_of: &'a [u32],
 }
 
-impl Corners for PolygonCorners<'_> {
+impl FaceCorners for PolygonCorners<'_> {
     const LARGER: bool = true;
     #[inline]
     fn vertices(&self) -> &[u32] {
@@ -91,7 +91,7 @@ pub(crate) fn for_each_edge(faces: &Faces, edge: impl FnMut(usize, usize)) {
     count_edges(&PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of }, edge);
 }
 
-fn count_edges(corners: &impl Corners, mut edge: impl FnMut(usize, usize)) {
+fn count_edges(corners: &impl FaceCorners, mut edge: impl FnMut(usize, usize)) {
     let vertices = corners.vertices();
     let vertex_count = vertex_bound(vertices);
     let to = |h: usize| vertices[corners.next(h)];

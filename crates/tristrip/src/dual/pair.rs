@@ -18,15 +18,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-use super::corners::Corners;
+use super::corners::FaceCorners;
 use crate::csr::Csr;
 use crate::mesh::vertex_bound;
 
-/// The value of a half-edge without a twin in the packed array; while the pairing runs, also the end of a waiting list.
+/// The value of a half-edge without a twin in the packed array; while the pairing runs, also the end of a list of unpaired half-edges.
 pub(super) const NO_TWIN: u32 = u32::MAX;
 /// Number of open half-edges over one edge that are examined before a new one is left to wait.
 const CANDIDATES: usize = 8;
-/// Steps over waiting half-edges, per half-edge on average, after which the pairing is done by sorting.
+/// Steps over unpaired half-edges, per half-edge on average, after which the pairing is done by sorting.
 const STEPS_PER_HALF_EDGE: usize = 32;
 
 /// Meshes of fewer corners are paired by one thread: it takes a few milliseconds.
@@ -37,7 +37,7 @@ const THREADING_MINIMUM: usize = 1 << 18;
 const RANGES: usize = 8;
 
 /// Pairs all half-edges. Returns the twin of each, or `NO_TWIN`, and whether there was nothing to choose.
-pub(super) fn pair(corners: &impl Corners) -> (Vec<u32>, bool) {
+pub(super) fn pair(corners: &impl FaceCorners) -> (Vec<u32>, bool) {
     if let Some(twins) = pair_simple(corners) {
         return (twins, true);
     }
@@ -46,7 +46,7 @@ pub(super) fn pair(corners: &impl Corners) -> (Vec<u32>, bool) {
 
 /// Pairs half-edges of which no two have the same direction over the same vertices, so that there is nothing to choose; returns
 /// `None` if two have. Ranges of vertices are processed in parallel: each half-edge is paired at the vertex that it leads to.
-fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
+fn pair_simple<C: FaceCorners>(corners: &C) -> Option<Vec<u32>> {
     #[cfg(feature = "rayon")]
     if corners.vertices().len() > THREADING_MINIMUM {
         return pair_simple_in_ranges(corners, rayon::current_num_threads().min(RANGES) as u32);
@@ -55,7 +55,7 @@ fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
 }
 
 /// Does the same, in a number of ranges of vertices.
-fn pair_simple_in_ranges<C: Corners>(corners: &C, ranges: u32) -> Option<Vec<u32>> {
+fn pair_simple_in_ranges<C: FaceCorners>(corners: &C, ranges: u32) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
     let vertex_count = vertex_bound(vertices);
     let twins: Vec<AtomicU32> = (0..vertices.len()).map(|_| AtomicU32::new(NO_TWIN)).collect();
@@ -71,7 +71,12 @@ fn pair_simple_in_ranges<C: Corners>(corners: &C, ranges: u32) -> Option<Vec<u32
 /// Finds the twins of the half-edges that lead to some of the vertices; returns whether there was nothing to choose. Each vertex marks the
 /// targets of its outgoing half-edges, and each incoming half-edge reads the mark of its origin. Hardly any branch depends on the data,
 /// which makes it fast.
-fn pair_around<C: Corners>(corners: &C, range: Range<u32>, vertex_count: usize, twins: &[AtomicU32]) -> bool {
+fn pair_around<C: FaceCorners>(
+    corners: &C,
+    range: Range<u32>,
+    vertex_count: usize,
+    twins: &[AtomicU32],
+) -> bool {
     let vertices = corners.vertices();
     let keyed =
         (0..).zip(vertices).filter(|(_, v)| range.contains(v)).map(|(corner, v)| (v - range.start, corner));
@@ -105,19 +110,19 @@ fn pair_around<C: Corners>(corners: &C, range: Range<u32>, vertex_count: usize, 
 
 /// Returns whether two half-edges over the same vertices may be twins: they have opposite directions and different faces.
 #[inline]
-fn opposite(corners: &impl Corners, h: usize, other: usize) -> bool {
+fn opposite(corners: &impl FaceCorners, h: usize, other: usize) -> bool {
     corners.vertices()[h] != corners.vertices()[other] && corners.face(h) != corners.face(other)
 }
 
 /// Returns whether the two faces at twins fold back onto each other, as a face and its own reverse do.
 #[inline]
-fn folds_back(corners: &impl Corners, h: usize, other: usize) -> bool {
+fn folds_back(corners: &impl FaceCorners, h: usize, other: usize) -> bool {
     let v = corners.vertices();
     v[corners.next(corners.next(h))] == v[corners.previous(other)]
 }
 
-/// Pairs half-edges by waiting lists; returns `None` if the lists of some vertices grow too long.
-fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
+/// Pairs half-edges by lists of unpaired ones; returns `None` if the lists of some vertices grow too long.
+fn pair_by_lists(corners: &impl FaceCorners) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
     let vertex_count = vertex_bound(vertices);
     let mut heads = vec![NO_TWIN; vertex_count];
@@ -130,13 +135,13 @@ fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
         let (from, to) = (vertices[h], vertices[corners.next(h)]);
         let (low, high) = (from.min(to), from.max(to));
         let head = &mut heads[low as usize];
-        let (mut before, mut waiting, mut seen) = (NO_TWIN, *head, 0);
+        let (mut before, mut unpaired, mut seen) = (NO_TWIN, *head, 0);
         let found = loop {
-            if waiting == NO_TWIN || seen == CANDIDATES {
+            if unpaired == NO_TWIN || seen == CANDIDATES {
                 break None;
             }
             steps += 1;
-            let w = waiting as usize;
+            let w = unpaired as usize;
             let (a, b) = (vertices[w], vertices[corners.next(w)]);
             if a.max(b) == high {
                 seen += 1;
@@ -148,8 +153,8 @@ fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
                     }
                 }
             }
-            before = waiting;
-            waiting = twins[w];
+            before = unpaired;
+            unpaired = twins[w];
         };
         if let Some(w) = found {
             let after = twins[w];
@@ -171,13 +176,13 @@ fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
     // A half-edge that still waits has no twin, unless it was skipped because it folds back.
     let mut left = Vec::new();
     for head in heads {
-        let mut waiting = head;
-        while waiting != NO_TWIN {
-            let next = std::mem::replace(&mut twins[waiting as usize], NO_TWIN);
+        let mut unpaired = head;
+        while unpaired != NO_TWIN {
+            let next = std::mem::replace(&mut twins[unpaired as usize], NO_TWIN);
             if folded {
-                left.push(waiting);
+                left.push(unpaired);
             }
-            waiting = next;
+            unpaired = next;
         }
     }
     pair_leftovers(corners, left, &mut twins);
@@ -185,34 +190,34 @@ fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
 }
 
 /// Pairs half-edges by sorting, with the same result: groups them by edge, in order, and applies the same rule to each group.
-fn pair_by_sorting(corners: &impl Corners) -> Vec<u32> {
+fn pair_by_sorting(corners: &impl FaceCorners) -> Vec<u32> {
     let mut twins = vec![NO_TWIN; corners.vertices().len()];
     let mut left = Vec::new();
-    let mut waiting: Vec<u32> = Vec::new();
+    let mut unpaired: Vec<u32> = Vec::new();
     for group in sorted_by_edge(corners, (0..twins.len() as u32).collect()).chunk_by(|a, b| a.0 == b.0) {
-        waiting.clear();
+        unpaired.clear();
         for &(_, h) in group {
-            let recent = waiting.len().saturating_sub(CANDIDATES)..waiting.len();
+            let recent = unpaired.len().saturating_sub(CANDIDATES)..unpaired.len();
             let found = recent.rev().find(|&i| {
-                let w = waiting[i] as usize;
+                let w = unpaired[i] as usize;
                 opposite(corners, h as usize, w) && !folds_back(corners, h as usize, w)
             });
             if let Some(i) = found {
-                let w = waiting.remove(i);
+                let w = unpaired.remove(i);
                 twins[w as usize] = h;
                 twins[h as usize] = w;
             } else {
-                waiting.push(h);
+                unpaired.push(h);
             }
         }
-        left.extend_from_slice(&waiting);
+        left.extend_from_slice(&unpaired);
     }
     pair_leftovers(corners, left, &mut twins);
     twins
 }
 
 /// Pairs the remaining half-edges over each edge, forward ones with backward ones, in order.
-fn pair_leftovers(corners: &impl Corners, left: Vec<u32>, twins: &mut [u32]) {
+fn pair_leftovers(corners: &impl FaceCorners, left: Vec<u32>, twins: &mut [u32]) {
     let (mut forward, mut backward) = (Vec::new(), Vec::new());
     for group in sorted_by_edge(corners, left).chunk_by(|a, b| a.0 == b.0) {
         forward.clear();
@@ -235,7 +240,7 @@ fn pair_leftovers(corners: &impl Corners, left: Vec<u32>, twins: &mut [u32]) {
 }
 
 /// Sorts half-edges by their edge (lower vertex, then higher), in order within an edge; those of zero length are omitted.
-fn sorted_by_edge(corners: &impl Corners, half_edges: Vec<u32>) -> Vec<(u64, u32)> {
+fn sorted_by_edge(corners: &impl FaceCorners, half_edges: Vec<u32>) -> Vec<(u64, u32)> {
     let vertices = corners.vertices();
     let mut keyed: Vec<(u64, u32)> = half_edges
         .into_iter()
@@ -259,7 +264,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// The pairing rule, literally: for every half-edge in order, examines every earlier one.
-    fn naive(corners: &impl Corners) -> Vec<u32> {
+    fn naive(corners: &impl FaceCorners) -> Vec<u32> {
         let vertices = corners.vertices();
         let edge = |h: usize| {
             let (a, b) = (vertices[h], vertices[corners.next(h)]);
@@ -267,10 +272,10 @@ mod tests {
         };
         let mut twins = vec![NO_TWIN; vertices.len()];
         for h in 0..vertices.len() {
-            let waiting =
+            let unpaired =
                 (0..h).rev().filter(|&w| twins[w] == NO_TWIN && edge(w) == edge(h) && edge(h).0 != edge(h).1);
             let found =
-                waiting.take(CANDIDATES).find(|&w| opposite(corners, h, w) && !folds_back(corners, h, w));
+                unpaired.take(CANDIDATES).find(|&w| opposite(corners, h, w) && !folds_back(corners, h, w));
             if let Some(w) = found {
                 twins[w] = h as u32;
                 twins[h] = w as u32;
@@ -282,7 +287,7 @@ mod tests {
     }
 
     /// Compares every pairing algorithm with the rule if it returns a result, and the edge counts with sorting.
-    fn compare_by(corners: &impl Corners, faces: &Faces) {
+    fn compare_by(corners: &impl FaceCorners, faces: &Faces) {
         let expected = naive(corners);
         assert_eq!(DualGraph::new(faces).twins, expected);
         assert_eq!(pair_by_sorting(corners), expected);

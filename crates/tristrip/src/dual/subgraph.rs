@@ -7,7 +7,7 @@
 //! ```
 //! Path covers need no translation: a link names an edge of its own triangle.
 
-use super::{DualGraph, NO_TWIN, Shape, polygon_shape};
+use super::{DualGraph, FaceShape, NO_TWIN, polygon_shape};
 use crate::ids::{FaceId, HalfEdge};
 use crate::mesh::Faces;
 
@@ -26,10 +26,10 @@ impl DualGraph {
     /// Returns the graph of all faces in another order; `order` has the old number of each, and `faces` are those in the new order.
     pub(crate) fn in_order(&self, order: &[u32], faces: &Faces) -> Self {
         let shape = match &self.shape {
-            Shape::Triangles => Shape::Triangles,
-            Shape::Polygons { .. } => {
+            FaceShape::Triangles => FaceShape::Triangles,
+            FaceShape::Polygons { .. } => {
                 let (offsets, face_of) = polygon_shape(faces);
-                Shape::Polygons { offsets, face_of }
+                FaceShape::Polygons { offsets, face_of }
             }
         };
         // From an old face to the number that its half-edges grow by, which wraps around where it is negative.

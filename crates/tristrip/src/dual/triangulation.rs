@@ -9,6 +9,7 @@
 use std::borrow::Cow;
 
 use super::DualGraph;
+use crate::error::Error;
 use crate::ids::OptionalId;
 use crate::mesh::Faces;
 use crate::prepare::PreparedFaces;
@@ -48,7 +49,26 @@ impl<'a> Triangulation<'a> {
         Triangulation::from_parts(self.triangles.into_owned(), self.graph.into_owned())
     }
 
-    /// Cuts every face into a fan around its first corner.
+    /// Cuts every face into a fan around its first corner. Triangles are borrowed.
+    ///
+    /// # Errors
+    /// The graph is not the dual graph of the faces.
+    ///
+    /// ```
+    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, Triangulation};
+    /// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_polygons([[0, 1, 2, 3, 4]])?)?;
+    /// let prepared = PreparedFaces::new(&mesh, false);
+    /// let graph = DualGraph::new(prepared.faces());
+    /// assert_eq!(Triangulation::fans(&prepared, &graph)?.triangles(), [0, 1, 2, 0, 2, 3, 0, 3, 4]);
+    /// assert!(Triangulation::fans(&prepared, &DualGraph::new(&Faces::default())).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn fans(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Result<Self, Error> {
+        graph.check_faces(prepared.faces())?;
+        Ok(Self::fan(prepared, graph))
+    }
+
+    /// Cuts every face of a graph that was made from the faces into a fan around its first corner.
     pub(crate) fn fan(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
         Self::of_triangles(prepared, graph).unwrap_or_else(|| {
             let mut builder = TriangulationBuilder::new(prepared.faces(), graph);

@@ -18,7 +18,7 @@ const MIDDLE: i32 = 9;
 /// The symbols at both ends are followed by how much farther the bucket is.
 const LAST: i32 = 15;
 /// The largest bucket.
-const MOST_BUCKET: i32 = 59;
+const MAX_BUCKET: i32 = 59;
 
 /// Returns the binary logarithm of a number below 2⁵³, at least 1, in 1/8, with straight lines between the powers of two: the exponent and the first bits of the
 /// float that it is.
@@ -86,7 +86,7 @@ impl NumberModel {
         level: i32,
         number: i32,
     ) -> (i32, i32) {
-        let usual = (level >> 3).clamp(0, MOST_BUCKET);
+        let usual = (level >> 3).clamp(0, MAX_BUCKET);
         let context =
             (level.wrapping_add(32) >> 2).clamp(0, CONTEXTS.cast_signed() - 1).cast_unsigned() as usize;
         let size = number.unsigned_abs();
@@ -103,7 +103,7 @@ impl NumberModel {
             bucket +=
                 code_small(coder, &mut self.escapes, (wanted - bucket).max(0).cast_unsigned()).cast_signed();
         }
-        let bucket = bucket.clamp(0, MOST_BUCKET).cast_unsigned();
+        let bucket = bucket.clamp(0, MAX_BUCKET).cast_unsigned();
         if bucket == 0 {
             return (0, (-16_i32).wrapping_sub(level));
         }

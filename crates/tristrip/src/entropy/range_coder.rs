@@ -13,10 +13,10 @@
 pub(crate) const WHOLE: u32 = 1 << 16;
 
 /// The range is at least this.
-const LEAST_RANGE: u32 = 1 << 24;
+const MIN_RANGE: u32 = 1 << 24;
 
 /// Zeros at the end that are left out, at most.
-const MOST_TRIMMED: usize = 4;
+const MAX_TRIMMED: usize = 4;
 
 /// Either side of the coder, so that what is coded is written down once.
 pub(crate) trait BitCoder {
@@ -99,7 +99,7 @@ impl RangeEncoder {
 
     #[inline]
     fn normalize(&mut self) {
-        while self.range < LEAST_RANGE {
+        while self.range < MIN_RANGE {
             self.push_top_byte();
             self.range <<= 8;
         }
@@ -130,7 +130,7 @@ impl RangeEncoder {
             self.carry();
         }
         (0..4).for_each(|_| self.push_top_byte());
-        let zeros = self.bytes.iter().rev().take(MOST_TRIMMED).take_while(|&&byte| byte == 0).count();
+        let zeros = self.bytes.iter().rev().take(MAX_TRIMMED).take_while(|&&byte| byte == 0).count();
         self.bytes.truncate(self.bytes.len() - zeros);
         self.bytes
     }
@@ -189,7 +189,7 @@ impl<'a> RangeDecoder<'a> {
 
     #[inline]
     fn normalize(&mut self) {
-        while self.range < LEAST_RANGE {
+        while self.range < MIN_RANGE {
             self.code = self.code << 8 | self.next_byte();
             self.range <<= 8;
         }
@@ -227,7 +227,7 @@ impl BitCoder for RangeDecoder<'_> {
     }
 
     fn is_past_end(&self) -> bool {
-        self.at > self.bytes.len() + MOST_TRIMMED
+        self.at > self.bytes.len() + MAX_TRIMMED
     }
 }
 

@@ -12,11 +12,11 @@
 use super::range_coder::BitCoder;
 
 /// A slot counts up to this.
-const MOST_COUNT: u8 = 255;
+const MAX_COUNT: u8 = 255;
 
 /// 2¹⁵ / (count + 1.5).
-const RATES: [u16; MOST_COUNT as usize + 1] = {
-    let mut rates = [0; MOST_COUNT as usize + 1];
+const RATES: [u16; MAX_COUNT as usize + 1] = {
+    let mut rates = [0; MAX_COUNT as usize + 1];
     let mut count = 0;
     while count < rates.len() {
         rates[count] = (65536 / (2 * count + 3)) as u16;
@@ -34,7 +34,7 @@ fn learn(slot: &mut u32, bit: bool) {
     let target = i32::from(bit).wrapping_neg() & 0xFF_FFFF;
     let change = ((target - (*slot >> 8).cast_signed()) >> 8) * i32::from(RATES[usize::from(count)]);
     // One part in 2⁷ of it, above the count.
-    *slot = slot.wrapping_add(change.cast_unsigned() << 1 & !0xFF) + u32::from(count < MOST_COUNT);
+    *slot = slot.wrapping_add(change.cast_unsigned() << 1 & !0xFF) + u32::from(count < MAX_COUNT);
 }
 
 /// A decision with a probability in each of some contexts.

@@ -41,7 +41,7 @@ mod upload_order;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::index_map::{RESTART, check_strips};
+use super::index_map::RESTART;
 use super::level_model::{LevelCursor, LevelModel};
 use super::level_table::LevelTable;
 use super::replay::MAX_SLOTS_PER_ENTRY;
@@ -121,7 +121,7 @@ impl Blocks {
     ) -> Result<Self, Error> {
         let sequence: Arc<CollapseSequence> = sequence.into();
         let vertex_count = sequence.vertex_count();
-        check_strips(strips, vertex_count)?;
+        strips.check_vertices(vertex_count)?;
         // A collapse may bring in a vertex that no strip has.
         let kept = sequence.iter().flat_map(|collapse| collapse.renames.iter().map(|rename| rename.kept));
         let largest = strips.vertices().iter().copied().chain(kept).max().unwrap_or(0);
@@ -136,7 +136,7 @@ impl Blocks {
             // The level of the next key has strips of its own.
             let end = key_levels.get(i + 1).map_or(0, |next| next + 1);
             let mut map = of_keys.at(level)?;
-            if options.small_uploads() {
+            if options.small_uploads {
                 map = in_upload_order(map, &sequence, end..level, RenameLimit::new(strips))?;
             }
             let mut buffer = LiveBuffer::new(map, vertex_count);

@@ -164,7 +164,7 @@ pub trait LevelCursor: Send {
     /// Moves to the finest level with at most this number of triangles, or to the base mesh if it has more, and returns the level.
     ///
     /// # Errors
-    /// None is known.
+    /// [`LevelCursor::set_level`] fails, which it does not for a level of [`LevelCursor::levels`].
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -18,7 +18,6 @@
 
 use std::sync::Arc;
 
-use super::index_map::check_strips;
 use super::level_model::{LevelCursor, LevelModel};
 use super::level_table::LevelTable;
 use super::shortened::{NONE, edits_of};
@@ -96,7 +95,7 @@ impl LodStrips {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn new(strips: &Strips, sequence: &CollapseSequence) -> Result<Self, Error> {
-        check_strips(strips, sequence.vertex_count())?;
+        strips.check_vertices(sequence.vertex_count())?;
         if strips.vertices_sent() >= REMOVED as usize {
             let (found, limit) = (strips.vertices_sent() as u64, u64::from(REMOVED));
             return Err(Error::LimitExceeded {

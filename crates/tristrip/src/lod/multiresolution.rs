@@ -10,7 +10,6 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use super::index_map::check_strips;
 use super::level_model::LevelCursor;
 use super::level_table::LevelTable;
 use super::replay::MAX_SLOTS_PER_ENTRY;
@@ -119,7 +118,7 @@ impl<L: SuccessorLists> StripGraphs<L> {
     /// # Errors
     /// A strip has a vertex that the sequence does not have, or there are too many renamed slots or successors.
     pub(super) fn new(strips: &Strips, sequence: &CollapseSequence) -> Result<Self, Error> {
-        check_strips(strips, sequence.vertex_count())?;
+        strips.check_vertices(sequence.vertex_count())?;
         let edits = edits_of(strips, sequence)?;
         let mut model = Self {
             levels: LevelTable::of(sequence),

@@ -33,7 +33,7 @@ pub use pm::{ProgressiveMesh, ProgressiveMeshCursor, VertexSplit};
 use std::sync::Arc;
 
 use super::filter::Filter;
-use super::index_map::{RESTART, check_strips};
+use super::index_map::RESTART;
 use super::level_model::{LevelCursor, LevelModel};
 use super::level_table::LevelTable;
 pub use super::replay::SlotUpdate;
@@ -111,7 +111,7 @@ impl ProgressiveStrips {
             let (found, limit) = (vertex_count as u64, encoded::MAX_VERTEX_COUNT as u64);
             return Err(Error::LimitExceeded { what: "vertices of progressive strips", found, limit });
         }
-        check_strips(strips, vertex_count)?;
+        strips.check_vertices(vertex_count)?;
         let map = strips.to_restart(RESTART);
         let (full, records) = match encoding {
             Encoding::Naive => naive::record(map, sequence, |_| u32::MAX)?,

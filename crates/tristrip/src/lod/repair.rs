@@ -75,7 +75,7 @@ use super::level_model::LevelCursor;
 use super::level_table::LevelTable;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
-use crate::strip::Strips;
+use crate::strip::{Cost, Strips};
 use options::{SEARCH_AMOUNTS, SearchAmount};
 use pairing::{Pairing, TwinChanges};
 use strip_order::{StripTriangle, check_size, order_of};
@@ -225,13 +225,14 @@ impl Repair {
     ) -> Self {
         (level..sequence.len()).rev().for_each(|level| mesh.collapse(&sequence.collapse_to(level)));
         let slots = mesh.triangle_count();
+        let cost = if options.cost == Cost::Gl { Cost::OpenGl } else { options.cost };
         let mut repair = Self {
             levels: Arc::new(LevelTable::of(sequence)),
             sequence: Arc::clone(sequence),
             level,
             triangle_count: 0,
             mesh,
-            repaired: RepairedPaths::empty(slots, options.cost.prices(), options.seed),
+            repaired: RepairedPaths::empty(slots, cost.prices(), options.seed),
             work: SEARCH_AMOUNTS[usize::from(options.effort.level())],
             pairing: Pairing::default(),
             changes: Vec::new(),

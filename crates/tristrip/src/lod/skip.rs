@@ -15,10 +15,10 @@
 //! normals of each collapse), `original_strips` (the segments in which a vertex is).
 //!
 //! *Update*:
-//! 1. The travel of the camera since the last frame tells which collapses are due to be looked at (module `schedule`).
-//! 2. Of these, each that is allowed and needs no other one is done; those that it blocked are due, too.
+//! 1. The travel of the camera since the last frame tells which collapses have to be looked at (`schedule`).
+//! 2. Of these, each that is allowed and needs no other one is done; those that it blocked are looked at, too.
 //! 3. Each of which the error is too large is split, the largest first. What needs it is split before.
-//! 4. Steps 2 and 3 repeat until nothing is due. Then the flagged segments are scanned (module `display`).
+//! 4. Steps 2 and 3 repeat until nothing changes. Then the flagged segments are scanned (module `display`).
 //!
 //! The result does not depend on the order of the work: a collapse never forbids another one, nor a split another split.
 //!
@@ -37,7 +37,7 @@
 //! Level-of-Detail-Based Rendering for Polygonal Models*, 1997.
 //!
 //! # Complexity
-//! Building takes O(n log n) time for n vertices. An update takes time for what is due, for the vertices below those that change, and for the segments in which these
+//! Building takes O(n log n) time for n vertices. An update takes time for the collapses looked at, for the vertices below those that change, and for the segments in which these
 //! are. The memory per vertex is in `docs/views.md`.
 
 mod bounds;
@@ -57,7 +57,6 @@ mod tests;
 mod vertex_tree;
 mod view;
 
-use super::index_map::check_strips;
 use super::level_table::LevelTable;
 use crate::collapse::{Collapse, CollapseSequence};
 use crate::error::Error;
@@ -81,7 +80,7 @@ pub use view::{SkipView, ViewGeomorphs, ViewSnapshot, ViewUpdate};
 #[doc = include_str!("skip/example.txt")]
 /// let mut view = model.view();
 /// for x in 0..8 {
-///     let update = view.update(&Camera::new([x as f32, 1.0, -2.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(2.0)?)?;
+///     let update = view.update(&Camera::new([x as f32, 1.0, -2.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(2.0))?;
 ///     // Only these ranges of the buffer have to be sent to the graphics processor.
 ///     assert!(update.changed.iter().all(|range| range.end <= view.indices().len()));
 /// }
@@ -94,9 +93,9 @@ pub struct SkipStrips {
     bounds: Option<Bounds>,
     strips: OriginalStrips,
     levels: LevelTable,
-    /// The leaders of all collapses in order from the full mesh; none for a collapse that renames nothing.
+    /// The ids of all collapses in order from the full mesh; none for a collapse that renames nothing.
     order: Vec<OptionalId>,
-    /// For each node the triangles that its collapse drops, if it is a leader, up to 255; the others are in `many_dropped`.
+    /// For each node the triangles that its collapse drops, if it is the id of a collapse, up to 255; the others are in `many_dropped`.
     dropped: Vec<u8>,
     many_dropped: Vec<(u32, u32)>,
     vertex_count: usize,
@@ -142,20 +141,21 @@ impl SkipStrips {
         sequence: &CollapseSequence,
         positions: Option<&P>,
     ) -> Result<Self, Error> {
-        check_strips(strips, sequence.vertex_count())?;
+        strips.check_vertices(sequence.vertex_count())?;
         check_triangles(strips, sequence)?;
         let (tree, numbers) = VertexTree::new(sequence)?;
-        let leader = |collapse: Collapse<'_>| collapse.renames.first().map(|first| numbers.of(first.removed));
-        let order: Vec<OptionalId> = sequence.iter().map(|collapse| leader(collapse).into()).collect();
+        let collapse_id =
+            |collapse: Collapse<'_>| collapse.renames.first().map(|first| numbers.of(first.removed));
+        let order: Vec<OptionalId> = sequence.iter().map(|collapse| collapse_id(collapse).into()).collect();
         let dependencies = Dependencies::new(sequence, &tree, &numbers);
         let bounds =
             positions.map(|positions| Bounds::new(positions, sequence, (&tree, &numbers), &dependencies));
         let mut dropped = vec![0; tree.len()];
         let mut many_dropped = Vec::new();
-        for (collapse, leader) in sequence.iter().zip(&order) {
-            let Some(leader) = leader.get() else { continue };
-            dropped[leader as usize] = u8::try_from(collapse.dropped.len()).unwrap_or_else(|_| {
-                many_dropped.push((leader, collapse.dropped.len() as u32));
+        for (collapse, collapse_id) in sequence.iter().zip(&order) {
+            let Some(collapse_id) = collapse_id.get() else { continue };
+            dropped[collapse_id as usize] = u8::try_from(collapse.dropped.len()).unwrap_or_else(|_| {
+                many_dropped.push((collapse_id, collapse.dropped.len() as u32));
                 u8::MAX
             });
         }
@@ -193,8 +193,8 @@ impl SkipStrips {
     /// ```
     pub fn height(&self) -> u32 {
         let mut heights = vec![0_u32; self.tree.len()];
-        for leader in self.order.iter().filter_map(|leader| leader.get()) {
-            for node in self.tree.members(leader) {
+        for collapse_id in self.order.iter().filter_map(|collapse_id| collapse_id.get()) {
+            for node in self.tree.members(collapse_id) {
                 if let Some(parent) = self.tree.parent(node) {
                     let height = heights[node as usize].max(heights[parent as usize]) + 1;
                     heights[parent as usize] = height;
@@ -250,12 +250,12 @@ impl SkipStrips {
 
     /// Counts the triangles that a collapse drops.
     #[inline]
-    fn dropped(&self, leader: u32) -> usize {
-        let dropped = self.dropped[leader as usize];
+    fn dropped(&self, collapse_id: u32) -> usize {
+        let dropped = self.dropped[collapse_id as usize];
         if dropped < u8::MAX {
             return dropped.into();
         }
-        let found = self.many_dropped.binary_search_by_key(&leader, |&(leader, _)| leader);
+        let found = self.many_dropped.binary_search_by_key(&collapse_id, |&(collapse_id, _)| collapse_id);
         found.map_or(dropped.into(), |i| self.many_dropped[i].1 as usize)
     }
 

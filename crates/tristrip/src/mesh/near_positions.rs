@@ -5,7 +5,7 @@
 //!
 //! # Complexity
 //! Constant time per position: a cell is [`CELL`] times as wide as the distance, so that most positions look at one cell and a few at up to eight,
-//! and at no more than [`MOST_IN_CELL`] positions of each. About 60 bytes per position.
+//! and at no more than [`MAX_IN_CELL`] positions of each. About 60 bytes per position.
 
 use std::collections::HashMap;
 
@@ -17,7 +17,7 @@ const CELL: f64 = 16.0;
 
 /// The number of positions of a cell that are looked at, the latest first. More than these are in a cell only if the distance is several times
 /// that between neighbours.
-const MOST_IN_CELL: usize = 1024;
+const MAX_IN_CELL: usize = 1024;
 
 /// Positions that are found by their distance.
 ///
@@ -34,11 +34,11 @@ pub struct NearPositions {
     distance: f64,
     /// The latest position of each cell. A random seed protects against files with colliding cells; no result depends on it.
     latest: HashMap<[u64; 3], OptionalId>,
-    entries: Vec<Entry>,
+    entries: Vec<CellEntry>,
 }
 
 #[derive(Debug)]
-struct Entry {
+struct CellEntry {
     number: u32,
     position: [f32; 3],
     /// The one that entered the cell before.
@@ -78,7 +78,7 @@ impl NearPositions {
         check_count("positions", self.entries.len() + 1)?;
         let entry = OptionalId::some(self.entries.len() as u32);
         let before = self.latest.insert(position.map(|x| self.cell(x.into())), entry);
-        self.entries.push(Entry { number, position, before: before.unwrap_or(OptionalId::NONE) });
+        self.entries.push(CellEntry { number, position, before: before.unwrap_or(OptionalId::NONE) });
         Ok(())
     }
 
@@ -111,10 +111,10 @@ impl NearPositions {
     }
 
     /// Iterates over the latest positions of a cell.
-    fn entries_of(&self, cell: [u64; 3]) -> impl Iterator<Item = &Entry> {
+    fn entries_of(&self, cell: [u64; 3]) -> impl Iterator<Item = &CellEntry> {
         let entry = |id: OptionalId| Some(&self.entries[id.get()? as usize]);
         let latest = self.latest.get(&cell).copied().and_then(entry);
-        std::iter::successors(latest, move |at| entry(at.before)).take(MOST_IN_CELL)
+        std::iter::successors(latest, move |at| entry(at.before)).take(MAX_IN_CELL)
     }
 
     /// Returns the cell of a coordinate. Where cells are narrower than coordinates can differ, each coordinate has its own.
@@ -177,6 +177,6 @@ mod tests {
     fn crowded_cells_take_linear_time() {
         let positions: Vec<[f32; 3]> = (0..30_000).map(|i| [i as f32 / 30_000.0, 0.0, 0.0]).collect();
         let grid = grid(1.0, &positions);
-        assert!(positions.iter().all(|&p| grid.near(p).count() <= 8 * MOST_IN_CELL));
+        assert!(positions.iter().all(|&p| grid.near(p).count() <= 8 * MAX_IN_CELL));
     }
 }

@@ -11,7 +11,7 @@ use crate::vector::{Point, dot};
 const NEAR: f64 = 0.85;
 
 /// The number of normals at a point that are compared.
-const MOST: usize = 32;
+const MAX_NORMALS: usize = 32;
 
 /// The normals that vertices have at the points of triangles.
 pub(super) struct KnownNormals {
@@ -48,7 +48,7 @@ impl KnownNormals {
     }
 
     fn best(&self, corner: usize, to: Point) -> Option<Point> {
-        let known = self.normals.row(self.points[corner]).iter().take(MOST);
+        let known = self.normals.row(self.points[corner]).iter().take(MAX_NORMALS);
         let best = known.map(|&normal| (dot(normal, to), normal)).max_by(|a, b| a.0.total_cmp(&b.0));
         best.map(|(_, normal)| normal)
     }

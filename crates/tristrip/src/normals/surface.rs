@@ -18,14 +18,14 @@ impl InnerEdge {
 }
 
 /// Triangles with their unit normals, over points.
-pub(super) struct Surface {
+pub(super) struct TriangleNormals {
     /// The point of each corner: vertices of one position are one point.
     points: Vec<u32>,
     /// The unit normal of each triangle; `None` for one without area.
     pub(super) normals: Vec<Option<Point>>,
 }
 
-impl Surface {
+impl TriangleNormals {
     pub(super) fn new(mesh: &Mesh, triangles: &[u32]) -> Result<Self, Error> {
         check_triangles(triangles.len())?;
         check_corners(triangles, mesh.vertex_count())?;

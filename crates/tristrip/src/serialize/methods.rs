@@ -29,9 +29,9 @@ fn parameters(method: Method) -> Vec<(&'static str, String)> {
 
 fn tunnel_parameters(tunnels: TunnelOptions) -> [(&'static str, String); 3] {
     [
-        ("length", tunnels.length().to_string()),
-        ("threshold", tunnels.threshold().to_string()),
-        ("start", tunnels.start().to_string()),
+        ("length", tunnels.length.to_string()),
+        ("threshold", tunnels.threshold.to_string()),
+        ("start", tunnels.start.to_string()),
     ]
 }
 

@@ -1,9 +1,10 @@
 use super::*;
 use crate::collapse::CollapseSequence;
+use crate::lod::RepairOptions;
 use crate::mesh::{Faces, Mesh};
 use crate::simplify::simplify;
 use crate::strip::Strips;
-use crate::stripify::{Acceptance, Localization, TunnelOptions, stripify};
+use crate::stripify::{Acceptance, Localization, Method, StripifyOptions, TunnelOptions, stripify};
 use serde::de::DeserializeOwned;
 
 fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(value: &T) -> String {
@@ -44,7 +45,7 @@ fn options_have_the_names_of_the_command() {
     let options = options.with_cost(Cost::Gl).with_objective(Objective::Misses).with_effort(Effort::MAX);
     assert!(round_trip(&options).contains(r#""effort":9"#));
     assert!(round_trip(&StripifyOptions::default()).contains(r#""effort":null"#));
-    let usual = StripifyOptions::default().effort();
+    let usual = StripifyOptions::default().effort_or_default();
     assert!(round_trip(&StripifyOptions::default().with_effort(usual)).contains(r#""effort":2"#));
     round_trip(&RepairOptions::default().with_seed(3).with_cost(Cost::Restart));
     round_trip(&SimplifyOptions::default().with_triangles(7).with_error(0.5).with_locked(vec![true, false]));

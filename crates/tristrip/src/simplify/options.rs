@@ -2,9 +2,9 @@
 
 use std::str::FromStr;
 
-use super::topology::MOST_TRIANGLES;
 use crate::error::Error;
 use crate::names::names;
+use crate::simplify::surface::topology::MAX_TRIANGLES;
 
 /// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
 ///
@@ -17,7 +17,7 @@ use crate::names::names;
 /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
 /// let only_texture = AttributeWeights { uv: 1.0, ..AttributeWeights::NONE };
 /// let options = SimplifyOptions::default().with_weights(only_texture);
-/// assert_eq!((options.weights().normal, SimplifyOptions::default().weights().normal), (0.0, 1.0));
+/// assert_eq!((options.weights.normal, options.weights.uv), (0.0, 1.0));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttributeWeights {
@@ -87,12 +87,6 @@ impl FromStr for AttributeWeights {
 }
 
 /// What a collapse costs: which one is done next, and what counts as the error.
-///
-/// ```
-/// use tristrip::simplify::{Price, SimplifyOptions};
-/// assert_eq!(SimplifyOptions::default().price(), Price::Distance);
-/// assert_eq!(SimplifyOptions::default().with_price(Price::Planes).price(), Price::Planes);
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Price {
@@ -132,17 +126,28 @@ names! {
 
 /// The limits of a simplification. Without a limit a mesh is simplified as far as its topology allows.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct SimplifyOptions {
-    triangle_count: usize,
-    error: Option<f32>,
-    locked: Vec<bool>,
-    error_factors: Vec<f32>,
-    locks_borders: bool,
-    vanishing: Vec<f32>,
-    is_permissive: bool,
-    weights: AttributeWeights,
-    price: Price,
-    weld_distance: f32,
+    /// The number of triangles to stop at.
+    pub triangle_count: usize,
+    /// The largest error of a collapse, in mesh units; `None` for any.
+    pub error: Option<f32>,
+    /// Whether each vertex is locked; vertices after the last value are not.
+    pub locked: Vec<bool>,
+    /// The factor of the errors at each vertex; see [`SimplifyOptions::with_error_factors`].
+    pub error_factors: Vec<f32>,
+    /// Whether the vertices at the borders of the surface are locked.
+    pub locked_borders: bool,
+    /// The error of the removal of each vertex's whole component, in mesh units; see [`SimplifyOptions::with_vanishing`].
+    pub vanishing: Vec<f32>,
+    /// Whether collapses may change the topology and move seams.
+    pub permissive: bool,
+    /// How much attributes count relative to the distance between the surfaces.
+    pub weights: AttributeWeights,
+    /// What a collapse costs.
+    pub price: Price,
+    /// The distance at which vertices at open borders are joined, in mesh units; 0 for equal positions only.
+    pub weld_distance: f32,
 }
 
 impl SimplifyOptions {
@@ -214,11 +219,6 @@ impl SimplifyOptions {
         self
     }
 
-    /// Returns by how much errors at each vertex count.
-    pub(super) fn error_factors(&self) -> &[f32] {
-        &self.error_factors
-    }
-
     /// Locks the vertices at the borders of the surface, so that the tiles of a terrain still fit together.
     ///
     /// ```
@@ -230,8 +230,8 @@ impl SimplifyOptions {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     #[must_use]
-    pub fn with_locked_borders(mut self, locks_borders: bool) -> Self {
-        self.locks_borders = locks_borders;
+    pub fn with_locked_borders(mut self, locked_borders: bool) -> Self {
+        self.locked_borders = locked_borders;
         self
     }
 
@@ -272,8 +272,8 @@ impl SimplifyOptions {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     #[must_use]
-    pub fn with_permissive(mut self, is_permissive: bool) -> Self {
-        self.is_permissive = is_permissive;
+    pub fn with_permissive(mut self, permissive: bool) -> Self {
+        self.permissive = permissive;
         self
     }
 
@@ -282,7 +282,7 @@ impl SimplifyOptions {
     /// ```
     /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
     /// let weights = AttributeWeights { uv: 2.0, ..AttributeWeights::default() };
-    /// assert_eq!(SimplifyOptions::default().with_weights(weights).weights(), &weights);
+    /// assert_eq!(SimplifyOptions::default().with_weights(weights).weights, weights);
     /// ```
     #[must_use]
     pub fn with_weights(mut self, weights: AttributeWeights) -> Self {
@@ -333,98 +333,9 @@ impl SimplifyOptions {
         self
     }
 
-    /// Returns the distance at which vertices at open borders are joined, in mesh units; 0 for equal positions only.
-    ///
-    /// ```
-    /// assert_eq!(tristrip::simplify::SimplifyOptions::default().weld_distance(), 0.0);
-    /// ```
-    pub fn weld_distance(&self) -> f32 {
-        self.weld_distance
-    }
-
-    /// Returns what a collapse costs.
-    ///
-    /// ```
-    /// use tristrip::simplify::{Price, SimplifyOptions};
-    /// assert_eq!(SimplifyOptions::default().price(), Price::Distance);
-    /// ```
-    pub fn price(&self) -> Price {
-        self.price
-    }
-
-    /// Returns how much attributes count.
-    ///
-    /// ```
-    /// use tristrip::simplify::SimplifyOptions;
-    /// assert_eq!(SimplifyOptions::default().weights().normal, 1.0);
-    /// ```
-    pub fn weights(&self) -> &AttributeWeights {
-        &self.weights
-    }
-
-    /// Returns the number of triangles to stop at.
-    ///
-    /// ```
-    /// use tristrip::simplify::SimplifyOptions;
-    /// assert_eq!(SimplifyOptions::default().triangle_count(), 0);
-    /// assert_eq!(SimplifyOptions::default().with_triangles(500).triangle_count(), 500);
-    /// ```
-    pub fn triangle_count(&self) -> usize {
-        self.triangle_count
-    }
-
-    /// Returns the largest error allowed, in mesh units; `None` for any.
-    ///
-    /// ```
-    /// use tristrip::simplify::SimplifyOptions;
-    /// assert_eq!(SimplifyOptions::default().error(), None);
-    /// assert_eq!(SimplifyOptions::default().with_error(0.1).error(), Some(0.1));
-    /// ```
-    pub fn error(&self) -> Option<f32> {
-        self.error
-    }
-
-    /// Returns which vertices are locked; those after the last value are not.
-    ///
-    /// ```
-    /// use tristrip::simplify::SimplifyOptions;
-    /// assert!(SimplifyOptions::default().locked().is_empty());
-    /// assert_eq!(SimplifyOptions::default().with_locked(vec![false, true]).locked(), [false, true]);
-    /// ```
-    pub fn locked(&self) -> &[bool] {
-        &self.locked
-    }
-
-    /// Checks whether the vertices at borders are locked.
-    ///
-    /// ```
-    /// assert!(!tristrip::simplify::SimplifyOptions::default().locks_borders());
-    /// ```
-    pub fn locks_borders(&self) -> bool {
-        self.locks_borders
-    }
-
-    /// Returns the error of the removal of each vertex's component, in mesh units.
-    ///
-    /// ```
-    /// assert!(tristrip::simplify::SimplifyOptions::default().vanishing().is_empty());
-    /// ```
-    pub fn vanishing(&self) -> &[f32] {
-        &self.vanishing
-    }
-
-    /// Checks whether the topology may change.
-    ///
-    /// ```
-    /// assert!(!tristrip::simplify::SimplifyOptions::default().is_permissive());
-    /// ```
-    pub fn is_permissive(&self) -> bool {
-        self.is_permissive
-    }
-
     /// Checks whether any collapse may change the topology.
     pub(super) fn may_break(&self) -> bool {
-        self.is_permissive || !self.vanishing.is_empty()
+        self.permissive || !self.vanishing.is_empty()
     }
 
     /// Checks the error limit, the distances and the weights.
@@ -453,8 +364,8 @@ impl SimplifyOptions {
     /// Checks the options for a mesh.
     pub(super) fn check(&self, vertex_count: usize, corner_count: usize) -> Result<(), Error> {
         self.check_limits()?;
-        if corner_count / 3 > MOST_TRIANGLES {
-            let (found, limit) = (corner_count as u64 / 3, MOST_TRIANGLES as u64);
+        if corner_count / 3 > MAX_TRIANGLES {
+            let (found, limit) = (corner_count as u64 / 3, MAX_TRIANGLES as u64);
             return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
         }
         if let Some(found) = self.error_factors.iter().find(|factor| !(**factor >= 0.0 && factor.is_finite()))

@@ -1,90 +1,9 @@
-//! The order of the collapses of a pass, which are found in another one.
-//!
-//! Two collapses whose points have no neighbour in common do not touch each other: they give the same in either order. All others keep
-//! their order. Each collapse gets a key, its price or the largest key of those before it in the pass that had one of its neighbours,
-//! whichever is more; sorted by key, and of equal keys in the order in which they were found, each comes after all that it depends on.
-//!
-//! Passes follow each other. So the collapses to some number of triangles are the first of those to any smaller number, whenever a
-//! simplification stops.
+//! The order of the collapses: passes and queues, limits, the levels of a merge tree, and several meshes simplified as one.
 
-use crate::collapse::CollapseSequence;
-
-/// The place of a collapse: the pass, and the key within it.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    pass: u32,
-    key: f32,
-}
-
-/// The order of the collapses of a sequence.
-#[derive(Debug)]
-pub(super) struct CollapseOrder {
-    places: Vec<Place>,
-    /// For each point the place of the last collapse that had it as a neighbour.
-    latest: Vec<Place>,
-    /// The largest key.
-    greatest: f32,
-}
-
-impl CollapseOrder {
-    pub(super) fn new(point_count: usize) -> Self {
-        Self { places: Vec::new(), latest: vec![Place { pass: 0, key: 0.0 }; point_count], greatest: 0.0 }
-    }
-
-    /// Adds a collapse of a pass, counted from 1, with its price, at least 0; the neighbours include the point that it goes to.
-    pub(super) fn push(&mut self, pass: u32, price: f32, neighbours: &[u32]) {
-        let of_pass =
-            neighbours.iter().map(|&p| self.latest[p as usize]).filter(|latest| latest.pass == pass);
-        let key = of_pass.map(|latest| latest.key).fold(price, f32::max);
-        let place = Place { pass, key };
-        neighbours.iter().for_each(|&p| self.latest[p as usize] = place);
-        self.greatest = self.greatest.max(key);
-        self.places.push(place);
-    }
-
-    /// Returns the largest key, 0 without any.
-    pub(super) fn greatest(&self) -> f32 {
-        self.greatest
-    }
-
-    /// Sorts the collapses of a sequence, and removes those after the first level of at most `triangle_count` triangles. Returns the greatest
-    /// key so far for each of those that are left.
-    pub(super) fn apply(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
-        // The bits of numbers from 0 on have the order of the numbers.
-        let rank = |place: &Place| u64::from(place.pass) << 32 | u64::from(place.key.to_bits());
-        let mut order: Vec<(u64, u32)> = self.places.iter().map(rank).zip(0..).collect();
-        order.sort_unstable();
-        let numbers: Vec<u32> = order.into_iter().map(|(_, number)| number).collect();
-        sequence.reorder(&numbers, triangle_count);
-        let mut greatest = 0.0_f32;
-        let so_far = numbers[..sequence.len()].iter().map(|&number| {
-            greatest = greatest.max(self.places[number as usize].key);
-            greatest
-        });
-        so_far.collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::collapse::Rename;
-
-    #[test]
-    fn collapses_are_sorted_within_a_pass_and_after_those_they_depend_on() {
-        // Five separate triangles, of which each collapse drops one.
-        let mut sequence = CollapseSequence::new(15, (0..15).collect()).unwrap();
-        let mut order = CollapseOrder::new(10);
-        let found =
-            [(1, 3.0, [0, 1]), (1, 1.0, [1, 2]), (1, 2.0, [3, 4]), (2, 0.5, [1, 5]), (2, 0.25, [6, 7])];
-        for (number, (pass, price, neighbours)) in (0..).zip(found) {
-            order.push(pass, price, &neighbours);
-            sequence.push(&[Rename { removed: 3 * number, kept: 3 * number + 1 }], &[number], price);
-        }
-        assert_eq!(order.greatest().to_bits(), 3.0_f32.to_bits());
-        let costs = order.apply(1, &mut sequence);
-        let dropped: Vec<u32> = sequence.iter().flat_map(|collapse| collapse.dropped).copied().collect();
-        assert_eq!(dropped, [2, 0, 1, 4]);
-        assert_eq!(costs, [2.0, 3.0, 3.0, 3.0]);
-    }
-}
+pub(crate) mod ahead;
+pub(crate) mod collapse_order;
+pub(crate) mod decimate;
+pub(crate) mod joined;
+pub(crate) mod merge_tree;
+pub(crate) mod queue;
+pub(crate) mod stopped;

@@ -22,7 +22,7 @@ pub(super) struct ChunkHead {
 }
 
 /// The most bytes of a head with its checksum.
-pub(super) const MOST_HEAD_BYTES: usize = 5 * 5 + 4 + 4;
+pub(super) const MAX_HEAD_BYTES: usize = 5 * 5 + 4 + 4;
 
 pub(super) fn push_number(bytes: &mut Vec<u8>, mut number: u32) {
     while number >= 0x80 {
@@ -81,7 +81,7 @@ pub(super) struct NotANumber;
 impl ChunkHead {
     /// Returns the bytes of a chunk.
     pub(super) fn with_payload(self, payload: &[u8]) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(MOST_HEAD_BYTES + payload.len());
+        let mut bytes = Vec::with_capacity(MAX_HEAD_BYTES + payload.len());
         for number in [self.stream, payload.len() as u32, self.visits, self.level, self.triangles] {
             push_number(&mut bytes, number);
         }

@@ -1,6 +1,6 @@
 //! Decodes a stream as its bytes arrive.
 
-use super::chunk::{ChunkHead, MOST_HEAD_BYTES, checksum};
+use super::chunk::{ChunkHead, MAX_HEAD_BYTES, checksum};
 use super::fault::{Fault, StreamError};
 use super::part::StreamPart;
 
@@ -193,7 +193,7 @@ impl Decoder {
             let taken = if waiting.is_empty() {
                 self.next_chunk(bytes)
             } else {
-                let head = bytes.len().min(MOST_HEAD_BYTES);
+                let head = bytes.len().min(MAX_HEAD_BYTES);
                 let known = waiting.len();
                 waiting.extend(&bytes[..head]);
                 if let Some(Ok((chunk, _, length))) = ChunkHead::read(&waiting) {
@@ -228,15 +228,17 @@ impl Decoder {
 
     /// Decodes the chunk at the start of bytes; returns its length, or `None` if it is not complete.
     fn next_chunk(&mut self, bytes: &[u8]) -> Result<Option<usize>, StreamError> {
-        let at = format!("chunk {} at byte {}", self.chunk_count, self.offset);
-        let fault = |fault: Fault| {
-            let Fault { found, expected, exceeded } = fault;
-            StreamError { at: at.clone(), found, expected, exceeded }
-        };
+        self.decode_chunk(bytes).map_err(|Fault { found, expected, exceeded }| {
+            let at = format!("chunk {} at byte {}", self.chunk_count, self.offset);
+            StreamError { at, found, expected, exceeded }
+        })
+    }
+
+    fn decode_chunk(&mut self, bytes: &[u8]) -> Result<Option<usize>, Fault> {
         let (head, expected, head_bytes) = match ChunkHead::read(bytes) {
             None => return Ok(None),
             Some(Err(_)) => {
-                return Err(fault(Fault::new("a number of more than 32 bits", "the head of a chunk")));
+                return Err(Fault::new("a number of more than 32 bits", "the head of a chunk"));
             }
             Some(Ok(read)) => read,
         };
@@ -244,18 +246,18 @@ impl Decoder {
         if length > self.limits.chunk_bytes {
             let limit = self.limits.chunk_bytes;
             let words = (format!("{length} bytes"), format!("at most {limit}"));
-            return Err(fault(Fault::limit(words, "bytes of a chunk", (length as u64, limit as u64))));
+            return Err(Fault::limit(words, "bytes of a chunk", (length as u64, limit as u64)));
         }
         if head.stream as usize >= self.limits.meshes {
             let limit = self.limits.meshes;
-            let words = (format!("mesh {}", head.stream), format!("at most {limit} meshes"));
-            return Err(fault(Fault::limit(words, "meshes", (u64::from(head.stream) + 1, limit as u64))));
+            let words = (format!("mesh {}", head.stream), format!("a number below {limit}"));
+            return Err(Fault::limit(words, "meshes", (u64::from(head.stream) + 1, limit as u64)));
         }
         let Some(payload) = bytes.get(head_bytes..head_bytes + length) else { return Ok(None) };
         let found = checksum(&bytes[..head_bytes - 4], payload);
         if found != expected {
             let expected = format!("{expected:08x}: the chunk is damaged");
-            return Err(fault(Fault::new(format!("checksum {found:08x}"), expected)));
+            return Err(Fault::new(format!("checksum {found:08x}"), expected));
         }
         let others: usize = self.parts().map(StreamPart::triangle_count).sum();
         let index = head.stream as usize;
@@ -270,7 +272,7 @@ impl Decoder {
         let most = self.limits.triangles.saturating_sub(others - own);
         if head.triangles as usize > most {
             let words = (format!("{} triangles", head.triangles), format!("at most {most}"));
-            return Err(fault(Fault::limit(words, "triangles", (head.triangles.into(), most as u64))));
+            return Err(Fault::limit(words, "triangles", (head.triangles.into(), most as u64)));
         }
         let result = match &mut self.parts[index] {
             Some(part) => part.refine(&head, payload, (most, most_corners)),
@@ -279,7 +281,7 @@ impl Decoder {
         if let Some(part) = self.parts[index].as_mut().filter(|_| self.keeps_strips) {
             part.keep_strips();
         }
-        result.map_err(fault)?;
+        result?;
         self.chunk_count += 1;
         self.offset += (head_bytes + length) as u64;
         Ok(Some(head_bytes + length))

@@ -10,7 +10,7 @@ use super::places::{ESTIMATES, Estimates, WEIGHT_ONE, Weights};
 type Row = [f64; ESTIMATES + 1];
 
 /// Where weights of this size and more are cut off.
-const MOST_WEIGHT: f64 = 255.0;
+const MAX_WEIGHT: f64 = 255.0;
 /// A distance, in 1/16, below which all count the same.
 const NEAR: f64 = 16.0;
 
@@ -67,7 +67,7 @@ impl Fit {
             for side in 0..2 {
                 if let Some(solution) = solve(sums[side]) {
                     for (weight, x) in weights.iter_mut().zip(solution) {
-                        let steps = (x * WEIGHT_ONE as f64).clamp(-MOST_WEIGHT, MOST_WEIGHT);
+                        let steps = (x * WEIGHT_ONE as f64).clamp(-MAX_WEIGHT, MAX_WEIGHT);
                         weight[side] = (steps + 0.5).floor() as i32;
                     }
                 }

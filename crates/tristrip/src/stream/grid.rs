@@ -138,7 +138,7 @@ pub(super) struct AttributeBits {
 }
 
 /// The most bits of whole numbers that are kept exactly.
-const MOST_EXACT_BITS: u32 = 24;
+const MAX_EXACT_BITS: u32 = 24;
 
 impl Channel {
     /// Chooses the grid of an attribute.
@@ -193,7 +193,7 @@ impl Channel {
         }
         // Numbers such as those of features, also where they are stored as floats.
         let is_whole = !is_float || (0..attribute.data.len()).all(|i| value(i).fract() == 0.0);
-        if is_whole && extent < f64::from(1_u32 << MOST_EXACT_BITS) {
+        if is_whole && extent < f64::from(1_u32 << MAX_EXACT_BITS) {
             channel.step = 1.0;
             channel.bits = u32::BITS - (extent as u32).leading_zeros();
             if is("JOINTS") || attribute.name == PART {
@@ -202,11 +202,11 @@ impl Channel {
             return Ok(channel);
         }
         channel.bits = match () {
-            () if !is_float => MOST_EXACT_BITS,
+            () if !is_float => MAX_EXACT_BITS,
             () if is("TEXCOORD") => {
                 // A texture that is repeated has as many steps in each repeat.
-                let repeats = extent.ceil().clamp(1.0, f64::from(1_u32 << MOST_EXACT_BITS)) as u32;
-                (bits.uv + repeats.next_power_of_two().ilog2()).min(MOST_EXACT_BITS)
+                let repeats = extent.ceil().clamp(1.0, f64::from(1_u32 << MAX_EXACT_BITS)) as u32;
+                (bits.uv + repeats.next_power_of_two().ilog2()).min(MAX_EXACT_BITS)
             }
             () => bits.other,
         };

@@ -3,14 +3,14 @@
 use super::channels::{ChannelKind, ChannelModel};
 use super::chunk::{Reader, push_number};
 use super::grid::{Channel, Grid, ValueType};
-use super::places::{ESTIMATES, MOST_BITS, USUAL_WEIGHTS, Weights};
+use super::places::{ESTIMATES, MAX_BITS, USUAL_WEIGHTS, Weights};
 use crate::entropy::numbers::code_small;
 use crate::entropy::range_coder::BitCoder;
 use crate::entropy::slots::Simple;
 
 /// The most attributes of a mesh, and the most bytes of a name.
-const MOST_CHANNELS: u32 = 64;
-const MOST_NAME_BYTES: u32 = 256;
+const MAX_CHANNELS: u32 = 64;
+const MAX_NAME_BYTES: u32 = 256;
 
 /// What the first chunk says before the base mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +74,7 @@ impl Head {
         };
         let byte = |reader: &mut Reader<'_>| reader.byte().ok_or_else(|| short.clone());
         let [position_bits, unknown_bits] = [u32::from(byte(reader)?), u32::from(byte(reader)?)];
-        if position_bits == 0 || position_bits > MOST_BITS || unknown_bits >= position_bits {
+        if position_bits == 0 || position_bits > MAX_BITS || unknown_bits >= position_bits {
             let found = format!("{position_bits} bits, {unknown_bits} of them unknown");
             return fault(found, "1 to 16 bits per coordinate, and fewer unknown ones");
         }
@@ -95,13 +95,13 @@ impl Head {
             *count = number(reader)?;
         }
         let [base_triangles, levels, triangles, vertices, channel_count] = counts;
-        if channel_count > MOST_CHANNELS {
+        if channel_count > MAX_CHANNELS {
             return fault(format!("{channel_count} attributes"), "at most 64");
         }
         let mut channels = Vec::new();
         for _ in 0..channel_count {
             let length = number(reader)?;
-            if length > MOST_NAME_BYTES {
+            if length > MAX_NAME_BYTES {
                 return fault(format!("a name of {length} bytes"), "at most 256 bytes");
             }
             let name = reader.take(length as usize).ok_or_else(|| short.clone())?;

@@ -1,18 +1,22 @@
 //! How a mesh is encoded as a stream.
 
 use super::grid::AttributeBits;
-use super::places::MOST_BITS;
+use super::places::MAX_BITS;
 use crate::error::Error;
 
 /// How a mesh is encoded.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct StreamOptions {
-    pub(super) position_bits: u32,
+    /// The bits of a coordinate: 4 to 16.
+    pub position_bits: u32,
     pub(super) attribute_bits: AttributeBits,
     pub(super) least_chunk_bytes: usize,
     pub(super) most_chunk_bytes: usize,
-    pub(super) bounds: Option<[[f32; 3]; 2]>,
-    pub(super) is_exact: bool,
+    /// Two corners of a box that the grid of the positions covers in addition to the mesh; see [`StreamOptions::with_bounds`].
+    pub bounds: Option<[[f32; 3]; 2]>,
+    /// Whether positions have all bits at every level; see [`StreamOptions::with_exact_positions`].
+    pub exact_positions: bool,
 }
 
 impl Default for StreamOptions {
@@ -25,7 +29,7 @@ impl Default for StreamOptions {
             least_chunk_bytes: 1 << 10,
             most_chunk_bytes: 1 << 12,
             bounds: None,
-            is_exact: false,
+            exact_positions: false,
         }
     }
 }
@@ -33,21 +37,37 @@ impl Default for StreamOptions {
 impl StreamOptions {
     /// Sets the bits of a coordinate: 4 to 16.
     ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let encoded = |bits| {
+    ///     let options = StreamOptions::default().with_position_bits(bits);
+    ///     encode(&mesh, &batches.sequence, &batches.level_ends, 0, &options)
+    /// };
+    /// assert!(encoded(12)?.position_error > stream.position_error);
+    /// assert!(encoded(17).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_position_bits(self, bits: u32) -> Self {
+        Self { position_bits: bits, ..self }
+    }
+
+    /// Checks the bits of a coordinate, as [`encode`](super::encode) does.
+    ///
     /// # Errors
-    /// There are fewer or more.
+    /// There are fewer than 4 or more than 16.
     ///
     /// ```
     /// use tristrip::stream::StreamOptions;
-    /// assert!(StreamOptions::default().with_position_bits(12).is_ok());
-    /// assert!(StreamOptions::default().with_position_bits(17).is_err());
+    /// assert!(StreamOptions::default().with_position_bits(12).check().is_ok());
+    /// assert!(StreamOptions::default().with_position_bits(17).check().is_err());
     /// ```
-    pub fn with_position_bits(mut self, bits: u32) -> Result<Self, Error> {
-        if !(4..=MOST_BITS).contains(&bits) {
-            let found = bits.to_string();
-            return Err(Error::Parameter { name: "position-bits", found, expected: "4 to 16" });
+    pub fn check(&self) -> Result<(), Error> {
+        if (4..=MAX_BITS).contains(&self.position_bits) {
+            return Ok(());
         }
-        self.position_bits = bits;
-        Ok(self)
+        let found = self.position_bits.to_string();
+        Err(Error::Parameter { name: "position-bits", found, expected: "4 to 16" })
     }
 
     /// Sets two corners of a box that the grid of the positions covers, besides the mesh: meshes with the same box that lie in it have the same grid, so that they meet
@@ -79,7 +99,7 @@ impl StreamOptions {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn with_exact_positions(self, is_exact: bool) -> Self {
-        Self { is_exact, ..self }
+    pub fn with_exact_positions(self, exact_positions: bool) -> Self {
+        Self { exact_positions, ..self }
     }
 }

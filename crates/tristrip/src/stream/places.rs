@@ -40,10 +40,10 @@ pub(super) const USUAL_WEIGHTS: Weights = [[[42, 13], [-6, -12], [12, 14], [32, 
 const ONE: i64 = 16 * WEIGHT_ONE;
 
 /// The largest Laplacian: twice the size of the grid. Larger ones are those of fans with so many others around that their number has wrapped.
-const MOST_LAPLACIAN: i64 = 1 << 21;
+const MAX_LAPLACIAN: i64 = 1 << 21;
 
 /// The most bits of a coordinate.
-pub(super) const MOST_BITS: u32 = 16;
+pub(super) const MAX_BITS: u32 = 16;
 
 /// The sets of numbers: coordinates beside the normal, those along it, and those of the base mesh.
 const ALONG: usize = 1;
@@ -155,7 +155,7 @@ impl Estimates {
             self.others[0][j] = -mean;
             self.others[1][j] = 8 * (start[j] + end[j]) - mean;
             let laplacian = (i64::from(laplacians[j]) * of_around) >> 12;
-            self.others[2][j] = laplacian.clamp(-MOST_LAPLACIAN, MOST_LAPLACIAN);
+            self.others[2][j] = laplacian.clamp(-MAX_LAPLACIAN, MAX_LAPLACIAN);
             self.others[3][j] = if area == 0 { 0 } else { ((centre[j] * of_area) >> (28 - surplus)) - mean };
             self.spreads[j] = number * squares[j] - sum[j] * sum[j];
         }

@@ -13,7 +13,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::surface::{MOST_CORNERS, NONE, Ring, Surface, corners_of, next, previous, triangle_of};
+use super::surface::{MAX_CORNERS, NONE, Ring, Surface, corners_of, next, previous, triangle_of};
 use crate::collapse::{Collapse, CollapseSequence, Rename};
 use crate::mesh::{is_degenerate, triangles_of};
 
@@ -213,7 +213,7 @@ impl Plan {
         let count = ring.len() - usize::from(start_added) - usize::from(end_added);
         // A fan of many corners is not split.
         self.surface.ring(kept?, NONE, &mut of_kept);
-        let is_small = of_kept.corners().len() + count <= MOST_CORNERS / 2;
+        let is_small = of_kept.corners().len() + count <= MAX_CORNERS / 2;
         let is_at_end = !end_added || place(added[1])? % ring.len() == (start + count) % ring.len();
         // An open fan starts with S, and a closed one has both.
         let is_whole =

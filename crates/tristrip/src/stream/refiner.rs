@@ -10,7 +10,7 @@ use super::fit::Fit;
 use super::places::{Estimates, PlaceModel, Weights};
 use super::splits::SplitModel;
 use super::strips::KeptStrips;
-use super::surface::{MOST_CORNERS, NONE, Ring, Split, Surface, triangle_of};
+use super::surface::{MAX_CORNERS, NONE, Ring, Split, Surface, triangle_of};
 use crate::entropy::range_coder::{BitCoder, code_bits};
 use crate::entropy::slots::Simple;
 
@@ -75,7 +75,7 @@ pub(super) struct Refiner {
 pub(super) const FOLLOWS: u32 = 1 << 31;
 
 /// The fans of a point among which one is chosen.
-const MOST_TWINS: u32 = 1024;
+const MAX_TWINS: u32 = 1024;
 
 /// Contexts of single flags.
 const MORE_REFINING: usize = 0;
@@ -200,7 +200,7 @@ impl Refiner {
             }
             self.surface.ring(fan, self.batch, &mut self.ring);
             let n = self.ring.corners().len();
-            if n == 0 || n > MOST_CORNERS {
+            if n == 0 || n > MAX_CORNERS {
                 break;
             }
             self.code_group(coder, fan, group.unwrap_or(&[]));
@@ -263,7 +263,7 @@ impl Refiner {
             of = self.code_twin(coder, fan, wanted.get(number).map_or(fan, |wanted| wanted.fan));
             self.surface.ring(of, self.batch, &mut self.ring);
             let n = self.ring.corners().len();
-            if n == 0 || n > MOST_CORNERS || self.is_too_large(coder) {
+            if n == 0 || n > MAX_CORNERS || self.is_too_large(coder) {
                 break;
             }
         }
@@ -284,7 +284,7 @@ impl Refiner {
     /// Codes a fan of the point of another one, whose number is counted from it.
     fn code_twin<C: BitCoder>(&self, coder: &mut C, fan: u32, wanted: u32) -> u32 {
         let (mut count, mut place, mut twin) = (1, 0, self.twin_of(fan));
-        while twin != fan && count < MOST_TWINS {
+        while twin != fan && count < MAX_TWINS {
             if twin == wanted {
                 place = count;
             }

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::chunk::{ChunkHead, MOST_HEAD_BYTES};
+use super::chunk::{ChunkHead, MAX_HEAD_BYTES};
 use super::{Decoder, EncodedStream, StreamLimits, StreamOptions, StreamPart, encode, unsplittable};
 use crate::mesh::{Attribute, AttributeData, Faces, Mesh};
 use crate::random::Random;
@@ -131,7 +131,7 @@ pub(super) fn fingerprints(decoder: &Decoder) -> Vec<(usize, u32)> {
 /// Splits bytes into the heads and payloads of chunks.
 pub(super) fn chunks_of(mut bytes: &[u8]) -> Vec<(ChunkHead, Vec<u8>)> {
     let mut chunks = Vec::new();
-    while let Some(Ok((head, _, length))) = ChunkHead::read(&bytes[..bytes.len().min(MOST_HEAD_BYTES)]) {
+    while let Some(Ok((head, _, length))) = ChunkHead::read(&bytes[..bytes.len().min(MAX_HEAD_BYTES)]) {
         let end = length + head.payload_bytes as usize;
         chunks.push((head, bytes[length..end].to_vec()));
         bytes = &bytes[end..];

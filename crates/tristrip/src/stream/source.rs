@@ -33,6 +33,7 @@ impl<'a> Source<'a> {
         level_ends: &[u32],
         options: &StreamOptions,
     ) -> Result<Self, Error> {
+        options.check()?;
         if sequence.vertex_count() != mesh.vertex_count() {
             let found = format!("collapses over {} vertices", sequence.vertex_count());
             return Err(Error::Parameter { name: "sequence", found, expected: "the vertices of the mesh" });
@@ -72,7 +73,7 @@ impl<'a> Source<'a> {
                 expected: "at most 64, with names of at most 256 bytes",
             });
         }
-        let &StreamOptions { position_bits, is_exact, .. } = options;
+        let &StreamOptions { position_bits, exact_positions: is_exact, .. } = options;
         Ok(Self { mesh, sequence, plan, grid, position_bits, is_exact, channels, batches })
     }
 

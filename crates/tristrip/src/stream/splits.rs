@@ -19,7 +19,7 @@
 //! Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000 (batches of splits, and marks of what splits).
 
 use super::fans::{Fan, square_distance};
-use super::surface::{MOST_CORNERS, Ring, Split, Surface};
+use super::surface::{MAX_CORNERS, Ring, Split, Surface};
 use crate::entropy::numbers::logarithm;
 use crate::entropy::range_coder::{BitCoder, WHOLE, code_bits};
 use crate::entropy::scores::{Scores, weight_of};
@@ -42,9 +42,9 @@ const BORDER: u8 = 0;
 /// How slowly the scores of runs move: by one part in 2⁴ of an error.
 const RUN_RATE: i32 = 4;
 /// A fan of more corners has no choices by scores.
-const MOST_CHOICES: usize = 15;
+const MAX_CHOICES: usize = 15;
 /// Edges of such a fan, at most, and cells in which an index of four bits cannot be wrong.
-const EDGES: usize = MOST_CHOICES + 1;
+const EDGES: usize = MAX_CHOICES + 1;
 
 /// The models of splits.
 #[derive(Debug, Clone)]
@@ -79,7 +79,7 @@ impl SplitModel {
     ) -> bool {
         let (open, count) = (usize::from(fan.is_open), usize::from(fan.count));
         let free = count.saturating_sub(open + fan.used(batch) as usize);
-        if !(2..=MOST_CORNERS).contains(&count) || free == 0 && !fan.is_open {
+        if !(2..=MAX_CORNERS).contains(&count) || free == 0 && !fan.is_open {
             return false;
         }
         let [x, y, z] = fan.laplacian().map(|x| u64::from(x.unsigned_abs()));
@@ -103,7 +103,7 @@ impl SplitModel {
     ) -> Split {
         let (n, is_open) = (ring.corners().len(), ring.is_open);
         let is_free = |i: usize| surface.mark(ring.corners()[i]) != batch;
-        let can_move = if n > MOST_CHOICES { (0..n).any(is_free) } else { ring.free != 0 };
+        let can_move = if n > MAX_CHOICES { (0..n).any(is_free) } else { ring.free != 0 };
         if is_open {
             let moves_none = wanted.is_some_and(|split| split.count == 0);
             if !can_move || self.sides.code(coder, 0, moves_none) {
@@ -115,7 +115,7 @@ impl SplitModel {
         let run = wanted.map_or([0, 1], |split| [split.start, split.count]);
         let [start, count] = match () {
             () if !can_move => [0, 1],
-            () if n > MOST_CHOICES => code_plain(coder, is_free, (n, is_open), run),
+            () if n > MAX_CHOICES => code_plain(coder, is_free, (n, is_open), run),
             () => self.code_run(coder, fans, (fan, ring), run),
         };
         let mut adds = [true; 2];
@@ -138,7 +138,7 @@ impl SplitModel {
         [wanted_start, wanted_count]: [usize; 2],
     ) -> [usize; 2] {
         // 1. Where so many free corners follow one another, as bits; around a closed fan not all.
-        let (n, is_open) = (ring.corners().len().min(MOST_CHOICES), ring.is_open);
+        let (n, is_open) = (ring.corners().len().min(MAX_CHOICES), ring.is_open);
         let twice = if is_open { ring.free } else { ring.free | ring.free << n };
         let largest = if is_open { n } else { (n - 1).max(1) };
         let (mut starts, mut longest) = ([ring.free; EDGES], 1);
@@ -170,7 +170,7 @@ impl SplitModel {
             return starts.trailing_zeros() as usize;
         }
         // 1. The scores: those of its first edge, of the edges within, and of the last edge. Around a closed fan, edges are counted twice.
-        let (n, is_open) = (ring.corners().len().min(MOST_CHOICES), ring.is_open);
+        let (n, is_open) = (ring.corners().len().min(MAX_CHOICES), ring.is_open);
         let edge_count = if is_open { n + 1 } else { n };
         let features = edge_features(fans, fan, ring, edge_count);
         let (mut firsts, mut ends, mut within) = ([0_i32; EDGES], [0_i32; 2 * EDGES], 0_i32);

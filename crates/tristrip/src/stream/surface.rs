@@ -18,7 +18,7 @@
 pub(super) const NONE: u32 = u32::MAX;
 
 /// A fan of more corners is not split, so that the time of a split has a bound.
-pub(super) const MOST_CORNERS: usize = 1024;
+pub(super) const MAX_CORNERS: usize = 1024;
 
 /// Returns the next corner of the same triangle. Which one it is cannot be predicted, so that a branch would be expensive.
 #[inline]
@@ -150,7 +150,7 @@ impl Surface {
         (opposite != NONE).then(|| previous(opposite))
     }
 
-    /// Collects the corners of a fan counterclockwise, at most [`MOST_CORNERS`] and one more; `used` is the mark of triangles that are not free.
+    /// Collects the corners of a fan counterclockwise, at most [`MAX_CORNERS`] and one more; `used` is the mark of triangles that are not free.
     #[inline]
     pub(super) fn ring(&self, fan: u32, used: u32, ring: &mut Ring) {
         ring.clear();
@@ -171,7 +171,7 @@ impl Surface {
                 break self.fan(previous(corner));
             }
             corner = next(opposite);
-            if corner == first || n > MOST_CORNERS {
+            if corner == first || n > MAX_CORNERS {
                 ring.is_open = false;
                 break ring.around[0];
             }
@@ -309,7 +309,7 @@ pub(super) struct Ring {
 impl Ring {
     pub(super) fn new() -> Self {
         // Twice, so that runs need not end at the last corner.
-        let cells = vec![NONE; 2 * MOST_CORNERS + 2];
+        let cells = vec![NONE; 2 * MAX_CORNERS + 2];
         Self { length: 0, corners: cells.clone(), around: cells, is_open: true, free: 0 }
     }
 

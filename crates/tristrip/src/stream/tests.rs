@@ -180,7 +180,7 @@ fn a_grid_has_few_triangles_at_first_and_precise_positions_at_last() {
 fn positions_have_as_many_bits_as_asked_for() {
     let mesh = grid(6, 6);
     for bits in [4, 8, 16] {
-        let options = StreamOptions::default().with_position_bits(bits).unwrap();
+        let options = StreamOptions::default().with_position_bits(bits);
         let (_, stream) = stream_of(&mesh, 0, &options);
         let decoder = decoded(&stream.bytes());
         let part = decoder.part(0).unwrap();

@@ -39,12 +39,12 @@ pub(super) struct DirectedStrip<'a> {
 
 /// Consecutive vertices of a strip, sent from the first or from the last.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Run<'a> {
+pub(super) struct StripRun<'a> {
     vertices: &'a [u32],
     reversed: bool,
 }
 
-impl Run<'_> {
+impl StripRun<'_> {
     /// Counts the vertices.
     pub(super) fn len(self) -> usize {
         self.vertices.len()
@@ -63,10 +63,10 @@ impl Run<'_> {
 
 impl<'a> DirectedStrip<'a> {
     /// Returns the vertices in the order in which they are sent, in two runs, because the strip may begin inside its array.
-    fn runs(self) -> [Run<'a>; 2] {
+    fn runs(self) -> [StripRun<'a>; 2] {
         let (head, tail) = self.strip.split_at(self.rotation);
         let (first, second) = if self.reversed { (head, tail) } else { (tail, head) };
-        [first, second].map(|vertices| Run { vertices, reversed: self.reversed })
+        [first, second].map(|vertices| StripRun { vertices, reversed: self.reversed })
     }
 
     /// Returns the first vertex that is sent. A strip has at least one triangle.
@@ -82,34 +82,34 @@ impl<'a> DirectedStrip<'a> {
 
     /// Appends the strip to a joined buffer, and the indices between: the last vertex and the first one again if they differ, and
     /// the first one once more if the strip would otherwise begin at a position of the wrong parity.
-    pub(super) fn join_to(self, joined: &mut Joined<impl FnMut(Run<'_>)>) {
+    pub(super) fn join_to(self, joined: &mut JoinedStrips<impl FnMut(StripRun<'_>)>) {
         let first = self.first();
         if let Some(last) = joined.last
             && last != first
         {
-            joined.send(Run { vertices: &[last, first], reversed: false });
+            joined.send(StripRun { vertices: &[last, first], reversed: false });
         }
         if joined.is_odd != self.starts_at_odd() {
-            joined.send(Run { vertices: &[first], reversed: false });
+            joined.send(StripRun { vertices: &[first], reversed: false });
         }
         self.runs().into_iter().for_each(|run| joined.send(run));
     }
 }
 
 /// A buffer of joined strips: the parity of its length, its last index, and where its indices go.
-pub(super) struct Joined<F> {
+pub(super) struct JoinedStrips<F> {
     is_odd: bool,
     last: Option<u32>,
     send: F,
 }
 
-impl<F: FnMut(Run<'_>)> Joined<F> {
+impl<F: FnMut(StripRun<'_>)> JoinedStrips<F> {
     /// Starts an empty buffer.
     pub(super) fn new(send: F) -> Self {
         Self { is_odd: false, last: None, send }
     }
 
-    fn send(&mut self, run: Run<'_>) {
+    fn send(&mut self, run: StripRun<'_>) {
         (self.send)(run);
         (self.is_odd, self.last) = (self.is_odd != (run.len() % 2 == 1), run.last().or(self.last));
     }
@@ -118,7 +118,7 @@ impl<F: FnMut(Run<'_>)> Joined<F> {
 /// Returns the strips of at least one triangle in an order, and with directions, that require few indices between them.
 pub(super) fn order(strips: &Strips) -> Vec<DirectedStrip<'_>> {
     let mut ways: Vec<DirectedStrip<'_>> = in_order(strips).collect();
-    let mut edges = StripGraph::new(&mut ways);
+    let mut edges = JoinGraph::new(&mut ways);
     edges.add_bridges(ways.len());
     let trails = edges.trails(ways.len());
     trails
@@ -150,7 +150,7 @@ fn without_repeats(mut strip: &[u32]) -> DirectedStrip<'_> {
 type End = u32;
 
 /// A graph with strips as edges.
-struct StripGraph {
+struct JoinGraph {
     /// The node at each end.
     nodes: Vec<u64>,
     /// The first edge that is a bridge within a vertex; from `jumps` on they are bridges between two vertices.
@@ -162,7 +162,7 @@ fn node(vertex: u32, odd: bool) -> u64 {
     u64::from(vertex) << 1 | u64::from(odd)
 }
 
-impl StripGraph {
+impl JoinGraph {
     /// Creates an edge for each strip, and chooses the rotations of triangles.
     fn new(ways: &mut [DirectedStrip<'_>]) -> Self {
         let ends_of = |way: DirectedStrip<'_>| {

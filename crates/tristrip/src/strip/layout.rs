@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::join::Run;
+use super::join::StripRun;
 use super::{Strips, join, strip_triangles};
 use crate::error::Error;
 use crate::ids::vertices_of;
@@ -243,8 +243,8 @@ impl Strips {
     }
 
     /// Sends the strips joined by degenerate triangles.
-    fn join(&self, send: impl FnMut(Run<'_>)) {
-        let mut joined = join::Joined::new(send);
+    fn join(&self, send: impl FnMut(StripRun<'_>)) {
+        let mut joined = join::JoinedStrips::new(send);
         if self.keeps_order {
             join::in_order(self).for_each(|strip| strip.join_to(&mut joined));
         } else {
@@ -389,7 +389,7 @@ mod tests {
         );
         assert_eq!(short, [7; 5]);
         let error = Strips::from_indices(&[1_u8, 2], Layout::List).unwrap_err().to_string();
-        assert_eq!(error, "faces: found 2 corners, expected a multiple of 3");
+        assert_eq!(error, "faces: number of corners: found 2, expected a multiple of 3");
     }
 
     proptest! {

@@ -429,7 +429,7 @@ mod tests {
         };
         assert_eq!(
             message(order.attribute(&attribute).unwrap_err()),
-            "attribute `id`: found 1 values, expected 3 (one per vertex)"
+            "attribute `id`: number of values: found 1, expected 3 (one per vertex)"
         );
         assert!(order.mesh(&Mesh::default()).is_err());
         let wrong = VertexOrder { new_to_old: vec![0, 0], old_to_new: vec![0, 0] };

@@ -71,7 +71,7 @@ use active_front::ActiveFront;
 use anneal_order::StripSequence;
 use arrange::arrange;
 use grow::StripGrower;
-use policy::{GrowthPolicy, SeedStrips, Weights};
+use policy::{GrowthPolicy, PolicyWeights, SeedStrips};
 use speculative::{SpeculativeFifo, SpeculativeLru};
 
 /// Caches of fewer entries hardly help, whatever the strips.
@@ -103,9 +103,10 @@ pub(super) fn plan<'a>(
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
     let start = start(prepared, graph, options, watch);
-    let limit = SIMULATED_VERTICES[usize::from(options.effort().level())] * start.cover.len() as u64;
-    let is_annealed = options.vertex_cache().replacement == Replacement::Fifo
-        && ANNEALED_ENTRIES.contains(&options.vertex_cache().entries);
+    let limit =
+        SIMULATED_VERTICES[usize::from(options.effort_or_default().level())] * start.cover.len() as u64;
+    let is_annealed = options.vertex_cache.replacement == Replacement::Fifo
+        && ANNEALED_ENTRIES.contains(&options.vertex_cache.entries);
     if limit == 0 || !is_annealed {
         return start;
     }
@@ -119,8 +120,8 @@ fn start<'a>(
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let (vertex_cache, objective, seed) = (options.vertex_cache(), options.objective(), options.seed());
-    let (effort, vertex_count) = (options.effort(), prepared.vertex_count());
+    let (vertex_cache, objective, seed) = (options.vertex_cache, options.objective, options.seed);
+    let (effort, vertex_count) = (options.effort_or_default(), prepared.vertex_count());
     let seed_plan = |seeds| match seeds {
         SeedStrips::None => Triangulation::of_triangles(prepared, graph).map_or_else(
             || sequential::plan(prepared, graph),
@@ -138,7 +139,7 @@ fn start<'a>(
     if others.is_empty() {
         return best;
     }
-    let weights = Weights::of(objective);
+    let weights = PolicyWeights::of(objective);
     let mut lowest = price(&best, vertex_cache, weights);
     let mut seed_plans: [Option<StripPlan<'a>>; 3] = [const { None }; 3];
     // If the cache is too small to help, nothing is cheaper than the strips of `best`, in order. A balanced search does not start
@@ -176,13 +177,13 @@ fn annealed<'a>(
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let (vertex_cache, objective) = (options.vertex_cache(), options.objective());
-    let weights = Weights::of(objective);
+    let (vertex_cache, objective) = (options.vertex_cache, options.objective);
+    let weights = PolicyWeights::of(objective);
     let Some(order) = &start.order else { return start };
     let before = price(&start, vertex_cache, weights);
     let mut sequence =
         StripSequence::new(&start.triangulation, &start.cover, order, vertex_cache.entries, weights);
-    let mut random = Random::new(options.seed());
+    let mut random = Random::new(options.seed);
     sequence.anneal(&mut random, limit, temperatures(objective), |steps, strips, saved| {
         watch.go_on(Progress {
             steps,
@@ -197,7 +198,7 @@ fn annealed<'a>(
 }
 
 /// Returns the weighted cost of the strips of a plan.
-fn price(plan: &StripPlan<'_>, vertex_cache: VertexCache, weights: Weights) -> usize {
+fn price(plan: &StripPlan<'_>, vertex_cache: VertexCache, weights: PolicyWeights) -> usize {
     let strips = plan.strips();
     let misses = VertexCacheStatistics::of(&strips, vertex_cache, FlushPolicy::Keep).misses;
     let indices = strips.vertices_sent() + strips.len();
@@ -232,7 +233,7 @@ fn grown<'a>(
 /// Chooses order and direction of the strips of a plan.
 fn arranged(plan: StripPlan<'_>, vertex_cache: VertexCache, vertex_count: usize) -> StripPlan<'_> {
     let StripPlan { triangulation, cover, .. } = plan;
-    let weights = Weights::of(Objective::Indices);
+    let weights = PolicyWeights::of(Objective::Indices);
     let order = match vertex_cache.replacement {
         Replacement::Fifo => {
             let cache = SpeculativeFifo::new(vertex_cache.entries, vertex_count);

@@ -53,7 +53,7 @@ use crate::dual::DualGraph;
 use crate::ids::FaceId;
 use crate::random::Random;
 use search::{EtaSearch, SearchLimits};
-use star::Star;
+use star::EtaStar;
 use tagged_strips::TaggedStrips;
 
 /// The parameters of [`Method::Eta`](super::Method::Eta).
@@ -104,7 +104,7 @@ pub(super) fn join(
         cover,
         strips,
         tags: is_local.then_some(tags),
-        star: Star::default(),
+        star: EtaStar::default(),
         search: EtaSearch::default(),
         random: Random::new(seed),
     };
@@ -122,7 +122,7 @@ struct Eta<'a> {
     terminals: Vec<u32>,
     /// With localization: the strips before a search, and the order of their triangles.
     tags: Option<PathTags>,
-    star: Star,
+    star: EtaStar,
     search: EtaSearch,
     random: Random,
 }
@@ -133,8 +133,8 @@ impl Eta<'_> {
         let max_length = self
             .options
             .tunnels
-            .length()
-            .min(self.options.tunnels.threshold().saturating_mul(2).saturating_add(1));
+            .length
+            .min(self.options.tunnels.threshold.saturating_mul(2).saturating_add(1));
         let mut length = match self.options.acceptance {
             Acceptance::DepthFirst => max_length,
             Acceptance::Repeated => max_length.min(FIRST_LENGTH),
@@ -258,7 +258,7 @@ impl Eta<'_> {
         accesses: u64,
         counter: &mut AccessCounter<'_>,
     ) -> Option<SearchOutcome> {
-        let limits = SearchLimits { length, threshold: self.options.tunnels.threshold(), accesses };
+        let limits = SearchLimits { length, threshold: self.options.tunnels.threshold, accesses };
         let context = (self.graph, &*self.cover);
         self.search.find(context, &mut self.strips, terminal, limits, &mut self.random, counter)
     }

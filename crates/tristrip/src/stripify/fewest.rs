@@ -89,7 +89,7 @@ const TUNNEL_LIMIT: usize = 1 << 18;
 /// Steps per four triangles of a component at effort 0; each level doubles them.
 const STEPS_PER_FOUR_TRIANGLES: u64 = 5;
 /// Steps of even the smallest component.
-const LEAST_STEPS: u64 = 10_000;
+const MIN_STEPS: u64 = 10_000;
 
 /// Chooses a cover of as few paths as the effort finds.
 pub(super) fn plan<'a>(
@@ -113,7 +113,8 @@ fn reduce_paths(
     watch: &dyn Watch,
 ) {
     let mut components = components::unfinished(graph, cover, lower_bounds);
-    let step_limit = components.iter().map(|c| step_budget(c.triangle_count(), options.effort())).sum();
+    let step_limit =
+        components.iter().map(|c| step_budget(c.triangle_count(), options.effort_or_default())).sum();
     let shared = SharedProgress::new(watch, step_limit, cover.path_count());
     let search = |component: &mut UnfinishedComponent| search_component(component, options, &shared);
     #[cfg(feature = "rayon")]
@@ -130,7 +131,7 @@ fn reduce_paths(
 
 /// Returns the steps of a component.
 fn step_budget(triangle_count: usize, effort: Effort) -> u64 {
-    LEAST_STEPS + ((STEPS_PER_FOUR_TRIANGLES * triangle_count as u64) << effort.level()) / 4
+    MIN_STEPS + ((STEPS_PER_FOUR_TRIANGLES * triangle_count as u64) << effort.level()) / 4
 }
 
 /// Searches one component: tunnels first, then walks.
@@ -139,9 +140,9 @@ fn search_component(
     options: &StripifyOptions,
     shared: &SharedProgress<'_>,
 ) {
-    let seed = options.seed();
+    let seed = options.seed;
     let (first, lower_bound) = (u64::from(component.first_triangle()), component.lower_bound());
-    let mut budget = step_budget(component.triangle_count(), options.effort());
+    let mut budget = step_budget(component.triangle_count(), options.effort_or_default());
     let (graph, cover) = component.graph_and_cover();
     if cover.len() <= TUNNEL_LIMIT {
         let reported = Mutex::new((0, cover.path_count()));

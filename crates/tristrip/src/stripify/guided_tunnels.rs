@@ -46,7 +46,7 @@ use crate::dual::DualGraph;
 use crate::ids::FaceId;
 use crate::random::Random;
 use search::{GuidedSearch, TunnelLimits};
-use star::Star;
+use star::GuidedStar;
 
 /// A length is repeated if it joined at least one strip in this many.
 const REPEAT_SHARE: usize = 20;
@@ -72,13 +72,13 @@ pub(super) fn join(
     let min_path_count = graph.components().1;
     let mut state = GuidedTunnels {
         tags: PathTags::new(graph, cover),
-        star: Star::default(),
+        star: GuidedStar::default(),
         search: GuidedSearch::default(),
         random: Random::new(seed),
         graph,
         cover,
     };
-    let mut length = options.length().min(3);
+    let mut length = options.length.min(3);
     let (mut is_moving, mut fruitless_passes) = (false, 0);
     let mut terminals = Vec::new();
     while state.cover.path_count() > min_path_count && fruitless_passes < MAX_FRUITLESS_PASSES {
@@ -88,7 +88,7 @@ pub(super) fn join(
             state.find_terminals(&mut terminals);
         }
         let max_loops = if is_moving { MAX_LOOPS } else { 0 };
-        let limits = TunnelLimits { length, accesses: options.threshold(), loops: max_loops };
+        let limits = TunnelLimits { length, accesses: options.threshold, loops: max_loops };
         if !state.pass(&mut terminals, limits, is_moving, &mut counter) {
             return;
         }
@@ -99,8 +99,8 @@ pub(super) fn join(
                 return;
             }
         } else if REPEAT_SHARE * found < before {
-            is_moving = length >= options.length().min(MOVING_LENGTH);
-            length = if is_moving { options.length() } else { (2 * length + 1).min(options.length()) };
+            is_moving = length >= options.length.min(MOVING_LENGTH);
+            length = if is_moving { options.length } else { (2 * length + 1).min(options.length) };
         }
     }
 }
@@ -110,7 +110,7 @@ struct GuidedTunnels<'a> {
     graph: &'a DualGraph,
     cover: &'a mut PathCover,
     tags: PathTags,
-    star: Star,
+    star: GuidedStar,
     search: GuidedSearch,
     random: Random,
 }

@@ -25,7 +25,7 @@ use crate::strip::Strips;
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error> {
-    let prepared = PreparedFaces::new(mesh, options.weld());
+    let prepared = PreparedFaces::new(mesh, options.weld);
     let graph = DualGraph::new(prepared.faces());
     Ok(plan_known(&prepared, &graph, options, &())?.strips())
 }
@@ -140,7 +140,7 @@ fn strips_of(
 
 /// Checks that no vertices are to be welded, for which there is no mesh.
 fn check_no_weld(options: &StripifyOptions) -> Result<(), Error> {
-    if options.weld() {
+    if options.weld {
         let found = "true for vertices without attributes".into();
         return Err(Error::Parameter { name: "weld", found, expected: "false, or a mesh" });
     }
@@ -192,7 +192,7 @@ mod tests {
         );
         assert_eq!(
             message(stripify_indices(&[0_u16, 1], 9)),
-            "faces: found 2 corners, expected a multiple of 3"
+            "faces: number of corners: found 2, expected a multiple of 3"
         );
         let weld = StripifyOptions::default().with_weld(true);
         assert!(message(stripify_indices_with(&[0_u16, 1, 2], 3, &weld)).starts_with("parameter `weld`"));

@@ -200,14 +200,24 @@ names! {
 
 /// The options of a stripification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+#[non_exhaustive]
 pub struct StripifyOptions {
-    method: Method,
-    weld: bool,
-    seed: u64,
-    cost: Cost,
-    effort: Option<Effort>,
-    vertex_cache: VertexCache,
-    objective: Objective,
+    /// The method.
+    pub method: Method,
+    /// The cost that searches minimize.
+    pub cost: Cost,
+    /// The effort of searches; `None` for the default of the method, which [`StripifyOptions::effort_or_default`] returns.
+    pub effort: Option<Effort>,
+    /// The vertex cache that [`Method::Cache`] optimizes for.
+    pub vertex_cache: VertexCache,
+    /// How [`Method::Cache`] weighs indices against misses.
+    pub objective: Objective,
+    /// Whether vertices are welded whose position and attributes all have the same bits.
+    pub weld: bool,
+    /// The seed of randomized methods.
+    pub seed: u64,
 }
 
 /// The default effort of [`Method::Best`] and [`Method::Cache`]: the highest level that takes less than a second per million triangles.
@@ -337,90 +347,15 @@ impl StripifyOptions {
         self
     }
 
-    /// Returns the method.
-    ///
-    /// ```
-    /// use tristrip::{Method, StripifyOptions};
-    /// assert_eq!(StripifyOptions::default().method(), Method::Best);
-    /// assert_eq!(StripifyOptions::default().with_method(Method::Cache).method().to_string(), "cache");
-    /// ```
-    pub fn method(&self) -> Method {
-        self.method
-    }
-
-    /// Returns whether vertices with the same bits are welded.
-    ///
-    /// ```
-    /// use tristrip::StripifyOptions;
-    /// assert!(!StripifyOptions::default().weld());
-    /// assert!(StripifyOptions::default().with_weld(true).weld());
-    /// ```
-    pub fn weld(&self) -> bool {
-        self.weld
-    }
-
-    /// Returns the seed.
-    ///
-    /// ```
-    /// use tristrip::StripifyOptions;
-    /// assert_eq!(StripifyOptions::default().seed(), 0);
-    /// assert_eq!(StripifyOptions::default().with_seed(7).seed(), 7);
-    /// ```
-    pub fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    /// Returns the cost that searches minimize.
-    ///
-    /// ```
-    /// use tristrip::{Cost, StripifyOptions};
-    /// assert_eq!(StripifyOptions::default().cost(), Cost::Restart);
-    /// assert_eq!(StripifyOptions::default().with_cost("gl".parse()?).cost(), Cost::Gl);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn cost(&self) -> Cost {
-        self.cost
-    }
-
-    /// Returns the vertex cache that strips are optimized for.
-    ///
-    /// ```
-    /// use tristrip::StripifyOptions;
-    /// let options = StripifyOptions::default();
-    /// assert_eq!(options.vertex_cache().to_string(), "fifo:16");
-    /// assert_eq!(options.with_vertex_cache("lru:24".parse()?).vertex_cache().entries, 24);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn vertex_cache(&self) -> VertexCache {
-        self.vertex_cache
-    }
-
-    /// Returns how indices are weighed against misses.
-    ///
-    /// ```
-    /// use tristrip::{StripifyOptions, stripify::Objective};
-    /// assert_eq!(StripifyOptions::default().objective(), Objective::Balanced);
-    /// assert_eq!(StripifyOptions::default().with_objective(Objective::Misses).objective(), Objective::Misses);
-    /// ```
-    pub fn objective(&self) -> Objective {
-        self.objective
-    }
-
-    /// Returns the effort that was set.
-    #[cfg(feature = "serde")]
-    pub(crate) fn set_effort(&self) -> Option<Effort> {
-        self.effort
-    }
-
     /// Returns the effort of searches: the one that was set, otherwise the default of the method.
     ///
     /// ```
     /// use tristrip::{Effort, Method, StripifyOptions};
-    /// let options = StripifyOptions::default();
-    /// assert_eq!((options.effort().level(), options.with_method(Method::Fewest).effort().level()), (2, 5));
-    /// assert_eq!(options.with_effort(Effort::MAX).with_method(Method::Fewest).effort(), Effort::MAX);
+    /// let options = StripifyOptions::default().with_method(Method::Fewest);
+    /// assert_eq!(options.effort_or_default(), Effort::default());
+    /// assert_eq!(options.with_effort(Effort::MAX).effort_or_default(), Effort::MAX);
     /// ```
-    pub fn effort(&self) -> Effort {
+    pub fn effort_or_default(&self) -> Effort {
         let default = if matches!(self.method, Method::Best | Method::Cache) { FAST_EFFORT } else { None };
         self.effort.or(default).unwrap_or_default()
     }

@@ -1,9 +1,10 @@
 //! The choice of a method: the diagonals of the polygons, and the edges over which triangles are linked to paths.
 
-use crate::cover::PathCover;
+use crate::cover::{CoverFault, PathCover};
 use crate::dual::Triangulation;
 use crate::ids::FaceId;
 use crate::mesh::VertexWelds;
+use crate::prepare::PreparedFaces;
 use crate::strip::{Metrics, Strips, cover_cost, emit, emit_in_order};
 
 /// The choice of a method: a triangulation and a path cover of it.
@@ -21,6 +22,34 @@ impl<'a> StripPlan<'a> {
     /// Creates a plan that leaves the order and the direction of the paths to the emitter.
     pub(crate) fn new(triangulation: Triangulation<'a>, cover: PathCover) -> Self {
         Self { triangulation, cover, order: None, welds: VertexWelds::default() }
+    }
+
+    /// Creates a plan from a cover of the triangles of prepared faces, such as one of a method of your own.
+    ///
+    /// # Errors
+    /// The cover violates an invariant: see [`PathCover::check`].
+    ///
+    /// ```
+    /// use tristrip::stripify::StripPlan;
+    /// use tristrip::{DualGraph, Faces, HalfEdge, Mesh, PathCover, PreparedFaces, Triangulation};
+    /// let mesh = Mesh::new(vec![[0.0; 3]; 4], Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?)?;
+    /// let prepared = PreparedFaces::new(&mesh, false);
+    /// let graph = DualGraph::new(prepared.faces());
+    /// let triangulation = Triangulation::fans(&prepared, &graph)?;
+    /// let mut cover = PathCover::isolated(2);
+    /// // Across the edge from vertex 1 to vertex 2.
+    /// assert!(cover.join(&graph, HalfEdge(1)));
+    /// let plan = StripPlan::from_cover(&prepared, triangulation, cover)?;
+    /// assert_eq!(plan.strips().vertices(), [0, 1, 2, 3]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn from_cover(
+        prepared: &PreparedFaces<'_>,
+        triangulation: Triangulation<'a>,
+        cover: PathCover,
+    ) -> Result<Self, CoverFault> {
+        cover.check(triangulation.graph())?;
+        Ok(Self { welds: prepared.welds().clone(), ..Self::new(triangulation, cover) })
     }
 
     /// Creates a plan with the first triangle of each path, in drawing order.

@@ -50,7 +50,7 @@ use mutable_triangulation::{MutableTriangulation, PolygonTriangulation};
 use policy::Policy;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
-use stages::{Stripped, strip};
+use stages::{CoveredTriangulation, strip};
 
 /// Regular meshes of more triangles are stripped with the default policy only, so that the time per triangle stays the same.
 const LARGE: usize = 1 << 19;
@@ -80,16 +80,19 @@ pub(super) fn plan<'a>(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) ->
 }
 
 /// Covers triangles with the default policy; connected components are processed in parallel where that saves time.
-fn strip_triangles(graph: &DualGraph) -> Stripped<&DualGraph> {
+fn strip_triangles(graph: &DualGraph) -> CoveredTriangulation<&DualGraph> {
     #[cfg(feature = "rayon")]
     if let Some((cover, cost)) = components::cover(graph) {
-        return Stripped { triangulation: graph, cover, cost };
+        return CoveredTriangulation { triangulation: graph, cover, cost };
     }
     strip(graph, Policy::DEFAULT)
 }
 
 /// Covers a triangulation, given the result of the default policy.
-fn cover<T: MutableTriangulation>(initial: impl Fn() -> T + Sync, default: Stripped<T>) -> (T, PathCover) {
+fn cover<T: MutableTriangulation>(
+    initial: impl Fn() -> T + Sync,
+    default: CoveredTriangulation<T>,
+) -> (T, PathCover) {
     let count = default.cover.len();
     let is_regular = 100 * default.cost < REGULAR_PERCENT * (count as u64).cast_signed();
     if count > T::SMALL && (count > LARGE || !is_regular) {
@@ -119,8 +122,8 @@ fn least_price(graph: &DualGraph) -> usize {
 }
 
 /// Runs plateau passes and optimizes the diagonals in turns.
-fn search_plateaus<T: MutableTriangulation>(stripped: &mut Stripped<T>) {
-    let Stripped { triangulation, cover, .. } = stripped;
+fn search_plateaus<T: MutableTriangulation>(stripped: &mut CoveredTriangulation<T>) {
+    let CoveredTriangulation { triangulation, cover, .. } = stripped;
     let count = cover.len();
     let maximum = if count > PLATEAU_LIMIT { PLATEAU_PASSES.0 } else { PLATEAU_PASSES.1 };
     let passes = (count / 4).checked_div(cover.path_count()).unwrap_or(0).clamp(PLATEAU_PASSES.0, maximum);
@@ -164,6 +167,6 @@ fn cheapest(
 }
 
 /// Returns the cost of a cover in indices.
-fn price<T: MutableTriangulation>(stripped: &Stripped<T>) -> usize {
+fn price<T: MutableTriangulation>(stripped: &CoveredTriangulation<T>) -> usize {
     cover_cost(stripped.triangulation.graph(), &stripped.cover)
 }

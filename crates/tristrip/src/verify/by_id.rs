@@ -43,7 +43,7 @@ pub struct Proof {
 #[non_exhaustive]
 pub enum Unproven {
     /// Triangles differ from the faces.
-    #[error("{missing} triangles are missing and {extra} are extra or flipped; the first is {first:?}")]
+    #[error("triangles missing: {missing}, extra or flipped: {extra}; the first is {first:?}")]
     Triangles {
         /// Number of faces that no triangle draws.
         missing: usize,
@@ -67,7 +67,7 @@ pub enum Unproven {
         triangle: [u32; 3],
     },
     /// A polygon has too few or too many triangles.
-    #[error("face {face}: found {found} triangles, expected {expected}")]
+    #[error("face {face}: triangles found: {found}, expected: {expected}")]
     Count {
         /// A face of the group.
         face: u32,

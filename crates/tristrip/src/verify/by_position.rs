@@ -48,7 +48,7 @@ pub enum Difference {
         triangle: [[f32; 3]; 3],
     },
     /// A polygon has too few or too many triangles.
-    #[error("face {face} of the source at {}: found {found} triangles, expected {expected}", at(&[*position]))]
+    #[error("face {face} of the source at {}: triangles found: {found}, expected: {expected}", at(&[*position]))]
     Count {
         /// A face of the source.
         face: u32,

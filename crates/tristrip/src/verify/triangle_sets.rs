@@ -46,7 +46,7 @@ where
     if a.len() >= SMALL {
         return same_in_parts(a, b, vertex_count as u32, rayon::current_num_threads().ilog2().min(PART_BITS));
     }
-    Part { number: 0, bits: 0, vertex_count: vertex_count as u32 }.count_same(a, b())
+    TrianglePart { number: 0, bits: 0, vertex_count: vertex_count as u32 }.count_same(a, b())
 }
 
 /// Compares `1 << bits` parts of the vertices in parallel.
@@ -56,13 +56,13 @@ where
     I: Iterator<Item = [u32; 3]>,
 {
     use rayon::prelude::*;
-    let part = |number| Part { number, bits, vertex_count };
+    let part = |number| TrianglePart { number, bits, vertex_count };
     (0..1_u32 << bits).into_par_iter().map(|number| part(number).count_same(a, b())).sum()
 }
 
 /// Every so many blocks of vertices, from one of the first on, and the triangles whose lowest vertices are in them.
 #[derive(Debug, Clone, Copy)]
-struct Part {
+struct TrianglePart {
     number: u32,
     /// The binary logarithm of the number of parts.
     bits: u32,
@@ -70,7 +70,7 @@ struct Part {
     vertex_count: u32,
 }
 
-impl Part {
+impl TrianglePart {
     /// Returns the lowest vertex of a triangle, counted within this part, and the pair of the two others; `None` for triangles of
     /// other parts and for degenerate ones.
     #[inline]

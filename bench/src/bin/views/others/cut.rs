@@ -11,7 +11,7 @@ use crate::proof::Borders;
 /// How many cuts are tried for a number of triangles.
 const CUTS: usize = 16;
 /// The largest error that is tried, in errors allowed.
-const MOST_SCALE: f64 = 100.0;
+const MAX_SCALE: f64 = 100.0;
 
 /// How the error in pixels is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +39,7 @@ impl<'a> CutAlternative<'a> {
         criteria: &ViewCriteria,
         detail: Detail,
     ) -> Self {
-        let allowed = f64::from(criteria.pixels());
+        let allowed = f64::from(criteria.pixels);
         Self { hierarchy, borders, detail, allowed, pixels: allowed, cut: Cut::default() }
     }
 }
@@ -80,7 +80,7 @@ impl Alternative for CutAlternative<'_> {
         if self.detail == Detail::Allowed {
             return Ok(());
         }
-        let (mut low, mut high) = (0.0, MOST_SCALE * self.allowed);
+        let (mut low, mut high) = (0.0, MAX_SCALE * self.allowed);
         for _ in 0..CUTS {
             let middle = f64::midpoint(low, high);
             choose(self.hierarchy, frame, middle, true, &mut self.cut);

@@ -39,7 +39,7 @@ pub(super) struct LevelsAlternative<'a> {
 impl<'a> LevelsAlternative<'a> {
     pub(super) fn new(levels: &'a LevelStrips, criteria: &ViewCriteria) -> Result<Self, Failure> {
         let cursor = levels.model.cursor()?;
-        Ok(Self { sequence: &levels.sequence, model: &levels.model, cursor, pixels: criteria.pixels() })
+        Ok(Self { sequence: &levels.sequence, model: &levels.model, cursor, pixels: criteria.pixels })
     }
 }
 

@@ -41,7 +41,7 @@ impl Alternative for DisplayAlternative {
         if sorted(strips.triangles()) != sorted(self.view.renamed_triangles()) {
             return Err("display strips draw other triangles".into());
         }
-        Ok(Drawn::of_strips(&strips, self.criteria.pixels().into()))
+        Ok(Drawn::of_strips(&strips, self.criteria.pixels.into()))
     }
 
     fn bytes(&self) -> [usize; 2] {
@@ -84,7 +84,7 @@ impl Alternative for RepairedAlternative {
     }
 
     fn drawn(&mut self, _frame: &Frame) -> Result<Drawn, Failure> {
-        let drawn = Drawn::of_strips(self.view.strips(), self.criteria.pixels().into());
+        let drawn = Drawn::of_strips(self.view.strips(), self.criteria.pixels.into());
         if sorted(drawn.triangles.iter().copied()) != sorted(self.view.view().renamed_triangles()) {
             return Err("repaired strips draw other triangles".into());
         }
@@ -132,7 +132,7 @@ impl Alternative for ListAlternative {
         if self.triangles.len() != frame.triangle_count {
             return Err("the list has other triangles than the view with strips".into());
         }
-        Ok(Drawn::of_list(self.triangles.clone(), self.criteria.pixels().into()))
+        Ok(Drawn::of_list(self.triangles.clone(), self.criteria.pixels.into()))
     }
 
     fn bytes(&self) -> [usize; 2] {

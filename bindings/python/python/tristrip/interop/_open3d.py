@@ -36,7 +36,7 @@ _DEFAULTS = {"metallic": 0.0, "roughness": 1.0}
 #: The names of vertex and triangle attributes of tensor meshes.
 _NAMES = {"normals": NORMAL, "colors": COLOUR, "texture_uvs": UV}
 _TENSOR_NAMES = {NORMAL: "normals"}
-_MOST_VERTICES = (1 << 31) - 1
+_MAX_VERTICES = (1 << 31) - 1
 
 
 def to_open3d(
@@ -92,7 +92,7 @@ def to_open3d(
         parts = [_with_coordinates(part) for part in parts]
     part, numbers = joined(parts)
     triangles = part.triangles()
-    if len(part.vertices) > _MOST_VERTICES:
+    if len(part.vertices) > _MAX_VERTICES:
         raise MeshError(f"vertices: found {len(part.vertices)}, expected fewer than 2^31")
     if tensor:
         return _tensor(open3d, part, triangles, materials)

@@ -129,7 +129,8 @@ impl<'a> Task<'a> {
 
 /// Returns the detail that a frame needs.
 fn criteria(args: &FlyArgs) -> Result<ViewCriteria, tristrip::Error> {
-    let mut criteria = ViewCriteria::new(args.pixels)?
+    let mut criteria = ViewCriteria::default()
+        .with_pixels(args.pixels)
         .with_frustum(!args.no_frustum)
         .with_back_faces(!args.no_back_faces)
         .with_silhouettes(!args.no_silhouettes);
@@ -140,11 +141,12 @@ fn criteria(args: &FlyArgs) -> Result<ViewCriteria, tristrip::Error> {
         criteria = criteria.with_steps(steps.get());
     }
     if let Some(direction) = args.light {
-        criteria = criteria.with_light(direction)?;
+        criteria = criteria.with_light(direction);
     }
     if let Some(growth) = args.foveation {
         criteria = criteria.with_foveation(Foveation::new(growth)?.with_attention(args.attention)?);
     }
+    criteria.check()?;
     Ok(criteria)
 }
 
@@ -226,11 +228,11 @@ fn flown(task: &Task<'_>, console: &Console, report: &mut FlyReport) -> Result<(
 fn page(task: &Task<'_>, method: Option<&MethodReport>, model: &SkipStrips, rows: &[FrameRow]) -> String {
     let criteria = &task.criteria;
     let [columns, height] = task.lens.image;
-    let pixels = criteria.pixels();
-    let budget = criteria.budget().map(|budget| format!(" At most {}.", counted(budget, "triangle")));
+    let pixels = criteria.pixels;
+    let budget = criteria.budget.map(|budget| format!(" At most {}.", counted(budget, "triangle")));
     let steps =
-        criteria.steps().map(|steps| format!(" At most {} collapses and splits per frame.", count(steps)));
-    let foveation = criteria.foveation().map(|foveation| {
+        criteria.steps.map(|steps| format!(" At most {} collapses and splits per frame.", count(steps)));
+    let foveation = criteria.foveation.map(|foveation| {
         let [x, y] = foveation.attention();
         format!(" growing by {} per degree from {x}, {y} of the image,", foveation.growth())
     });

@@ -10,12 +10,12 @@ use crate::surface_change::{Facet, dot, sub};
 /// The points per triangle of the simplified surface, on each surface.
 const POINTS_PER_TRIANGLE: f64 = 12.0;
 /// The most points on each surface.
-const MOST_POINTS: f64 = 4_000_000.0;
+const MAX_POINTS: f64 = 4_000_000.0;
 /// How many points a small and a large triangle have, compared with the mean: each vertex needs some, and no triangle needs most of them.
-const LEAST_SHARE: f64 = 0.5;
+const MIN_SHARE: f64 = 0.5;
 const LARGEST_SHARE: f64 = 4.0;
 /// The most points of a triangle that are tried as the start of a search.
-const MOST_STARTS: usize = 16;
+const MAX_STARTS: usize = 16;
 /// From how many times the root of the mean square on a point is searched for again, more widely.
 const FAR: f64 = 8.0;
 
@@ -86,7 +86,7 @@ impl Points {
                 let spot = Spot { triangle: number as u32, shares };
                 let first = found.partition_point(|pair| pair.simplified.triangle < spot.triangle);
                 let count = found[first..].partition_point(|pair| pair.simplified.triangle == spot.triangle);
-                let near = found[first..first + count].iter().step_by(count.div_ceil(MOST_STARTS).max(1));
+                let near = found[first..first + count].iter().step_by(count.div_ceil(MAX_STARTS).max(1));
                 let at = facet.at(shares);
                 let square = |pair: &Pair| {
                     let rest = sub(simplified.point(&pair.simplified), at);
@@ -221,8 +221,8 @@ struct Spread {
 impl Spread {
     fn new(areas: &[f64]) -> Self {
         let (sum, count) = (areas.iter().sum::<f64>(), areas.len() as f64);
-        let mean = POINTS_PER_TRIANGLE.min(MOST_POINTS / count.max(1.0));
-        let points = |area: f64| (area / sum * count).clamp(LEAST_SHARE, LARGEST_SHARE) * mean;
+        let mean = POINTS_PER_TRIANGLE.min(MAX_POINTS / count.max(1.0));
+        let points = |area: f64| (area / sum * count).clamp(MIN_SHARE, LARGEST_SHARE) * mean;
         let of = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
             areas.iter().map(|&area| if area > 0.0 { value(area) } else { 0.0 }).collect()
         };

@@ -10,11 +10,11 @@ use crate::surface_change::{Facet, Side, dot};
 pub(super) type Point = [f64; 3];
 
 /// The most steps from triangle to neighbour in one search.
-const MOST_STEPS: usize = 32;
+const MAX_STEPS: usize = 32;
 /// The most triangles around a corner that a step looks at, evenly among all.
-const MOST_AROUND: usize = 32;
+const MAX_AROUND: usize = 32;
 /// The most triangles that a wide search looks at.
-const MOST_WIDE: usize = 256;
+const MAX_WIDE: usize = 256;
 
 /// Triangles over positions, with the triangles around each position.
 pub(super) struct Surface {
@@ -126,7 +126,7 @@ impl Surface {
         while let Some(Reverse((_, triangle))) = queue.pop() {
             for v in self.triangles[triangle as usize] {
                 for &near in self.around(v) {
-                    if seen.len() >= MOST_WIDE {
+                    if seen.len() >= MAX_WIDE {
                         return best.1;
                     }
                     if seen.insert(near) {
@@ -148,7 +148,7 @@ impl Surface {
         let mut spot = Spot { triangle: start, shares };
         // A corner of many triangles is looked around from once, and not near the start.
         let mut known = None;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             if stays && spot.is_inside() {
                 break;
             }
@@ -156,7 +156,7 @@ impl Surface {
             let corners = self.triangles[from as usize].into_iter().zip(spot.shares);
             for (v, _) in corners.filter(|&(_, share)| share > 0.0) {
                 let around = self.around(v);
-                let step = around.len().div_ceil(MOST_AROUND).max(1);
+                let step = around.len().div_ceil(MAX_AROUND).max(1);
                 if step > 1 && (stays || known == Some(v)) {
                     continue;
                 }

@@ -188,7 +188,7 @@ fn no_step_turns_a_triangle() {
         let moves = at.iter().map(|_| [size * number(), size * number(), size * number()]).collect();
         step(&mut surface, moves, &normals);
         for (t, normal) in surface.triangles.iter().zip(&normals) {
-            assert!(dot(unit_normal(&surface.at, t), *normal) >= MOST_TURN, "{size} {t:?}");
+            assert!(dot(unit_normal(&surface.at, t), *normal) >= MAX_TURN, "{size} {t:?}");
         }
         assert!(size > 0.1 || surface.at != at);
     }

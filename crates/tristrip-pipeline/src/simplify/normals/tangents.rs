@@ -4,7 +4,7 @@
 //! M. S. Mikkelsen: *Simulation of Wrinkled Surfaces Revisited*, 2008; the tangents of glTF are those of its program `MikkTSpace`.
 //!
 //! # Complexity
-//! O(n log n) time, and for each vertex the square of the number of its faces. Surfaces with more than [`MOST_CORNERS`] at a vertex keep
+//! O(n log n) time, and for each vertex the square of the number of its faces. Surfaces with more than [`MAX_CORNERS`] at a vertex keep
 //! the tangents of their sources.
 
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
@@ -13,7 +13,7 @@ use tristrip::{Attribute, Faces, Mesh, PositionIds};
 use crate::error::Error;
 
 /// The number of corners at a position up to which tangents are computed.
-const MOST_CORNERS: usize = 512;
+const MAX_CORNERS: usize = 512;
 
 /// The largest number of which sums of products are still finite.
 const LARGEST: f32 = 1e9;
@@ -27,7 +27,7 @@ pub(super) fn tangents(mesh: &Mesh, triangles: &[u32], normals: &[[f32; 3]]) -> 
     let copied = |(&v, &normal): (&u32, &[f32; 3])| perpendicular(values(old, v), normal);
     let mut tangents: Vec<[f32; 4]> = triangles.iter().zip(normals).map(copied).collect();
     if let Some(uv) = named("TEXCOORD_0", 2).filter(|uv| is_computable(mesh, uv, triangles)) {
-        let is_small = most_corners(mesh, triangles)? <= MOST_CORNERS;
+        let is_small = most_corners(mesh, triangles)? <= MAX_CORNERS;
         let mut corners = Corners { mesh, uv, triangles, normals, tangents };
         if is_small && generate_tangents(&mut corners).is_err() {
             return Err(Error::Unproven("tangents could not be computed".into()));

@@ -25,7 +25,7 @@ impl<'a> KeyStrips<'a> {
         sequence: &'a Arc<CollapseSequence>,
         options: &BlockOptions,
     ) -> Result<Self, Error> {
-        let repair = Repair::new(Arc::clone(sequence), full, options.repair())?;
+        let repair = Repair::new(Arc::clone(sequence), full, options.repair)?;
         Ok(Self { full, sequence, repair })
     }
 

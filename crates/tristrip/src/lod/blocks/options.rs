@@ -8,8 +8,8 @@ use crate::strip::Strips;
 
 use super::records::FLAG_BITS;
 
-/// The most bytes per triangle that may be asked for.
-const MOST_MEMORY: u32 = 256;
+/// The largest number of bytes per triangle; more have no effect.
+const MAX_MEMORY: u32 = 256;
 
 /// The slots written per collapse and the vertices of its record, on average over the test models.
 const SLOTS_PER_COLLAPSE: f64 = 3.0;
@@ -20,13 +20,17 @@ const VERTICES_PER_COLLAPSE: f64 = 2.8;
 /// ```
 /// use tristrip::lod::{BlockOptions, RepairOptions};
 /// let options = BlockOptions::default().with_repair(RepairOptions::default().with_seed(7)).with_memory(30);
-/// assert_eq!((options.repair().seed(), options.memory()), (7, 30));
+/// assert_eq!((options.repair.seed, options.memory), (7, 30));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub struct BlockOptions {
-    repair: RepairOptions,
-    memory: u32,
-    small_uploads: bool,
+    /// How the strips of the keys are repaired.
+    pub repair: RepairOptions,
+    /// About how many bytes per triangle of the full mesh the model takes, up to 256.
+    pub memory: u32,
+    /// Whether strips are cut so that moves upload little.
+    pub small_uploads: bool,
 }
 
 impl Default for BlockOptions {
@@ -46,7 +50,7 @@ impl BlockOptions {
     /// ```
     /// # use tristrip::lod::{BlockOptions, RepairOptions};
     /// let options = BlockOptions::default().with_repair(RepairOptions::default().with_seed(3));
-    /// assert_eq!(options.repair().seed(), 3);
+    /// assert_eq!(options.repair.seed, 3);
     /// ```
     #[must_use]
     pub fn with_repair(self, repair: RepairOptions) -> Self {
@@ -58,11 +62,11 @@ impl BlockOptions {
     ///
     /// ```
     /// # use tristrip::lod::BlockOptions;
-    /// assert_eq!([0, 30, 999].map(|bytes| BlockOptions::default().with_memory(bytes).memory()), [0, 30, 256]);
+    /// assert_eq!(BlockOptions::default().with_memory(30).memory, 30);
     /// ```
     #[must_use]
     pub fn with_memory(self, bytes_per_triangle: u32) -> Self {
-        Self { memory: bytes_per_triangle.min(MOST_MEMORY), ..self }
+        Self { memory: bytes_per_triangle, ..self }
     }
 
     /// Cuts the strips so that a move by a percent of the levels uploads a small part of the buffer in few ranges, instead of slots all over it. About a
@@ -70,41 +74,11 @@ impl BlockOptions {
     ///
     /// ```
     /// # use tristrip::lod::BlockOptions;
-    /// assert!(BlockOptions::default().with_small_uploads(true).small_uploads());
+    /// assert!(BlockOptions::default().with_small_uploads(true).small_uploads);
     /// ```
     #[must_use]
     pub fn with_small_uploads(self, small_uploads: bool) -> Self {
         Self { small_uploads, ..self }
-    }
-
-    /// Returns whether the strips are cut so that moves upload little.
-    ///
-    /// ```
-    /// # use tristrip::lod::BlockOptions;
-    /// assert!(!BlockOptions::default().small_uploads());
-    /// ```
-    pub fn small_uploads(&self) -> bool {
-        self.small_uploads
-    }
-
-    /// Returns how the strips of the keys are repaired.
-    ///
-    /// ```
-    /// # use tristrip::lod::BlockOptions;
-    /// assert_eq!(BlockOptions::default().repair().effort().level(), 1);
-    /// ```
-    pub fn repair(&self) -> RepairOptions {
-        self.repair
-    }
-
-    /// Returns about how many bytes per triangle of the full mesh the model takes.
-    ///
-    /// ```
-    /// # use tristrip::lod::BlockOptions;
-    /// assert_eq!(BlockOptions::default().memory(), 18);
-    /// ```
-    pub fn memory(&self) -> u32 {
-        self.memory
     }
 
     /// Returns the levels of the keys over strips of the full mesh, from the full mesh on.
@@ -118,7 +92,7 @@ impl BlockOptions {
         let vertex_bits = f64::from(bits_for(largest));
         let per_collapse = bytes(SLOTS_PER_COLLAPSE * slot_bits + VERTICES_PER_COLLAPSE * vertex_bits);
         let others = level as f64 * per_collapse + levels.memory() as f64;
-        let for_keys = (f64::from(self.memory) * full - others).max(full);
+        let for_keys = (f64::from(self.memory.min(MAX_MEMORY)) * full - others).max(full);
         // The buffers of all keys have about 2 / (3 x) times the entries of the full mesh.
         let of_full = bytes(entry_count as f64 * f64::from(bits_for(largest + 1)));
         let x = 2.0 / 3.0 * of_full / for_keys;

@@ -2,7 +2,6 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::collapse::Rename;
-use crate::lod::RepairOptions;
 use crate::lod::samples::{crowded_samples, samples, sorted};
 
 proptest! {
@@ -180,8 +179,14 @@ fn without_triangles_there_is_an_empty_drawing() {
 }
 
 #[test]
-fn options_are_clamped_and_kept() {
-    let repair = RepairOptions::default().with_seed(9);
-    let options = BlockOptions::default().with_repair(repair).with_memory(300);
-    assert_eq!((options.repair(), options.memory()), (repair, 256));
+fn more_memory_than_256_bytes_per_triangle_changes_nothing() {
+    let strips = Strips::from_parts((0..40).collect(), vec![40]).unwrap();
+    let renames: Vec<[Rename; 1]> = (2..39).map(|i| [Rename { removed: i + 1, kept: i }]).rev().collect();
+    let collapses = renames.iter().map(|renames| (&renames[..], 1.0));
+    let sequence = CollapseSequence::from_collapses(40, strips.to_list(), collapses).unwrap();
+    let memory = |bytes| {
+        let options = BlockOptions::default().with_memory(bytes);
+        Blocks::new(&strips, sequence.clone(), &options).unwrap().memory()
+    };
+    assert_eq!(memory(256), memory(999));
 }

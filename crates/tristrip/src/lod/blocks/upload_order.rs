@@ -34,7 +34,7 @@ const LOOK_AHEAD: usize = 16;
 const SEGMENT: usize = 1 << 12;
 
 /// The most halvings.
-const MOST_DEPTH: u32 = 9;
+const MAX_DEPTH: u32 = 9;
 
 /// An interval of levels: how often the levels of the key are halved, and the number of the part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -54,7 +54,7 @@ impl Interval {
 
     /// Returns the place of the interval among all: that of its middle.
     fn place(self) -> u32 {
-        (2 * self.number + 1) << (MOST_DEPTH - self.depth)
+        (2 * self.number + 1) << (MAX_DEPTH - self.depth)
     }
 }
 
@@ -69,7 +69,7 @@ pub(super) struct SlotChanges {
 impl SlotChanges {
     /// Starts with slots that never change. Levels are halved until a part has at most `smallest` collapses.
     pub(super) fn new(slot_count: usize, collapse_count: usize, smallest: usize) -> Self {
-        let depth = (0..MOST_DEPTH).find(|depth| collapse_count >> depth <= smallest).unwrap_or(MOST_DEPTH);
+        let depth = (0..MAX_DEPTH).find(|depth| collapse_count >> depth <= smallest).unwrap_or(MAX_DEPTH);
         Self { spans: vec![None; slot_count], collapse_count: collapse_count as u32, depth }
     }
 

@@ -105,7 +105,7 @@ fn what_does_not_belong_together_is_refused() {
     let small = CollapseSequence::from_collapses(3, vec![0, 1, 2], []).unwrap();
     for encoding in ENCODINGS {
         let error = ProgressiveStrips::new(&strips, &small, encoding).unwrap_err().to_string();
-        assert_eq!(error, "face 0, corner 2: found vertex index 9, expected less than 3");
+        assert_eq!(error, "strip 0, vertex 2: found vertex index 9, expected less than 3");
     }
 }
 

@@ -30,10 +30,16 @@ pub(super) const SEARCH_AMOUNTS: [SearchAmount; 10] = [
 
 /// The options of [`Repair`](super::Repair).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+#[non_exhaustive]
 pub struct RepairOptions {
-    pub(super) effort: Effort,
-    pub(super) seed: u64,
-    pub(super) cost: Cost,
+    /// How much to search next to each change.
+    pub effort: Effort,
+    /// The seed of the random choices.
+    pub seed: u64,
+    /// What is minimized; see [`RepairOptions::with_cost`].
+    pub cost: Cost,
 }
 
 /// Default effort, seed 0, and the vertices sent as the cost.
@@ -85,40 +91,7 @@ impl RepairOptions {
     /// ```
     #[must_use]
     pub fn with_cost(mut self, cost: Cost) -> Self {
-        self.cost = if cost == Cost::Gl { Cost::OpenGl } else { cost };
+        self.cost = cost;
         self
-    }
-
-    /// Returns how much to search next to each change.
-    ///
-    /// ```
-    /// use tristrip::{Effort, lod::RepairOptions};
-    /// assert_eq!(RepairOptions::default().effort().level(), 5);
-    /// assert_eq!(RepairOptions::default().with_effort(Effort::MAX).effort(), Effort::MAX);
-    /// ```
-    pub fn effort(&self) -> Effort {
-        self.effort
-    }
-
-    /// Returns the seed of the random choices.
-    ///
-    /// ```
-    /// use tristrip::lod::RepairOptions;
-    /// assert_eq!(RepairOptions::default().seed(), 0);
-    /// assert_eq!(RepairOptions::default().with_seed(7).seed(), 7);
-    /// ```
-    pub fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    /// Returns what is minimized.
-    ///
-    /// ```
-    /// use tristrip::{Cost, lod::RepairOptions};
-    /// assert_eq!(RepairOptions::default().cost(), Cost::OpenGl);
-    /// assert_eq!(RepairOptions::default().with_cost(Cost::Restart).cost(), Cost::Restart);
-    /// ```
-    pub fn cost(&self) -> Cost {
-        self.cost
     }
 }

@@ -77,12 +77,12 @@ fn paired_from_scratch(repair: &Repair, before: &[Option<u32>]) -> Vec<Option<u3
     sides.sort_unstable();
     let mut now = vec![None; before.len()];
     for edge in sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        let mut waiting: Vec<u32> = Vec::new();
+        let mut unpaired: Vec<u32> = Vec::new();
         for &(_, _, h) in edge {
             let kept = before[h as usize].filter(|&twin| mesh.is_drawn(twin / 4) && is_opposite(h, twin));
-            match kept.or_else(|| waiting.pop_if(|last| is_opposite(*last, h))) {
+            match kept.or_else(|| unpaired.pop_if(|last| is_opposite(*last, h))) {
                 Some(twin) => (now[h as usize], now[twin as usize]) = (Some(twin), Some(h)),
-                None => waiting.push(h),
+                None => unpaired.push(h),
             }
         }
     }

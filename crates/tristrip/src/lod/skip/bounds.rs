@@ -57,15 +57,15 @@ impl Bounds {
         let mut nodes: Vec<NodeBounds> = (0..tree.len() as u32).map(bounds).collect();
         let mut cones = cones(triangles, numbers, &nodes);
         for collapse in sequence.iter() {
-            let Some(leader) = collapse.renames.first().map(|first| numbers.of(first.removed)) else {
+            let Some(collapse_id) = collapse.renames.first().map(|first| numbers.of(first.removed)) else {
                 continue;
             };
-            let needed = dependencies.needed(leader).map(|needed| nodes[needed as usize].error);
+            let needed = dependencies.needed(collapse_id).map(|needed| nodes[needed as usize].error);
             let error = needed.fold(collapse.error, f32::max);
             // Vertices of one position have one sphere and cone.
             let members = || collapse.renames.iter().map(|r| [r.removed, r.kept].map(|v| numbers.of(v)));
             let (mut radius, mut cone) = (0.0_f32, WideCone::default());
-            let center = nodes[leader as usize].position;
+            let center = nodes[collapse_id as usize].position;
             for [removed, kept] in members() {
                 let [own, other] = [removed, kept].map(|node| &nodes[node as usize]);
                 radius = radius.max(reach(center, own)).max(reach_of(center, other.position));

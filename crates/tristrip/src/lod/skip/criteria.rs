@@ -12,7 +12,7 @@
 //!
 //! Away from the attention the tolerance is larger by a factor (module `foveation`).
 //!
-//! A split is wanted if the error is not allowed, a collapse if it is by a share of what is allowed, so that a view that moves to and fro changes
+//! A collapse is split if its error is not allowed, and done if its error is below a share of what is allowed, so that small camera movements change
 //! nothing.
 //!
 //! # Travel
@@ -37,7 +37,7 @@ const BACK_TOLERANCE: f64 = 4.0;
 const SILHOUETTE_TOLERANCE: f64 = 0.5;
 const DARK_TOLERANCE: f64 = 2.0;
 /// The least error in pixels with a budget of triangles: none at all would leave the budget nothing to raise.
-const LEAST_PIXELS: f64 = 1e-6;
+const MIN_PIXELS: f64 = 1e-6;
 /// The share of the distance from which on a travel is long enough to look no further.
 const SURE_SHARE: f64 = 0.02;
 
@@ -45,22 +45,30 @@ const SURE_SHARE: f64 = 0.02;
 ///
 /// ```
 /// use tristrip::lod::ViewCriteria;
-/// let criteria = ViewCriteria::new(1.5)?.with_budget(200_000).with_silhouettes(false);
-/// assert_eq!((criteria.pixels(), criteria.budget()), (1.5, Some(200_000)));
-/// assert!(ViewCriteria::new(-1.0).is_err());
-/// # Ok::<(), tristrip::Error>(())
+/// let criteria = ViewCriteria::default().with_pixels(1.5).with_budget(200_000).with_silhouettes(false);
+/// assert_eq!((criteria.pixels, criteria.budget), (1.5, Some(200_000)));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ViewCriteria {
-    pixels: f32,
-    has_frustum: bool,
-    has_back_faces: bool,
-    has_silhouettes: bool,
-    light: Option<[f32; 3]>,
-    foveation: Option<Foveation>,
-    budget: Option<usize>,
-    steps: Option<usize>,
-    hysteresis: Hysteresis,
+    /// The allowed error in pixels, at least 0.
+    pub pixels: f32,
+    /// Whether everything outside of the view frustum is as coarse as possible.
+    pub frustum: bool,
+    /// Whether surfaces that face away from the eye may have four times the error.
+    pub back_faces: bool,
+    /// Whether silhouettes may have only half of the error.
+    pub silhouettes: bool,
+    /// The direction to a light, of any length; see [`ViewCriteria::with_light`].
+    pub light: Option<[f32; 3]>,
+    /// How the allowed error grows away from the attention.
+    pub foveation: Option<Foveation>,
+    /// The largest number of triangles of a view.
+    pub budget: Option<usize>,
+    /// The largest number of collapses and splits of an update.
+    pub steps: Option<usize>,
+    /// The share of the allowed error that a collapse may have.
+    pub hysteresis: Hysteresis,
 }
 
 impl Default for ViewCriteria {
@@ -68,9 +76,9 @@ impl Default for ViewCriteria {
     fn default() -> Self {
         Self {
             pixels: 1.0,
-            has_frustum: true,
-            has_back_faces: true,
-            has_silhouettes: true,
+            frustum: true,
+            back_faces: true,
+            silhouettes: true,
             light: None,
             foveation: None,
             budget: None,
@@ -81,36 +89,20 @@ impl Default for ViewCriteria {
 }
 
 impl ViewCriteria {
-    /// Creates criteria that allow an error of some pixels.
-    ///
-    /// # Errors
-    /// The number is negative or not a number.
+    /// Sets the allowed error in pixels, at least 0.
     ///
     /// ```
-    /// assert!(tristrip::lod::ViewCriteria::new(f32::NAN).is_err());
-    /// ```
-    pub fn new(pixels: f32) -> Result<Self, Error> {
-        Self::default().with_pixels(pixels)
-    }
-
-    /// Sets the allowed error in pixels.
-    ///
-    /// # Errors
-    /// The number is negative or not a number.
-    ///
-    /// ```
-    /// use tristrip::lod::ViewCriteria;
-    /// let criteria = ViewCriteria::new(1.0)?.with_budget(1000).with_pixels(2.5)?;
-    /// assert_eq!((criteria.pixels(), criteria.budget()), (2.5, Some(1000)));
+    #[doc = include_str!("example.txt")]
+    /// let camera = Camera::new([4.0, 3.0, 12.0], [4.0, 0.0, 4.0])?.with_image(100, 100)?;
+    /// let update = |pixels| model.view().update(&camera, &ViewCriteria::default().with_pixels(pixels));
+    /// assert!(update(0.2)?.splits > update(2.0)?.splits);
+    /// assert!(update(f32::NAN).is_err());
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn with_pixels(mut self, pixels: f32) -> Result<Self, Error> {
-        if pixels.is_nan() || pixels < 0.0 {
-            let expected = "0 or more";
-            return Err(Error::Parameter { name: "pixels", found: pixels.to_string(), expected });
-        }
+    #[must_use]
+    pub fn with_pixels(mut self, pixels: f32) -> Self {
         self.pixels = pixels;
-        Ok(self)
+        self
     }
 
     /// Sets whether everything outside of the view frustum is as coarse as possible.
@@ -120,8 +112,8 @@ impl ViewCriteria {
     /// assert_ne!(ViewCriteria::default().with_frustum(false), ViewCriteria::default());
     /// ```
     #[must_use]
-    pub fn with_frustum(mut self, has_frustum: bool) -> Self {
-        self.has_frustum = has_frustum;
+    pub fn with_frustum(mut self, frustum: bool) -> Self {
+        self.frustum = frustum;
         self
     }
 
@@ -132,8 +124,8 @@ impl ViewCriteria {
     /// assert_ne!(ViewCriteria::default().with_back_faces(false), ViewCriteria::default());
     /// ```
     #[must_use]
-    pub fn with_back_faces(mut self, has_back_faces: bool) -> Self {
-        self.has_back_faces = has_back_faces;
+    pub fn with_back_faces(mut self, back_faces: bool) -> Self {
+        self.back_faces = back_faces;
         self
     }
 
@@ -144,28 +136,24 @@ impl ViewCriteria {
     /// assert_ne!(ViewCriteria::default().with_silhouettes(false), ViewCriteria::default());
     /// ```
     #[must_use]
-    pub fn with_silhouettes(mut self, has_silhouettes: bool) -> Self {
-        self.has_silhouettes = has_silhouettes;
+    pub fn with_silhouettes(mut self, silhouettes: bool) -> Self {
+        self.silhouettes = silhouettes;
         self
     }
 
-    /// Sets the direction to a light: surfaces that face away from it may have twice the error. None is the default.
-    ///
-    /// # Errors
-    /// A coordinate is not finite, or all are 0.
+    /// Sets the direction to a light, of any length: surfaces that face away from it may have twice the error.
     ///
     /// ```
-    /// use tristrip::lod::ViewCriteria;
-    /// assert!(ViewCriteria::default().with_light([0.0, 1.0, 0.0]).is_ok());
-    /// assert!(ViewCriteria::default().with_light([0.0; 3]).is_err());
+    #[doc = include_str!("example.txt")]
+    /// let camera = Camera::new([4.0, 3.0, 12.0], [4.0, 0.0, 4.0])?.with_image(100, 100)?;
+    /// let update = |light| model.view().update(&camera, &ViewCriteria::default().with_light(light));
+    /// assert!(update([0.0, 1.0, 0.0]).is_ok() && update([0.0; 3]).is_err());
+    /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn with_light(mut self, direction: [f32; 3]) -> Result<Self, Error> {
-        if direction.iter().any(|x| !x.is_finite()) || direction.iter().all(|&x| x == 0.0) {
-            let found = format!("{direction:?}");
-            return Err(Error::Parameter { name: "light", found, expected: "a direction" });
-        }
+    #[must_use]
+    pub fn with_light(mut self, direction: [f32; 3]) -> Self {
         self.light = Some(direction);
-        Ok(self)
+        self
     }
 
     /// Sets how the allowed error grows away from the point of the image at which somebody looks. There is none by default.
@@ -180,7 +168,7 @@ impl ViewCriteria {
     ///     view.update(&camera, &criteria)?;
     ///     Ok::<_, tristrip::Error>(view.triangle_count())
     /// };
-    /// let criteria = ViewCriteria::new(0.2)?;
+    /// let criteria = ViewCriteria::default().with_pixels(0.2);
     /// assert!(triangles(criteria.with_foveation(Foveation::new(0.5)?))? < triangles(criteria)?);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -195,7 +183,7 @@ impl ViewCriteria {
     ///
     /// ```
     /// use tristrip::lod::ViewCriteria;
-    /// assert_eq!(ViewCriteria::default().with_budget(1000).budget(), Some(1000));
+    /// assert_eq!(ViewCriteria::default().with_budget(1000).budget, Some(1000));
     /// ```
     #[must_use]
     pub fn with_budget(mut self, triangle_count: usize) -> Self {
@@ -207,7 +195,7 @@ impl ViewCriteria {
     ///
     /// ```
     /// use tristrip::lod::ViewCriteria;
-    /// assert_eq!(ViewCriteria::default().with_steps(500).steps(), Some(500));
+    /// assert_eq!(ViewCriteria::default().with_steps(500).steps, Some(500));
     /// ```
     #[must_use]
     pub fn with_steps(mut self, steps: usize) -> Self {
@@ -229,52 +217,28 @@ impl ViewCriteria {
         self
     }
 
-    /// Returns the allowed error in pixels.
+    /// Checks the allowed error and the direction to the light, as [`SkipView::update`](super::view::SkipView::update) does.
     ///
-    /// ```
-    /// assert_eq!(tristrip::lod::ViewCriteria::default().pixels(), 1.0);
-    /// ```
-    pub fn pixels(&self) -> f32 {
-        self.pixels
-    }
-
-    /// Returns the direction to the light, if there is one, of any length.
+    /// # Errors
+    /// The allowed pixels are negative or NaN; a coordinate of the direction is not finite, or all are 0.
     ///
     /// ```
     /// use tristrip::lod::ViewCriteria;
-    /// let criteria = ViewCriteria::default().with_light([0.0, 2.0, 0.0])?;
-    /// assert_eq!((criteria.light(), ViewCriteria::default().light()), (Some([0.0, 2.0, 0.0]), None));
-    /// # Ok::<(), tristrip::Error>(())
+    /// assert!(ViewCriteria::default().with_pixels(2.5).check().is_ok());
+    /// assert!(ViewCriteria::default().with_pixels(-1.0).check().is_err());
     /// ```
-    pub fn light(&self) -> Option<[f32; 3]> {
-        self.light
-    }
-
-    /// Returns how the allowed error grows away from the attention, if it does.
-    ///
-    /// ```
-    /// assert_eq!(tristrip::lod::ViewCriteria::default().foveation(), None);
-    /// ```
-    pub fn foveation(&self) -> Option<Foveation> {
-        self.foveation
-    }
-
-    /// Returns the most triangles of a view, if there is a limit.
-    ///
-    /// ```
-    /// assert_eq!(tristrip::lod::ViewCriteria::default().budget(), None);
-    /// ```
-    pub fn budget(&self) -> Option<usize> {
-        self.budget
-    }
-
-    /// Returns the most collapses and splits of an update, if there is a limit.
-    ///
-    /// ```
-    /// assert_eq!(tristrip::lod::ViewCriteria::default().steps(), None);
-    /// ```
-    pub fn steps(&self) -> Option<usize> {
-        self.steps
+    pub fn check(&self) -> Result<(), Error> {
+        if self.pixels.is_nan() || self.pixels < 0.0 {
+            let expected = "0 or more";
+            return Err(Error::Parameter { name: "pixels", found: self.pixels.to_string(), expected });
+        }
+        match self.light {
+            Some(light) if light.iter().any(|x| !x.is_finite()) || light.iter().all(|&x| x == 0.0) => {
+                let found = format!("{light:?}");
+                Err(Error::Parameter { name: "light", found, expected: "a direction" })
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -298,7 +262,7 @@ pub(super) struct Criteria {
     tolerances: [f64; 2],
 }
 
-/// What a view wants of a collapse.
+/// Whether a collapse has to change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Choice {
     /// It is to be split, or done; with the error in shares of what is allowed.
@@ -311,10 +275,10 @@ impl Criteria {
     /// Prepares criteria for a frame, with the pixels multiplied by `scale`, for distances of up to `far`.
     pub(super) fn new(frame: CameraFrame, criteria: &ViewCriteria, scale: f64, far: f64) -> Self {
         let mut tolerances = [1.0, 1.0];
-        if criteria.has_back_faces {
+        if criteria.back_faces {
             tolerances[1] *= BACK_TOLERANCE;
         }
-        if criteria.has_silhouettes {
+        if criteria.silhouettes {
             tolerances[0] *= SILHOUETTE_TOLERANCE;
         }
         if criteria.light.is_some() {
@@ -329,7 +293,7 @@ impl Criteria {
             unit(direction.map(|x| f64::from(x) / f64::from(largest)))
         });
         let pixels = f64::from(criteria.pixels);
-        let pixels = if criteria.budget.is_some() { pixels.max(LEAST_PIXELS) } else { pixels };
+        let pixels = if criteria.budget.is_some() { pixels.max(MIN_PIXELS) } else { pixels };
         let slope = scale * pixels / frame.pixels_per_slope;
         let share = f64::from(criteria.hysteresis.share());
         Self {
@@ -337,9 +301,9 @@ impl Criteria {
             slope,
             needed: [share, 1.0].map(|share| 1.0 / (slope * share)),
             share,
-            has_frustum: criteria.has_frustum,
-            has_back_faces: criteria.has_back_faces,
-            has_silhouettes: criteria.has_silhouettes,
+            has_frustum: criteria.frustum,
+            has_back_faces: criteria.back_faces,
+            has_silhouettes: criteria.silhouettes,
             light,
             gaze,
             far,
@@ -352,17 +316,17 @@ impl Criteria {
         self.far
     }
 
-    /// Returns what is wanted of a collapse that is done or not, and for how long.
-    pub(super) fn choose(&self, node: &NodeBounds, is_done: bool) -> Choice {
+    /// Returns whether a collapse, done or not, has to change, or for how long it stays.
+    pub(super) fn choose(&self, node: &NodeBounds, is_collapsed: bool) -> Choice {
         let away = sub(node.position.map(f64::from), self.frame.eye);
         let distance = dot(away, away).sqrt();
         let radius = f64::from(node.radius);
         let error = f64::from(node.error);
         let state = Looked {
-            is_done,
+            is_collapsed,
             near: (distance - radius).max(0.0),
             // Without an error there is nothing to see.
-            needed: if error > 0.0 { error * self.needed[usize::from(is_done)] } else { 0.0 },
+            needed: if error > 0.0 { error * self.needed[usize::from(is_collapsed)] } else { 0.0 },
             far: self.far,
             blur: Blur::NONE,
         };
@@ -371,7 +335,7 @@ impl Criteria {
             return state.choice(f64::INFINITY, outside);
         }
         // If all tolerances inside of the frustum lead to the same choice for long, that is known without the normals.
-        let sure = match state.choice(self.tolerances[usize::from(!is_done)], inside) {
+        let sure = match state.choice(self.tolerances[usize::from(!is_collapsed)], inside) {
             Choice::Stay { travel } => travel,
             Choice::Change { .. } => 0.0,
         };
@@ -451,7 +415,7 @@ impl Criteria {
 /// What is known of a collapse before its tolerance.
 #[derive(Debug, Clone, Copy)]
 struct Looked {
-    is_done: bool,
+    is_collapsed: bool,
     /// The distance of the nearest point of its sphere.
     near: f64,
     /// The distance from which on its choice is another one, at a tolerance of 1.
@@ -466,7 +430,7 @@ impl Looked {
         let needed = if tolerance == f64::INFINITY { 0.0 } else { self.needed / tolerance };
         let seen = self.near * self.blur.factor;
         let is_allowed = seen >= needed;
-        if is_allowed != self.is_done {
+        if is_allowed != self.is_collapsed {
             return Choice::Change { ratio: needed / seen };
         }
         // What travel changes in distance, errors that are allowed change in proportion to the distance needed.

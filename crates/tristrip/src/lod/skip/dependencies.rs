@@ -20,7 +20,7 @@
 //! the neighbourhood of the simplification.
 //!
 //! # Departures
-//! - A kept vertex of more than [`MOST_TRIANGLES`] triangles counts without its neighbours, so that the time stays linear where thousands of collapses go
+//! - A kept vertex of more than [`MAX_TRIANGLES`] triangles counts without its neighbours, so that the time stays linear where thousands of collapses go
 //!   to one vertex. The collapses of `simplify` never keep such a vertex unless they break the topology.
 //! - Implicit dependencies (El-Sana, Varshney 1999) compare the numbers of vertices around a collapse, and find these by triangles that are stored and
 //!   tagged one by one. A display strip has no such triangles: what surrounds a vertex is only known by a scan of all strips
@@ -40,9 +40,9 @@ use crate::lod::level_mesh::LevelMesh;
 use crate::packed::PackedRows;
 
 /// The most triangles of a kept vertex whose neighbours count.
-const MOST_TRIANGLES: usize = 1024;
+const MAX_TRIANGLES: usize = 1024;
 
-/// The collapses that each collapse needs, and those that need it, by the nodes of their leaders.
+/// The collapses that each collapse needs, and those that need it, by their ids.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Dependencies {
     needed: PackedRows,
@@ -54,13 +54,13 @@ impl Dependencies {
     pub(super) fn new(sequence: &CollapseSequence, tree: &VertexTree, numbers: &NodeNumbers) -> Self {
         let mut mesh = LevelMesh::new(sequence);
         let mut replay = Replay::new(tree.len(), sequence.len());
-        let mut leaders = Vec::with_capacity(sequence.len());
+        let mut collapse_ids = Vec::with_capacity(sequence.len());
         for collapse in sequence.iter() {
             let Some(first) = collapse.renames.first() else { continue };
-            leaders.push(numbers.of(first.removed));
+            collapse_ids.push(numbers.of(first.removed));
             replay.around.clear();
             for rename in collapse.renames {
-                for (v, most) in [(rename.removed, usize::MAX), (rename.kept, MOST_TRIANGLES)] {
+                for (v, most) in [(rename.removed, usize::MAX), (rename.kept, MAX_TRIANGLES)] {
                     replay.around.push(numbers.of(v));
                     if mesh.around(v).nth(most).is_none() {
                         let triangles = mesh.around(v).map(|corner| mesh.triangle(corner / 3));
@@ -77,38 +77,39 @@ impl Dependencies {
             replay.touch(thirds.into_iter().map(|v| numbers.of(v)));
         }
         drop(mesh);
-        let leaders = &leaders;
+        let collapse_ids = &collapse_ids;
         let keyed = replay.rows().flat_map(move |(number, row)| {
-            row.iter().map(move |&needed| (leaders[number], leaders[needed as usize]))
+            row.iter().map(move |&needed| (collapse_ids[number], collapse_ids[needed as usize]))
         });
         let needed = Csr::group_items(keyed.clone(), tree.len());
         let needed = PackedRows::of(needed.rows());
-        let dependents = Csr::group_items(keyed.map(|(leader, needed)| (needed, leader)), tree.len());
+        let dependents =
+            Csr::group_items(keyed.map(|(collapse_id, needed)| (needed, collapse_id)), tree.len());
         Self { needed, dependents: PackedRows::of(dependents.rows()) }
     }
 
     /// Iterates over the collapses that a collapse needs.
     #[inline]
-    pub(super) fn needed(&self, leader: u32) -> impl Iterator<Item = u32> {
-        self.needed.row(leader)
+    pub(super) fn needed(&self, collapse_id: u32) -> impl Iterator<Item = u32> {
+        self.needed.row(collapse_id)
     }
 
     /// Iterates over the collapses that need a collapse.
     #[inline]
-    pub(super) fn dependents(&self, leader: u32) -> impl Iterator<Item = u32> {
-        self.dependents.row(leader)
+    pub(super) fn dependents(&self, collapse_id: u32) -> impl Iterator<Item = u32> {
+        self.dependents.row(collapse_id)
     }
 
     /// Returns the positions of the collapses that need a collapse, for [`Dependencies::dependent`].
     #[inline]
-    pub(super) fn dependents_range(&self, leader: u32) -> std::ops::Range<u32> {
-        self.dependents.range(leader..leader + 1)
+    pub(super) fn dependents_range(&self, collapse_id: u32) -> std::ops::Range<u32> {
+        self.dependents.range(collapse_id..collapse_id + 1)
     }
 
     /// Returns the positions of the collapses that a collapse needs, for [`Dependencies::needed_at`].
     #[inline]
-    pub(super) fn needed_range(&self, leader: u32) -> std::ops::Range<u32> {
-        self.needed.range(leader..leader + 1)
+    pub(super) fn needed_range(&self, collapse_id: u32) -> std::ops::Range<u32> {
+        self.needed.range(collapse_id..collapse_id + 1)
     }
 
     /// Returns a collapse that is needed by its position.
@@ -135,7 +136,7 @@ impl Dependencies {
 
 /// Checks whether a vertex has no triangle with a kept vertex.
 fn is_apart(mesh: &LevelMesh, vertex: u32, renames: &[Rename]) -> bool {
-    let mut triangles = mesh.around(vertex).take(MOST_TRIANGLES).map(|corner| mesh.triangle(corner / 3));
+    let mut triangles = mesh.around(vertex).take(MAX_TRIANGLES).map(|corner| mesh.triangle(corner / 3));
     triangles.all(|triangle| renames.iter().all(|rename| !triangle.contains(&rename.kept)))
 }
 

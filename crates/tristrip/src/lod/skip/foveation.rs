@@ -33,8 +33,8 @@ const LN_8_7: f64 = 0.133_531_5;
 /// let foveation = Foveation::new(0.2)?;
 /// assert!((foveation.factor(10.0) - 3.0).abs() < 1e-6);
 /// // Somebody looks at the upper left.
-/// let criteria = ViewCriteria::new(1.0)?.with_foveation(foveation.with_attention([0.25, 0.25])?);
-/// assert_eq!(criteria.foveation().map(|foveation| foveation.attention()), Some([0.25, 0.25]));
+/// let criteria = ViewCriteria::default().with_pixels(1.0).with_foveation(foveation.with_attention([0.25, 0.25])?);
+/// assert_eq!(criteria.foveation.map(|foveation| foveation.attention()), Some([0.25, 0.25]));
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -20,7 +20,7 @@ use crate::strip::Strips;
 /// Chunks are closed at the end of a strip from this many entries on: what comes after a change in a chunk moves.
 const CHUNK: usize = 64;
 /// A strip that would make a chunk longer than this begins another one.
-const MOST: usize = 768;
+const MAX_CHUNK: usize = 768;
 /// Strips longer than that are cut into parts of about this many entries, each of which sends two vertices more.
 const PART: usize = 512;
 /// The entries that filters read beyond a segment.
@@ -136,10 +136,10 @@ impl ChunkList {
     /// Adds a strip at a position.
     fn add(&mut self, position: usize, length: usize) {
         let open = self.starts.last().map(|&(start, _)| position - start as usize);
-        if open.is_none_or(|open| open >= CHUNK || open > 0 && open + length > MOST) {
+        if open.is_none_or(|open| open >= CHUNK || open > 0 && open + length > MAX_CHUNK) {
             self.starts.push((position as u32, false));
         }
-        if length > MOST {
+        if length > MAX_CHUNK {
             let parts = length.div_ceil(PART);
             let starts = (1..parts).map(|part| (part * length / parts) & !1);
             self.starts.extend(starts.map(|start| ((position + start) as u32, true)));

@@ -22,7 +22,7 @@ use crate::strip::Strips;
 /// ```
 #[doc = include_str!("example.txt")]
 /// let mut view = RepairedView::new(&model, &strips, sequence.clone(), RepairOptions::default())?;
-/// view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+/// view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(0.5))?;
 /// assert_eq!(view.strips().triangles().count(), view.view().triangle_count());
 /// # Ok::<(), tristrip::Error>(())
 /// ```
@@ -30,10 +30,10 @@ use crate::strip::Strips;
 pub struct RepairedView {
     view: SkipView,
     repair: Repair,
-    /// The level to which the collapse of each node leads, if it is a leader.
+    /// The level to which the collapse of each node leads, if it is the id of a collapse.
     levels: Vec<u32>,
     /// Whether the collapse of each node is done in the strips.
-    is_done: Vec<bool>,
+    is_collapsed: Vec<bool>,
 }
 
 impl RepairedView {
@@ -57,8 +57,8 @@ impl RepairedView {
     ) -> Result<Self, Error> {
         let sequence = sequence.into();
         let order = &model.order;
-        let is_same = |(leader, collapse): (&crate::ids::OptionalId, crate::collapse::Collapse<'_>)| {
-            leader.get().map(|leader| model.tree.vertex(leader))
+        let is_same = |(collapse_id, collapse): (&crate::ids::OptionalId, crate::collapse::Collapse<'_>)| {
+            collapse_id.get().map(|collapse_id| model.tree.vertex(collapse_id))
                 == collapse.renames.first().map(|r| r.removed)
         };
         if order.len() != sequence.len() || !order.iter().zip(sequence.iter()).all(is_same) {
@@ -66,18 +66,18 @@ impl RepairedView {
             return Err(Error::Parameter { name: "sequence", found, expected: "that of the model" });
         }
         let mut levels = vec![0; model.tree.len()];
-        let mut is_done = vec![false; model.tree.len()];
-        for (number, leader) in order.iter().enumerate() {
-            if let Some(leader) = leader.get() {
-                levels[leader as usize] = (order.len() - 1 - number) as u32;
-                is_done[leader as usize] = true;
+        let mut is_collapsed = vec![false; model.tree.len()];
+        for (number, collapse_id) in order.iter().enumerate() {
+            if let Some(collapse_id) = collapse_id.get() {
+                levels[collapse_id as usize] = (order.len() - 1 - number) as u32;
+                is_collapsed[collapse_id as usize] = true;
             }
         }
         Ok(Self {
             view: model.view_without_strips(),
             repair: Repair::in_any_order(&sequence, strips, options)?,
             levels,
-            is_done,
+            is_collapsed,
         })
     }
 
@@ -89,21 +89,21 @@ impl RepairedView {
     /// ```
     #[doc = include_str!("example.txt")]
     /// let mut view = RepairedView::new(&model, &strips, sequence.clone(), RepairOptions::default())?;
-    /// let update = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+    /// let update = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(0.5))?;
     /// assert!(update.splits > 0);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn update(&mut self, camera: &Camera, criteria: &ViewCriteria) -> Result<ViewUpdate, Error> {
         let update = self.view.update(camera, criteria)?;
-        for leader in self.view.take_moved() {
-            let (level, is_done) =
-                (self.levels[leader as usize] as usize, &mut self.is_done[leader as usize]);
-            if *is_done {
+        for collapse_id in self.view.take_moved() {
+            let (level, is_collapsed) =
+                (self.levels[collapse_id as usize] as usize, &mut self.is_collapsed[collapse_id as usize]);
+            if *is_collapsed {
                 self.repair.split_from(level);
             } else {
                 self.repair.collapse_to(level);
             }
-            *is_done = !*is_done;
+            *is_collapsed = !*is_collapsed;
         }
         Ok(update)
     }
@@ -144,6 +144,6 @@ impl RepairedView {
         self.view.memory()
             + LevelCursor::memory(&self.repair)
             + size_of_val(&self.levels[..])
-            + size_of_val(&self.is_done[..])
+            + size_of_val(&self.is_collapsed[..])
     }
 }

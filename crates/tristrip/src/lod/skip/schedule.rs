@@ -1,11 +1,11 @@
 //! When the collapses of a view have to be looked at again.
 //!
 //! Each collapse that a view might change next waits for an amount of travel before which its choice cannot change. Buckets hold those of nearly the same
-//! amount, so that a frame looks only at what is due: near the limits of its choice, in the direction of the camera's way.
+//! amount, so that a frame looks only at expired entries: near the limits of its choice, in the direction of the camera's way.
 //!
 //! ```text
 //! travel    ──────────▶ now
-//! buckets   … empty … │ due │     │     │     │ … the last one: all that wait longer
+//! buckets   … empty … │ expired │     │     │     │ … the last one: all that expire later
 //! ```
 //! # Complexity
 //! Constant time per entry. 4 bytes per vertex, and per entry.
@@ -18,10 +18,10 @@ const BUCKETS_PER_DIAMETER: f64 = 2048.0;
 /// The longest travel, in buckets: less than a millionth of a bucket is lost in rounding.
 const LONGEST: f64 = (1_u64 << 32) as f64;
 
-/// The place of entries that are due soon.
-const SOON: u32 = u32::MAX;
-/// The place of entries that are due.
-const DUE: u32 = u32::MAX - 1;
+/// The position of entries that expire with any travel.
+const NEXT_TRAVEL: u32 = u32::MAX;
+/// The position of entries that have expired.
+const EXPIRED: u32 = u32::MAX - 1;
 
 /// The entries that wait.
 #[derive(Debug, Clone)]
@@ -33,11 +33,11 @@ pub(super) struct Schedule {
     /// The number of the last bucket that was emptied.
     passed: u64,
     buckets: Vec<Vec<u32>>,
-    /// Entries that are due with any travel, since they may be before the current bucket is passed.
+    /// Entries that expire with any travel, since they may do so before the current bucket is passed.
     soon: Vec<u32>,
-    /// Entries that are due in any case.
+    /// Entries that expire with the next advance.
     left: Vec<u32>,
-    /// Where the only valid entry of each node is: in the bucket of this slot plus 1, [`SOON`], or [`DUE`]; 0 if it has none.
+    /// Where the only valid entry of each node is: in the bucket of this slot plus 1, [`NEXT_TRAVEL`], or [`EXPIRED`]; 0 if it has none.
     waits: Vec<u32>,
 }
 
@@ -65,24 +65,24 @@ impl Schedule {
         (self.travel, self.passed) = (0.0, 0);
     }
 
-    /// Adds travel, and moves the entries that are due to `due`, and those that were left to `left`.
-    pub(super) fn advance(&mut self, travel: f64, due: &mut Vec<u32>, left: &mut Vec<u32>) {
+    /// Adds travel, and moves the entries that expire to `expired`, and those that were left to `left`.
+    pub(super) fn advance(&mut self, travel: f64, expired: &mut Vec<u32>, left: &mut Vec<u32>) {
         self.travel += travel;
         let reached = self.bucket_at(self.travel);
         let passed = self.passed..reached.min(self.passed + BUCKETS);
         self.passed = reached;
         left.append(&mut self.left);
         if travel > 0.0 {
-            self.soon.drain(..).for_each(|node| take_valid(node, SOON, &mut self.waits, due));
+            self.soon.drain(..).for_each(|node| take_valid(node, NEXT_TRAVEL, &mut self.waits, expired));
         }
         for number in passed.map(|number| number + 1) {
             let slot = (number % BUCKETS) as u32;
             let bucket = &mut self.buckets[slot as usize];
-            bucket.drain(..).for_each(|node| take_valid(node, slot + 1, &mut self.waits, due));
+            bucket.drain(..).for_each(|node| take_valid(node, slot + 1, &mut self.waits, expired));
         }
     }
 
-    /// Checks whether everything is due after a travel, or the travel so far is so long that more of it would be lost in rounding: then all entries are to be
+    /// Checks whether everything expires within a travel, or the travel so far is so long that more of it would be lost in rounding: then all entries are to be
     /// removed instead.
     pub(super) fn ends_with(&self, travel: f64) -> bool {
         travel >= self.width * BUCKETS as f64 || self.travel >= self.width * LONGEST
@@ -98,12 +98,12 @@ impl Schedule {
     pub(super) fn wait(&mut self, node: u32, travel: f64) {
         let number = self.bucket_at(self.travel + travel);
         let slot = (number.min(self.passed + BUCKETS) % BUCKETS) as u32;
-        let place = if number <= self.passed { SOON } else { slot + 1 };
+        let place = if number <= self.passed { NEXT_TRAVEL } else { slot + 1 };
         // An entry in the same place is there already.
         if std::mem::replace(&mut self.waits[node as usize], place) == place {
             return;
         }
-        if place == SOON { self.soon.push(node) } else { self.buckets[slot as usize].push(node) }
+        if place == NEXT_TRAVEL { self.soon.push(node) } else { self.buckets[slot as usize].push(node) }
     }
 
     /// Removes the entry of a node, if it has one.
@@ -111,14 +111,14 @@ impl Schedule {
         self.waits[node as usize] = 0;
     }
 
-    /// Checks whether the entry of a node that is due was not removed.
-    pub(super) fn is_due(&self, node: u32) -> bool {
-        self.waits[node as usize] == DUE
+    /// Checks whether the expired entry of a node was not removed.
+    pub(super) fn has_expired(&self, node: u32) -> bool {
+        self.waits[node as usize] == EXPIRED
     }
 
-    /// Lets nodes be due now.
-    pub(super) fn make_due(&mut self, nodes: &[u32]) {
-        nodes.iter().for_each(|&node| self.waits[node as usize] = DUE);
+    /// Lets the entries of nodes expire now.
+    pub(super) fn expire(&mut self, nodes: &[u32]) {
+        nodes.iter().for_each(|&node| self.waits[node as usize] = EXPIRED);
     }
 
     /// Leaves nodes to the next advance, whatever the travel.
@@ -138,11 +138,11 @@ impl Schedule {
     }
 }
 
-/// Appends a node that has its valid entry in a place, which is due then.
-fn take_valid(node: u32, place: u32, waits: &mut [u32], due: &mut Vec<u32>) {
+/// Appends a node that has its valid entry in a place, which expires then.
+fn take_valid(node: u32, place: u32, waits: &mut [u32], expired: &mut Vec<u32>) {
     let waits = &mut waits[node as usize];
     if *waits == place {
-        *waits = DUE;
-        due.push(node);
+        *waits = EXPIRED;
+        expired.push(node);
     }
 }

@@ -41,7 +41,7 @@ impl ViewState {
 
     /// Checks whether a node has collapsed.
     #[inline]
-    pub(super) fn is_done(&self, node: u32) -> bool {
+    pub(super) fn is_collapsed(&self, node: u32) -> bool {
         self.done[node as usize]
     }
 
@@ -58,23 +58,24 @@ impl ViewState {
 
     /// Checks whether a collapse may be done.
     #[inline]
-    pub(super) fn can_collapse(&self, leader: u32, dependencies: &Dependencies) -> bool {
-        !self.is_done(leader) && dependencies.needed(leader).all(|needed| self.is_done(needed))
+    pub(super) fn can_collapse(&self, collapse_id: u32, dependencies: &Dependencies) -> bool {
+        !self.is_collapsed(collapse_id)
+            && dependencies.needed(collapse_id).all(|needed| self.is_collapsed(needed))
     }
 
     /// Checks whether a collapse is the last one into an active node, so that its split may be chosen.
     #[inline]
-    pub(super) fn is_last(&self, leader: u32, tree: &VertexTree) -> bool {
-        self.is_done(leader)
-            && tree.members(leader).any(|node| {
-                tree.parent(node).is_some_and(|p| !self.is_done(p) && self.active_child(p) == Some(node))
+    pub(super) fn is_last(&self, collapse_id: u32, tree: &VertexTree) -> bool {
+        self.is_collapsed(collapse_id)
+            && tree.members(collapse_id).any(|node| {
+                tree.parent(node).is_some_and(|p| !self.is_collapsed(p) && self.active_child(p) == Some(node))
             })
     }
 
     /// Does a collapse that may be done.
     #[inline]
-    pub(super) fn collapse(&mut self, leader: u32, tree: &VertexTree) {
-        for node in tree.members(leader) {
+    pub(super) fn collapse(&mut self, collapse_id: u32, tree: &VertexTree) {
+        for node in tree.members(collapse_id) {
             if let Some(parent) = tree.parent(node) {
                 self.done[node as usize] = true;
                 self.active_child[parent as usize] = OptionalId::some(node);
@@ -84,8 +85,8 @@ impl ViewState {
 
     /// Undoes a collapse that no other one needs any more.
     #[inline]
-    pub(super) fn split(&mut self, leader: u32, tree: &VertexTree) {
-        for node in tree.members(leader) {
+    pub(super) fn split(&mut self, collapse_id: u32, tree: &VertexTree) {
+        for node in tree.members(collapse_id) {
             if let Some(parent) = tree.parent(node) {
                 self.done[node as usize] = false;
                 self.active_child[parent as usize] = tree.child_before(parent, node);
@@ -96,27 +97,29 @@ impl ViewState {
     /// Undoes a collapse, first those that need it, and appends all of them in this order.
     pub(super) fn force_split(
         &mut self,
-        leader: u32,
+        collapse_id: u32,
         (tree, dependencies): (&VertexTree, &Dependencies),
         split: &mut Vec<u32>,
     ) {
-        if self.is_done(leader) && dependencies.dependents(leader).all(|dependent| !self.is_done(dependent)) {
-            self.split(leader, tree);
-            split.push(leader);
+        if self.is_collapsed(collapse_id)
+            && dependencies.dependents(collapse_id).all(|dependent| !self.is_collapsed(dependent))
+        {
+            self.split(collapse_id, tree);
+            split.push(collapse_id);
             return;
         }
         // With each collapse the position of the first that needs it and may not be undone yet.
-        let mut stack = vec![(leader, dependencies.dependents_range(leader))];
-        while let Some((leader, range)) = stack.last_mut() {
-            let leader = *leader;
-            let next = range.map(|position| dependencies.dependent(position)).find(|&d| self.is_done(d));
+        let mut stack = vec![(collapse_id, dependencies.dependents_range(collapse_id))];
+        while let Some((collapse_id, range)) = stack.last_mut() {
+            let collapse_id = *collapse_id;
+            let next = range.map(|position| dependencies.dependent(position)).find(|&d| self.is_collapsed(d));
             if let Some(dependent) = next {
                 stack.push((dependent, dependencies.dependents_range(dependent)));
                 continue;
             }
-            if self.is_done(leader) {
-                self.split(leader, tree);
-                split.push(leader);
+            if self.is_collapsed(collapse_id) {
+                self.split(collapse_id, tree);
+                split.push(collapse_id);
             }
             stack.pop();
         }
@@ -125,27 +128,28 @@ impl ViewState {
     /// Does a collapse, first those that it needs, and appends all of them in this order.
     pub(super) fn force_collapse(
         &mut self,
-        leader: u32,
+        collapse_id: u32,
         (tree, dependencies): (&VertexTree, &Dependencies),
         collapsed: &mut Vec<u32>,
     ) {
-        if self.can_collapse(leader, dependencies) {
-            self.collapse(leader, tree);
-            collapsed.push(leader);
+        if self.can_collapse(collapse_id, dependencies) {
+            self.collapse(collapse_id, tree);
+            collapsed.push(collapse_id);
             return;
         }
         // With each collapse the position of the first that it needs and may not be done yet.
-        let mut stack = vec![(leader, dependencies.needed_range(leader))];
-        while let Some((leader, range)) = stack.last_mut() {
-            let leader = *leader;
-            let next = range.map(|position| dependencies.needed_at(position)).find(|&d| !self.is_done(d));
+        let mut stack = vec![(collapse_id, dependencies.needed_range(collapse_id))];
+        while let Some((collapse_id, range)) = stack.last_mut() {
+            let collapse_id = *collapse_id;
+            let next =
+                range.map(|position| dependencies.needed_at(position)).find(|&d| !self.is_collapsed(d));
             if let Some(needed) = next {
                 stack.push((needed, dependencies.needed_range(needed)));
                 continue;
             }
-            if !self.is_done(leader) {
-                self.collapse(leader, tree);
-                collapsed.push(leader);
+            if !self.is_collapsed(collapse_id) {
+                self.collapse(collapse_id, tree);
+                collapsed.push(collapse_id);
             }
             stack.pop();
         }
@@ -154,11 +158,11 @@ impl ViewState {
     /// Returns the first active node of a node and its ancestors, by the pointers that skip ancestors, from the one that was used last.
     #[inline]
     pub(super) fn representative(&mut self, node: u32, tree: &VertexTree) -> u32 {
-        if !self.is_done(node) {
+        if !self.is_collapsed(node) {
             return node;
         }
         match tree.parent(node) {
-            Some(parent) if self.is_done(parent) => self.skip_from(node, tree),
+            Some(parent) if self.is_collapsed(parent) => self.skip_from(node, tree),
             Some(parent) => parent,
             None => node,
         }
@@ -166,7 +170,7 @@ impl ViewState {
 
     fn skip_from(&mut self, node: u32, tree: &VertexTree) -> u32 {
         let mut at = node;
-        while self.is_done(at) {
+        while self.is_collapsed(at) {
             let pointer = self.pointer_from(at, u32::from(self.active_pointer[at as usize]), tree);
             self.active_pointer[at as usize] = pointer as u8;
             match tree.ancestor(at, pointer) {
@@ -180,7 +184,7 @@ impl ViewState {
     /// Returns the highest pointer of a node that has collapsed to one that has collapsed, too, or the first pointer; `known` is where to look first.
     #[inline]
     fn pointer_from(&self, node: u32, known: u32, tree: &VertexTree) -> u32 {
-        let is_below = |pointer: u32| tree.ancestor(node, pointer).is_some_and(|a| self.is_done(a));
+        let is_below = |pointer: u32| tree.ancestor(node, pointer).is_some_and(|a| self.is_collapsed(a));
         let mut pointer = known;
         if pointer > 0 && !is_below(pointer) {
             while pointer > 0 && !is_below(pointer) {
@@ -199,18 +203,18 @@ impl ViewState {
     pub(super) fn hops(&mut self, node: u32, tree: &VertexTree) -> [u32; 3] {
         let mut hops = [0; 3];
         let mut at = node;
-        while let Some(parent) = tree.parent(at).filter(|_| self.is_done(at)) {
+        while let Some(parent) = tree.parent(at).filter(|_| self.is_collapsed(at)) {
             hops[0] += 1;
             at = parent;
         }
         at = node;
-        while self.is_done(at) {
+        while self.is_collapsed(at) {
             let pointer = self.pointer_from(at, tree.pointer_count(at) - 1, tree);
             hops[1] += 1;
             at = tree.ancestor(at, pointer).unwrap_or(at);
         }
         at = node;
-        while self.is_done(at) {
+        while self.is_collapsed(at) {
             let pointer = self.pointer_from(at, u32::from(self.active_pointer[at as usize]), tree);
             hops[2] += 1;
             self.active_pointer[at as usize] = pointer as u8;

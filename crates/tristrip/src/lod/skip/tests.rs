@@ -44,11 +44,11 @@ fn foveation(random: &mut Random) -> Foveation {
 
 /// Criteria of which some are switched off.
 pub(super) fn criteria(random: &mut Random) -> ViewCriteria {
-    let criteria = ViewCriteria::new(random.below(300) as f32 / 100.0).unwrap();
+    let criteria = ViewCriteria::default().with_pixels(random.below(300) as f32 / 100.0);
     let criteria = criteria.with_frustum(random.coin()).with_back_faces(random.coin());
     let criteria = criteria.with_silhouettes(random.coin());
     let criteria = if random.coin() { criteria.with_foveation(foveation(random)) } else { criteria };
-    if random.coin() { criteria.with_light([1.0, 2.0, 0.5]).unwrap() } else { criteria }
+    if random.coin() { criteria.with_light([1.0, 2.0, 0.5]) } else { criteria }
 }
 
 /// Checks that a view draws what its vertices say, and that what is done has all that it needs.
@@ -57,11 +57,15 @@ fn check(view: &SkipView) -> Result<(), TestCaseError> {
     prop_assert_eq!(view.triangle_count(), oracle.len());
     prop_assert_eq!(sorted(view.display_strips().triangles()), oracle);
     let model = view.model();
-    for leader in model.order.iter().filter_map(|leader| leader.get()).filter(|&leader| view.is_done(leader))
+    for collapse_id in model
+        .order
+        .iter()
+        .filter_map(|collapse_id| collapse_id.get())
+        .filter(|&collapse_id| view.is_collapsed(collapse_id))
     {
-        prop_assert!(model.dependencies.needed(leader).all(|needed| view.is_done(needed)));
+        prop_assert!(model.dependencies.needed(collapse_id).all(|needed| view.is_collapsed(needed)));
     }
-    let active = (0..model.tree.len() as u32).filter(|&node| !view.is_done(node)).count();
+    let active = (0..model.tree.len() as u32).filter(|&node| !view.is_collapsed(node)).count();
     prop_assert_eq!(view.active_vertex_count(), active);
     Ok(())
 }
@@ -239,14 +243,14 @@ fn figures_13_and_14() {
     assert_eq!((tree.ancestor(node(4), 0), tree.ancestor(node(4), 1)), (Some(node(3)), Some(node(5))));
     assert_eq!((tree.ancestor(node(6), 0), tree.ancestor(node(6), 1)), (Some(node(5)), None));
     let mut state = state::ViewState::full(&tree);
-    assert!((1..16).all(|v| !state.is_done(node(v))), "at full detail no parent pointer is active");
+    assert!((1..16).all(|v| !state.is_collapsed(node(v))), "at full detail no parent pointer is active");
     let dependencies = Dependencies::new(&sequence, &tree, &numbers);
     for (v, into) in [(6, 5), (8, 7)] {
         assert!(state.can_collapse(node(v), &dependencies));
         state.collapse(node(v), &tree);
         assert_eq!(state.active_child(node(into)), Some(node(v)));
     }
-    let done: Vec<u32> = (1..16).filter(|&v| state.is_done(node(v))).collect();
+    let done: Vec<u32> = (1..16).filter(|&v| state.is_collapsed(node(v))).collect();
     assert_eq!(done, [6, 8], "the parent pointers of 6 and 8 are active");
     let name = |state: &mut state::ViewState, v: u32| tree.vertex(state.representative(node(v), &tree));
     assert_eq!([5, 6, 7, 8, 9].map(|v| name(&mut state, v)), [5, 5, 7, 7, 9]);
@@ -311,7 +315,7 @@ fn a_flight_over_a_terrain_is_exact_and_looks_at_little() {
     let model = hills(60);
     for filter in Filter::ALL {
         let mut view = model.view_by(filter);
-        let criteria = ViewCriteria::new(4.0).unwrap();
+        let criteria = ViewCriteria::default().with_pixels(4.0);
         let (mut looked_at, mut moved, mut segments) = (0, 0, 0);
         for frame in 0..60 {
             let x = frame as f32 / 4.0;
@@ -339,7 +343,7 @@ fn detail_is_where_somebody_looks() {
     let camera =
         Camera::new([30.0, 50.0, 30.0], [30.0, 0.0, 30.0]).unwrap().with_up([0.0, 0.0, -1.0]).unwrap();
     let camera = camera.with_image(1000, 1000).unwrap();
-    let criteria = ViewCriteria::new(1.0).unwrap().with_silhouettes(false);
+    let criteria = ViewCriteria::default().with_pixels(1.0).with_silhouettes(false);
     let mut sharp = model.view();
     sharp.update(&camera, &criteria).unwrap();
     let mut view = model.view();
@@ -372,7 +376,7 @@ fn views_of_two_threads_are_those_of_one() {
         let (mut view, mut random) = (model.view(), Random::new(seed));
         let mut buffers = Vec::new();
         for _ in 0..20 {
-            view.update(&camera(&mut random), &ViewCriteria::new(2.0).unwrap()).unwrap();
+            view.update(&camera(&mut random), &ViewCriteria::default().with_pixels(2.0)).unwrap();
             buffers.push(view.indices().to_vec());
         }
         buffers
@@ -397,7 +401,7 @@ fn views_from_anywhere_are_valid() {
             let camera = Camera::new(eye, [3.0, 0.0, 4.0]).unwrap();
             for up in [[0.0, 1.0, 0.0], [1e-38, 0.0, 0.0], [3.0, 1e30, 0.0]] {
                 let camera = camera.with_up(up).unwrap().with_field_of_view(179.9).unwrap();
-                let criteria = ViewCriteria::new(pixels).unwrap();
+                let criteria = ViewCriteria::default().with_pixels(pixels);
                 for growth in [0.0, f32::from_bits(1), f32::MAX] {
                     let criteria = criteria.with_foveation(Foveation::new(growth).unwrap());
                     view.update(&camera, &criteria).unwrap();
@@ -416,7 +420,7 @@ fn views_from_anywhere_are_valid() {
         assert!(view.collapses_done().eq(naive.collapses_done()), "step {step}");
     }
     // Without an error allowed the full mesh is drawn, but where it is flat and where it is not seen.
-    let all = ViewCriteria::new(0.0).unwrap().with_frustum(false);
+    let all = ViewCriteria::default().with_pixels(0.0).with_frustum(false);
     view.update(&Camera::new([6.0, 9.0, 6.0], [6.0, 0.0, 6.1]).unwrap(), &all).unwrap();
     assert!(view.triangle_count() > 280, "{}", view.triangle_count());
     view.update(&Camera::new([6.0, 9.0, 6.0], [6.0, 20.0, 6.1]).unwrap(), &ViewCriteria::default()).unwrap();
@@ -427,7 +431,7 @@ fn views_from_anywhere_are_valid() {
 /// Flies through the hills and back, then stands still; returns the triangles of the frames from there on.
 fn triangles_after_a_dive(pixels: f32, budget: usize) -> Vec<usize> {
     let mut view = hills(60).view();
-    let criteria = ViewCriteria::new(pixels).unwrap().with_budget(budget);
+    let criteria = ViewCriteria::default().with_pixels(pixels).with_budget(budget);
     let away = [30.0, 20.0, 90.0];
     let heights = (0..40).map(|frame| 30.0 - (frame as f32 - 20.0).abs());
     for x in heights {
@@ -450,7 +454,7 @@ fn a_budget_is_used_again_after_the_eye_was_within_the_surface() {
 #[test]
 fn without_an_allowed_error_a_budget_goes_where_the_errors_are_largest() {
     let model = hills(60);
-    let least = ViewCriteria::new(0.0).unwrap().with_budget(800);
+    let least = ViewCriteria::default().with_pixels(0.0).with_budget(800);
     let cameras =
         [[-20.0, 15.0, 30.0], [80.0, 15.0, 30.0]].map(|eye| Camera::new(eye, [30.0, 0.0, 30.0]).unwrap());
     let drawn = |first: usize, then: usize| {
@@ -471,4 +475,29 @@ fn without_an_allowed_error_a_budget_goes_where_the_errors_are_largest() {
         differ(&moved, &there),
         differ(&moved, &here)
     );
+}
+
+#[test]
+fn a_larger_budget_is_used_by_the_next_update() {
+    let model = hills(60);
+    let camera = Camera::new([30.0, 20.0, 90.0], [30.0, 0.0, 30.0]).unwrap();
+    let least = ViewCriteria::default().with_pixels(0.01);
+    let new_view = |budget: usize| {
+        let mut view = model.view();
+        view.update(&camera, &least.with_budget(budget)).unwrap();
+        view.triangle_count()
+    };
+    let mut view = model.view();
+    let mut before = usize::MAX;
+    for budget in [2000, 300, 700, 1500, 1500, 3000, 400, 5000] {
+        view.update(&camera, &least.with_budget(budget)).unwrap();
+        check(&view).unwrap();
+        let found = view.triangle_count();
+        assert!(found <= budget);
+        if budget > before {
+            let expected = new_view(budget);
+            assert!(100 * found >= 95 * expected, "{budget}: {found}, a new view has {expected}");
+        }
+        before = budget;
+    }
 }

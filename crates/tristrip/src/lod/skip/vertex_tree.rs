@@ -10,7 +10,7 @@
 //!           │            parents    - 0 1 0 0
 //!           e
 //! ```
-//! A point on a seam has several vertices, which collapse together: the *leader* is the node of one of them, and stands for the collapse.
+//! A point on a seam has several vertices, which collapse together: the node of one of them is the id of the collapse.
 //!
 //! # Complexity
 //! O(n) time and 12 bytes per vertex, and log₂ of its depth packed pointers.
@@ -30,9 +30,9 @@ pub(super) struct VertexTree {
     ends: Vec<u32>,
     /// The ancestors 2, 4, 8 … steps away.
     ancestors: PackedRows,
-    /// The nodes of collapses of several vertices: the leader, then the others; sorted by leader.
+    /// The nodes of collapses of several vertices: the id, then the others; sorted by id.
     groups: Vec<(u32, Vec<u32>)>,
-    /// The leaders of the other vertices, sorted by node.
+    /// The collapse ids of the other vertices, sorted by node.
     followers: Vec<(u32, u32)>,
     /// Whether a node is in a group, 64 nodes per number: few are, and most calls need no search.
     is_grouped: Vec<u64>,
@@ -100,20 +100,20 @@ impl VertexTree {
         Ok((tree, numbers))
     }
 
-    /// Finds the leaders of collapses of several vertices.
+    /// Finds the ids of collapses of several vertices.
     fn group(&mut self, sequence: &CollapseSequence, numbers: &NodeNumbers) {
         for collapse in sequence.iter().filter(|collapse| collapse.renames.len() > 1) {
             let mut nodes = collapse.renames.iter().map(|rename| numbers.of(rename.removed));
-            let Some(leader) = nodes.next() else { continue };
+            let Some(collapse_id) = nodes.next() else { continue };
             let others: Vec<u32> = nodes.collect();
-            self.followers.extend(others.iter().map(|&other| (other, leader)));
-            self.groups.push((leader, others));
+            self.followers.extend(others.iter().map(|&other| (other, collapse_id)));
+            self.groups.push((collapse_id, others));
         }
         self.groups.sort_unstable();
         self.followers.sort_unstable();
         self.is_grouped = vec![0; self.len().div_ceil(64)];
-        for &(follower, leader) in &self.followers {
-            for node in [follower, leader] {
+        for &(follower, collapse_id) in &self.followers {
+            for node in [follower, collapse_id] {
                 self.is_grouped[node as usize / 64] |= 1 << (node % 64);
             }
         }
@@ -182,7 +182,7 @@ impl VertexTree {
 
     /// Returns the node that stands for the collapse of a node.
     #[inline]
-    pub(super) fn leader(&self, node: u32) -> u32 {
+    pub(super) fn collapse_id(&self, node: u32) -> u32 {
         if !self.is_grouped(node) {
             return node;
         }
@@ -190,20 +190,20 @@ impl VertexTree {
         found.map_or(node, |i| self.followers[i].1)
     }
 
-    /// Returns the other nodes that collapse with a leader.
+    /// Returns the other nodes of a collapse.
     #[inline]
-    pub(super) fn others(&self, leader: u32) -> &[u32] {
-        if !self.is_grouped(leader) {
+    pub(super) fn others(&self, collapse_id: u32) -> &[u32] {
+        if !self.is_grouped(collapse_id) {
             return &[];
         }
-        let found = self.groups.binary_search_by_key(&leader, |(leader, _)| *leader);
+        let found = self.groups.binary_search_by_key(&collapse_id, |(collapse_id, _)| *collapse_id);
         found.map_or(&[], |i| &self.groups[i].1[..])
     }
 
-    /// Iterates over the nodes of a collapse, the leader first.
+    /// Iterates over the nodes of a collapse, the id first.
     #[inline]
-    pub(super) fn members(&self, leader: u32) -> impl Iterator<Item = u32> {
-        std::iter::once(leader).chain(self.others(leader).iter().copied())
+    pub(super) fn members(&self, collapse_id: u32) -> impl Iterator<Item = u32> {
+        std::iter::once(collapse_id).chain(self.others(collapse_id).iter().copied())
     }
 
     /// Returns the memory of the tree in bytes.

@@ -21,14 +21,14 @@ use crate::mesh::is_degenerate;
 use crate::strip::{Strips, strip_triangles};
 pub use geomorphs::{ViewGeomorphs, ViewSnapshot};
 
-/// The factors by which a frame lowers it again where there is room: where there is little, and at most.
+/// The factors by which an update lowers the allowed error while the budget has room: with little room, and the smallest one.
 const FALL: f64 = 0.98;
 const STEEPEST_FALL: f64 = 0.5;
 /// The share of a budget below which there is room.
 const ROOM: f64 = 0.95;
 /// The factor by which the allowed error rises until a smaller budget is kept, and the largest one that is tried.
 const RISE: f64 = 1.25;
-const MOST_SCALE: f64 = 1e12;
+const MAX_SCALE: f64 = 1e12;
 
 /// What an update did.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -44,7 +44,7 @@ pub struct ViewUpdate {
     pub segments: usize,
     /// The ranges of [`SkipView::indices`] that changed. The buffer may have become longer.
     pub changed: Vec<Range<usize>>,
-    /// Whether everything wanted was done: no limit of steps ended the update.
+    /// Whether all collapses and splits were done: no limit of steps ended the update.
     pub is_complete: bool,
 }
 
@@ -55,11 +55,11 @@ pub struct ViewUpdate {
 /// ```
 #[doc = include_str!("example.txt")]
 /// let mut view = model.view();
-/// let near = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+/// let near = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(0.5))?;
 /// assert!(near.splits > 0 && near.is_complete);
 /// let fine = view.triangle_count();
 /// // From far away a pixel covers the whole grid.
-/// view.update(&Camera::new([4.0, 1e5, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+/// view.update(&Camera::new([4.0, 1e5, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(0.5))?;
 /// assert!(view.triangle_count() < fine);
 /// assert_eq!(view.display_strips().triangles().count(), view.triangle_count());
 /// # Ok::<(), tristrip::Error>(())
@@ -78,10 +78,12 @@ pub struct SkipView {
     criteria: Option<Criteria>,
     /// The factor of the allowed pixels that keeps the budget.
     scale: f64,
-    /// Collapses that wait no longer, that became candidates, and that are to be done.
-    due: Vec<u32>,
-    fresh: Vec<u32>,
-    wanted: Vec<u32>,
+    /// The budget that the factor was found for; `None` without a budget.
+    scaled_budget: Option<usize>,
+    /// Collapses whose entry in the schedule expired, collapses that became candidates, and collapses to be done.
+    expired: Vec<u32>,
+    new_candidates: Vec<u32>,
+    to_collapse: Vec<u32>,
     split: Vec<u32>,
     /// The collapses done or undone since the strips were built.
     moved: Vec<u32>,
@@ -116,7 +118,7 @@ impl SkipStrips {
     /// ```
     #[doc = include_str!("example.txt")]
     /// let mut view = model.view_without_strips();
-    /// view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+    /// view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(0.5))?;
     /// assert_eq!((view.indices().len(), view.renamed_triangles().len()), (0, view.triangle_count()));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -143,7 +145,7 @@ impl SkipView {
         let level = if is_full { model.order.len() } else { 0 };
         let mut names: Vec<u32> = Vec::with_capacity(tree.len());
         for node in 0..tree.len() as u32 {
-            let parent = tree.parent(node).filter(|_| state.is_done(node));
+            let parent = tree.parent(node).filter(|_| state.is_collapsed(node));
             names.push(parent.map_or(tree.vertex(node), |parent| names[parent as usize]));
         }
         let mut view = Self {
@@ -153,9 +155,10 @@ impl SkipView {
             schedule: None,
             criteria: None,
             scale: 1.0,
-            due: Vec::new(),
-            fresh: Vec::new(),
-            wanted: Vec::new(),
+            scaled_budget: None,
+            expired: Vec::new(),
+            new_candidates: Vec::new(),
+            to_collapse: Vec::new(),
             split: Vec::new(),
             moved: Vec::new(),
             state,
@@ -169,15 +172,15 @@ impl SkipView {
     /// Moves to what a camera needs, from what the last camera needed. The work is in proportion to what changes.
     ///
     /// # Errors
-    /// The model has no positions.
+    /// The model has no positions; the allowed pixels are negative or NaN; the direction to the light is not finite or zero.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
     /// let mut view = model.view();
     /// let camera = Camera::new([4.0, 2.0, 4.0], [4.0, 0.0, 4.0])?;
-    /// view.update(&camera, &ViewCriteria::new(0.5)?)?;
+    /// view.update(&camera, &ViewCriteria::default().with_pixels(0.5))?;
     /// // Nothing moves, and nothing is done.
-    /// let again = view.update(&camera, &ViewCriteria::new(0.5)?)?;
+    /// let again = view.update(&camera, &ViewCriteria::default().with_pixels(0.5))?;
     /// assert_eq!((again.splits, again.collapses, again.looked_at, again.changed.len()), (0, 0, 0, 0));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -186,54 +189,66 @@ impl SkipView {
             let found = "none".into();
             return Err(Error::Parameter { name: "positions", found, expected: "a model with positions" });
         }
+        criteria.check()?;
         let mut update = ViewUpdate { is_complete: true, ..ViewUpdate::default() };
         let frame = camera.frame();
-        if criteria.budget().is_none() {
+        if criteria.budget.is_none() {
             self.scale = 1.0;
         }
         self.work(frame, criteria, &mut update);
-        if let Some(budget) = criteria.budget() {
+        if let Some(budget) = criteria.budget {
             // The budget has become smaller, or the base mesh is larger.
-            while self.triangle_count > budget && self.scale < MOST_SCALE && update.is_complete {
+            while self.triangle_count > budget && self.scale < MAX_SCALE && update.is_complete {
                 self.scale *= RISE;
                 self.work(frame, criteria, &mut update);
             }
-            if (self.triangle_count as f64) < ROOM * budget as f64 {
+            let has_room = |view: &Self| (view.triangle_count as f64) < ROOM * budget as f64;
+            let is_larger = self.scaled_budget.is_some_and(|before| before < budget);
+            if is_larger && self.scale > 1.0 && has_room(self) && update.is_complete {
+                // A larger budget is filled as by a new view: with all splits, those with the largest errors first.
+                self.scale = 1.0;
+                self.criteria = None;
+                self.work(frame, criteria, &mut update);
+            }
+            if has_room(self) {
                 // The triangles grow about as the allowed error falls, but what is added near the eye may take more.
                 let filled = self.triangle_count as f64 / (ROOM * budget as f64);
                 self.scale = (filled.sqrt().clamp(STEEPEST_FALL, FALL) * self.scale).max(1.0);
             }
         }
+        if update.is_complete {
+            self.scaled_budget = criteria.budget;
+        }
         update.segments = self.rebuild(&mut update.changed);
         Ok(update)
     }
 
-    fn collapse(&mut self, leader: u32) {
-        self.state.collapse(leader, &self.model.tree);
-        self.count_collapse(leader);
+    fn collapse(&mut self, collapse_id: u32) {
+        self.state.collapse(collapse_id, &self.model.tree);
+        self.count_collapse(collapse_id);
     }
 
     /// Counts a collapse that the state has done.
-    fn count_collapse(&mut self, leader: u32) {
-        self.triangle_count -= self.model.dropped(leader);
-        self.active_count -= self.model.tree.members(leader).count();
-        self.moved.push(leader);
+    fn count_collapse(&mut self, collapse_id: u32) {
+        self.triangle_count -= self.model.dropped(collapse_id);
+        self.active_count -= self.model.tree.members(collapse_id).count();
+        self.moved.push(collapse_id);
     }
 
     /// Splits a collapse, after those that need it, unless there are more triangles then than a budget has. Returns whether it did.
-    fn split_within(&mut self, leader: u32, budget: Option<usize>) -> bool {
+    fn split_within(&mut self, collapse_id: u32, budget: Option<usize>) -> bool {
         let model = &self.model;
         self.split.clear();
-        self.state.force_split(leader, (&model.tree, &model.dependencies), &mut self.split);
-        let added: usize = self.split.iter().map(|&leader| model.dropped(leader)).sum();
+        self.state.force_split(collapse_id, (&model.tree, &model.dependencies), &mut self.split);
+        let added: usize = self.split.iter().map(|&collapse_id| model.dropped(collapse_id)).sum();
         if budget.is_some_and(|budget| self.triangle_count + added > budget) {
             let undone = self.split.iter().rev();
-            undone.for_each(|&leader| self.state.collapse(leader, &model.tree));
+            undone.for_each(|&collapse_id| self.state.collapse(collapse_id, &model.tree));
             return false;
         }
         self.triangle_count += added;
         self.active_count +=
-            self.split.iter().map(|&leader| model.tree.members(leader).count()).sum::<usize>();
+            self.split.iter().map(|&collapse_id| model.tree.members(collapse_id).count()).sum::<usize>();
         self.moved.extend_from_slice(&self.split);
         true
     }
@@ -242,7 +257,7 @@ impl SkipView {
     fn rebuild(&mut self, changed: &mut Vec<Range<usize>>) -> usize {
         let Self { model, moved, state, display, names, .. } = self;
         let Some(display) = display else { return 0 };
-        let nodes = moved.drain(..).flat_map(|leader| model.tree.members(leader));
+        let nodes = moved.drain(..).flat_map(|collapse_id| model.tree.members(collapse_id));
         let mut nodes: Vec<u32> = nodes.collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -250,7 +265,7 @@ impl SkipView {
         let mut flagged = 0;
         for node in nodes {
             let end = model.tree.end(node);
-            let drawn = match model.tree.parent(node).filter(|_| state.is_done(node)) {
+            let drawn = match model.tree.parent(node).filter(|_| state.is_collapsed(node)) {
                 Some(parent) => names[parent as usize],
                 None => model.tree.vertex(node),
             };
@@ -263,7 +278,7 @@ impl SkipView {
         display.rebuild(&model.strips, names, changed)
     }
 
-    /// Returns the collapses done and undone since the last call, each by its leader, in order. For a view without display strips.
+    /// Returns the collapses done and undone since the last call, by id, in order. For a view without display strips.
     pub(super) fn take_moved(&mut self) -> Vec<u32> {
         std::mem::take(&mut self.moved)
     }
@@ -351,7 +366,7 @@ impl SkipView {
     pub fn renamed_triangles(&self) -> Vec<[u32; 3]> {
         let tree = &self.model.tree;
         let name = |mut node: u32| {
-            while let Some(parent) = tree.parent(node).filter(|_| self.state.is_done(node)) {
+            while let Some(parent) = tree.parent(node).filter(|_| self.state.is_collapsed(node)) {
                 node = parent;
             }
             tree.vertex(node)
@@ -370,8 +385,10 @@ impl SkipView {
     /// ```
     pub fn collapses_done(&self) -> impl Iterator<Item = usize> {
         let order = self.model.order.iter().enumerate();
-        let is_done = |leader: OptionalId| leader.get().is_none_or(|leader| self.state.is_done(leader));
-        order.filter(move |&(_, &leader)| is_done(leader)).map(|(number, _)| number)
+        let is_collapsed = |collapse_id: OptionalId| {
+            collapse_id.get().is_none_or(|collapse_id| self.state.is_collapsed(collapse_id))
+        };
+        order.filter(move |&(_, &collapse_id)| is_collapsed(collapse_id)).map(|(number, _)| number)
     }
 
     /// Returns the simplified strips: those of the full mesh, with the first active ancestor of each vertex, found by the pointers that skip ancestors.
@@ -426,8 +443,9 @@ impl SkipView {
     /// ```
     pub fn memory(&self) -> usize {
         let schedule = self.schedule.as_ref().map_or(0, Schedule::memory);
-        let lists = [&self.names, &self.due, &self.fresh, &self.wanted, &self.split, &self.moved]
-            .map(|list| size_of_val(&list[..]));
+        let lists =
+            [&self.names, &self.expired, &self.new_candidates, &self.to_collapse, &self.split, &self.moved]
+                .map(|list| size_of_val(&list[..]));
         self.state.memory()
             + self.display.as_ref().map_or(0, Display::memory)
             + schedule
@@ -436,8 +454,8 @@ impl SkipView {
 
     /// Checks whether a node has collapsed.
     #[cfg(test)]
-    pub(super) fn is_done(&self, node: u32) -> bool {
-        self.state.is_done(node)
+    pub(super) fn is_collapsed(&self, node: u32) -> bool {
+        self.state.is_collapsed(node)
     }
 
     /// Lets the next update look at every collapse.

@@ -117,7 +117,7 @@ impl Header {
 
     /// Returns the header of counts that bytes can have.
     pub(super) fn of_counts(counts: [usize; 4]) -> Result<Self, Error> {
-        let limits = [Self::MOST_VERTICES, Self::MOST_ENTRIES, u32::MAX, Self::MOST_VERTICES];
+        let limits = [Self::MAX_VERTICES, Self::MAX_ENTRIES, u32::MAX, Self::MAX_VERTICES];
         let what =
             ["vertices of the base mesh", "entries of the index map", "vertex splits", "restored vertices"];
         let mut checked = [0; 4];
@@ -131,9 +131,9 @@ impl Header {
     }
 
     /// Vertices whose numbers are below the symbols.
-    const MOST_VERTICES: u32 = u32::MAX - SPECIAL_ENTRIES + 1;
+    const MAX_VERTICES: u32 = u32::MAX - SPECIAL_ENTRIES + 1;
     /// Entries whose slots are below the reserved ones.
-    const MOST_ENTRIES: u32 = (u32::MAX >> 1) + 1 - RESERVED_SLOTS;
+    const MAX_ENTRIES: u32 = (u32::MAX >> 1) + 1 - RESERVED_SLOTS;
 
     pub(super) fn append(&self, out: &mut Vec<u8>) {
         out.extend_from_slice(&SIGNATURE);
@@ -152,11 +152,11 @@ impl Header {
         let mut all = [0; 4];
         all.iter_mut().zip(counts.chunks(4)).for_each(|(count, bytes)| *count = number(bytes));
         let [base_vertex_count, entry_count, split_count, restored_vertex_count] = all;
-        if entry_count > Self::MOST_ENTRIES {
-            let expected = format!("at most {}", Self::MOST_ENTRIES);
+        if entry_count > Self::MAX_ENTRIES {
+            let expected = format!("at most {}", Self::MAX_ENTRIES);
             return Err(wrong(8, format!("{entry_count} entries"), expected));
         }
-        let most = Self::MOST_VERTICES.saturating_sub(base_vertex_count);
+        let most = Self::MAX_VERTICES.saturating_sub(base_vertex_count);
         let least = split_count;
         if restored_vertex_count > most
             || restored_vertex_count < least

@@ -181,7 +181,7 @@ fn what_cannot_be_encoded_is_refused() {
         encode(&strips, sequence, positions, Encoding::Offsets).unwrap_err().to_string()
     };
     let found = error(&sequence(&[]), &positions(4));
-    assert_eq!(found, "attribute `positions`: found 4 values, expected 3 (one per vertex)");
+    assert_eq!(found, "attribute `positions`: number of values: found 4, expected 3 (one per vertex)");
     let found = error(&sequence(&[]), &[[0.0; 3], [0.0, f32::NAN, 0.0], [0.0; 3]]);
     assert_eq!(found, "vertex 1: found coordinate NaN, expected a finite number");
     let found = error(&sequence(&[&[]]), &positions(3));

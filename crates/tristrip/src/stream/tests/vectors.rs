@@ -87,7 +87,7 @@ fn chunks_of_size(least: usize, most: usize) -> StreamOptions {
 
 /// The streams by name: the bytes of their chunks.
 fn vectors() -> Vec<(&'static str, Vec<Vec<u8>>)> {
-    let bits = |bits| StreamOptions::default().with_position_bits(bits).unwrap();
+    let bits = |bits| StreamOptions::default().with_position_bits(bits);
     let chunks = |stream: EncodedStream| stream.chunks.into_iter().map(|chunk| chunk.bytes).collect();
     let encoded = |mesh: &Mesh, options: &StreamOptions| chunks(stream_of(mesh, 0, options).1);
     let small = chunks_of_size(300, 700);

@@ -185,25 +185,25 @@ fn order(nodes: &[FrontierNode]) -> Option<Vec<u32>> {
         let start = order.last().copied().unwrap_or(first);
         order[begin..].iter().for_each(|&node| seen[node as usize] = false);
         order.truncate(begin);
-        let mut waiting = vec![start];
-        while !waiting.is_empty() {
+        let mut candidates = vec![start];
+        while !candidates.is_empty() {
             let open = |node: u32| around(node).filter(|&other| !seen[other as usize]).count();
             // The growth of the frontier by a node, plus 3.
             let growth = |node: u32| {
                 let closes = around(node).filter(|&other| seen[other as usize] && open(other) == 1).count();
                 usize::from(open(node) > 0) + 3 - closes
             };
-            let best = (0..waiting.len()).min_by_key(|&i| growth(waiting[i])).unwrap_or(0);
-            width = width + growth(waiting[best]) - 3;
+            let best = (0..candidates.len()).min_by_key(|&i| growth(candidates[i])).unwrap_or(0);
+            width = width + growth(candidates[best]) - 3;
             if width > WIDEST {
                 return None;
             }
-            let node = waiting.remove(best);
+            let node = candidates.remove(best);
             seen[node as usize] = true;
             order.push(node);
             for other in around(node) {
-                if !seen[other as usize] && !waiting.contains(&other) {
-                    waiting.push(other);
+                if !seen[other as usize] && !candidates.contains(&other) {
+                    candidates.push(other);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The active front: the drawn triangles, the edges around them, and the cost so far. Strips grow on this state, speculatively or
 //! for good.
 
-use super::policy::{MAX_HORIZON, Weights};
+use super::policy::{MAX_HORIZON, PolicyWeights};
 use super::speculative::SpeculativeCache;
 use crate::dual::{DualGraph, Triangulation};
 
@@ -66,13 +66,13 @@ pub(super) struct ActiveFront<'a, C> {
     /// No open triangle has a lower number.
     lowest: u32,
     cache: C,
-    weights: Weights,
+    weights: PolicyWeights,
     cost: i64,
 }
 
 impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
     /// Creates the state in which nothing is drawn.
-    pub(super) fn new(triangulation: &'a Triangulation<'_>, cache: C, weights: Weights) -> Self {
+    pub(super) fn new(triangulation: &'a Triangulation<'_>, cache: C, weights: PolicyWeights) -> Self {
         let (triangles, _) = triangulation.triangles().as_chunks();
         let graph = triangulation.graph();
         Self {

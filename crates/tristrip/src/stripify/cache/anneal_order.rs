@@ -17,7 +17,7 @@
 //! O(entries + vertices of the strips in between) time per move, which is what the effort counts; 60 bytes per triangle, and 4 bytes
 //! per strip and entry.
 
-use super::policy::Weights;
+use super::policy::PolicyWeights;
 use super::resettable_fifo::ResettableFifo;
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, Triangulation};
@@ -41,7 +41,7 @@ pub(super) struct StripSequence<'a> {
     graph: &'a DualGraph,
     triangles: &'a [u32],
     entry_count: usize,
-    weights: Weights,
+    weights: PolicyWeights,
     strips: Vec<SequencedStrip>,
     /// The cache contents before each strip.
     contents_before: Vec<u32>,
@@ -93,7 +93,7 @@ impl<'a> StripSequence<'a> {
         cover: &PathCover,
         order: &[FaceId],
         entry_count: u32,
-        weights: Weights,
+        weights: PolicyWeights,
     ) -> Self {
         let vertex_count = triangulation.triangles().iter().max().map_or(0, |&highest| highest as usize + 1);
         let (graph, triangles) = (triangulation.graph(), triangulation.triangles());

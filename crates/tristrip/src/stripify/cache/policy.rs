@@ -4,7 +4,7 @@ use crate::stripify::Objective;
 
 /// The cost of an index and of a miss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Weights {
+pub(super) struct PolicyWeights {
     pub(super) index: i64,
     pub(super) miss: i64,
 }
@@ -21,7 +21,7 @@ pub(super) enum SeedStrips {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct GrowthPolicy {
     pub(super) seeds: SeedStrips,
-    pub(super) weights: Weights,
+    pub(super) weights: PolicyWeights,
     /// Triangles of a speculative simulation, in sixteenths of the cache entries.
     horizon: u32,
     /// Number of oldest cache entries whose vertices are not worth a restart, in sixteenths of all entries.
@@ -33,7 +33,7 @@ pub(super) const MAX_HORIZON: u32 = 64;
 const MIN_HORIZON: u32 = 12;
 
 const fn policy(seeds: SeedStrips, index: i64, miss: i64, horizon: u32, slack: u32) -> GrowthPolicy {
-    GrowthPolicy { seeds, weights: Weights { index, miss }, horizon, slack }
+    GrowthPolicy { seeds, weights: PolicyWeights { index, miss }, horizon, slack }
 }
 
 /// The policies for balanced costs, the first for every effort. They were selected on bunny, fandisk, horse and armadillo with a
@@ -84,12 +84,12 @@ impl GrowthPolicy {
 
     /// Replaces the weights.
     #[cfg(test)]
-    pub(super) fn with_weights(self, weights: Weights) -> Self {
+    pub(super) fn with_weights(self, weights: PolicyWeights) -> Self {
         Self { weights, ..self }
     }
 }
 
-impl Weights {
+impl PolicyWeights {
     /// Returns the weights of an objective.
     pub(super) fn of(objective: Objective) -> Self {
         match objective {

@@ -31,7 +31,7 @@ pub(super) trait SpeculativeCache {
 }
 
 /// The largest number of entries of a cache whose misses are numbered from it on: the misses of the largest mesh do not overflow.
-const MOST_ENTRIES: u32 = 1 << 30;
+const MAX_ENTRIES: u32 = 1 << 30;
 
 /// A FIFO cache. Each vertex has the number of the miss that loaded it.
 #[derive(Debug)]
@@ -44,9 +44,9 @@ pub(super) struct SpeculativeFifo {
 }
 
 impl SpeculativeFifo {
-    /// Creates an empty cache. More entries than [`MOST_ENTRIES`] count as so many.
+    /// Creates an empty cache. More entries than [`MAX_ENTRIES`] count as so many.
     pub(super) fn new(entry_count: u32, vertex_count: usize) -> Self {
-        let entry_count = entry_count.min(MOST_ENTRIES);
+        let entry_count = entry_count.min(MAX_ENTRIES);
         Self { entry_count, misses: entry_count, loaded_at: vec![0; vertex_count], log: Vec::new() }
     }
 }

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::active_front::ActiveFront;
 use super::anneal_order::StripSequence;
 use super::grow::StripGrower;
-use super::policy::{GrowthPolicy, SeedStrips, Weights};
+use super::policy::{GrowthPolicy, PolicyWeights, SeedStrips};
 use super::speculative::SpeculativeFifo;
 use crate::dual::DualGraph;
 use crate::effort::Effort;
@@ -92,7 +92,7 @@ proptest! {
         let seed_plan = sequential::plan(&prepared, &graph);
         let [balanced, misses] = [Objective::Balanced, Objective::Misses].map(GrowthPolicy::all);
         for (policy, weights) in [(balanced[0], [1, 0]), (balanced[1], [1, 0]), (misses[0], [0, 1])] {
-            let weights = Weights { index: weights[0], miss: weights[1] };
+            let weights = PolicyWeights { index: weights[0], miss: weights[1] };
             let policy = policy.with_weights(weights);
             let triangulation = &seed_plan.triangulation;
             let vertex_cache = VertexCache::fifo(entry_count);
@@ -130,7 +130,7 @@ proptest! {
         let vertex_cache = VertexCache::fifo(entry_count);
         let start = plan(&prepared, &graph, &options(Objective::Balanced, vertex_cache)).unwrap();
         let order = start.order.as_ref().unwrap();
-        let weights = Weights { index: weights[0], miss: weights[1] };
+        let weights = PolicyWeights { index: weights[0], miss: weights[1] };
         let price = |plan: &StripPlan<'_>| super::price(plan, vertex_cache, weights);
         let mut sequence = StripSequence::new(&start.triangulation, &start.cover, order, entry_count, weights);
         let mut reported = (0, 0);

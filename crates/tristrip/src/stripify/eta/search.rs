@@ -1,6 +1,6 @@
 //! A search of `eta` from one terminal: alternating paths, depth first, none of which closes a loop.
 
-use super::tagged_strips::{Link, TaggedStrips, UndoStep};
+use super::tagged_strips::{TagLink, TaggedStrips, UndoStep};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge, OptionalId};
@@ -116,7 +116,7 @@ impl EtaSearch {
         }
         let links = strips.links(tip);
         let red = (3 * tip..3 * tip + 3)
-            .filter(|&h| !cover.is_linked(HalfEdge(h)) && !links.contains(&Link::Black(h)));
+            .filter(|&h| !cover.is_linked(HalfEdge(h)) && !links.contains(&TagLink::Black(h)));
         for (red, twin) in red.filter_map(|h| Some((h, graph.twin_of(h)?))) {
             if strips.may_end(tip, twin / 3) {
                 self.candidates.push((self.steps.len(), TunnelStep { red, black: OptionalId::NONE }));
@@ -127,7 +127,7 @@ impl EtaSearch {
             } else {
                 let links = strips.links(twin / 3);
                 let black = cover.edges(FaceId(twin / 3)).into_iter().flatten();
-                let black = black.filter(|h| links.contains(&Link::Black(h.0)));
+                let black = black.filter(|h| links.contains(&TagLink::Black(h.0)));
                 self.next.extend(black.map(|h| TunnelStep { red, black: OptionalId::some(h.0) }));
             }
         }

@@ -9,7 +9,7 @@
 //! # Complexity
 //! O(star + crossings · log crossings) time; 8 bytes per triangle, and 32 per crossing.
 
-use super::tagged_strips::{Link, TaggedStrips};
+use super::tagged_strips::{TagLink, TaggedStrips};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge};
@@ -17,17 +17,17 @@ use crate::stripify::tunnel::path_tags::PathTags;
 
 /// The star of the last search.
 #[derive(Debug, Default)]
-pub(super) struct Star {
+pub(super) struct EtaStar {
     stamp: u32,
     /// The stamp of the star in which each triangle last was.
     stamps: Vec<u32>,
     triangles: Vec<u32>,
-    crossings: Vec<Crossing>,
+    crossings: Vec<StarCrossing>,
 }
 
 /// Where a strip crosses the boundary of a star.
 #[derive(Debug, Clone, Copy)]
-struct Crossing {
+struct StarCrossing {
     path: u32,
     /// The positions of the triangles inside and outside.
     inside: u32,
@@ -36,10 +36,10 @@ struct Crossing {
     /// The half-edge that leads outside.
     half_edge: u32,
     /// What replaces it.
-    link: Link,
+    link: TagLink,
 }
 
-impl Star {
+impl EtaStar {
     /// Finds the star of a terminal, and replaces the links that cross its boundary. Returns the number of accesses to nodes.
     pub(super) fn build(
         &mut self,
@@ -54,13 +54,13 @@ impl Star {
             for HalfEdge(half_edge) in cover.edges(FaceId(triangle)).into_iter().flatten() {
                 let Some(twin) = graph.twin_of(half_edge) else { continue };
                 if self.stamps[twin as usize / 3] != self.stamp {
-                    self.crossings.push(Crossing {
+                    self.crossings.push(StarCrossing {
                         path: tags.path(triangle),
                         inside: tags.position(triangle),
                         outside: tags.position(twin / 3),
                         triangle,
                         half_edge,
-                        link: Link::Outside,
+                        link: TagLink::Outside,
                     });
                 }
             }
@@ -70,12 +70,12 @@ impl Star {
         for i in 1..self.crossings.len() {
             let [leaving, back] = [self.crossings[i - 1], self.crossings[i]];
             if leaving.path == back.path && leaving.inside < leaving.outside && back.outside < back.inside {
-                self.crossings[i - 1].link = Link::Temporary(back.triangle);
-                self.crossings[i].link = Link::Temporary(leaving.triangle);
+                self.crossings[i - 1].link = TagLink::Temporary(back.triangle);
+                self.crossings[i].link = TagLink::Temporary(leaving.triangle);
             }
         }
         for crossing in &self.crossings {
-            strips.replace(crossing.triangle, Link::Black(crossing.half_edge), crossing.link);
+            strips.replace(crossing.triangle, TagLink::Black(crossing.half_edge), crossing.link);
         }
         (self.triangles.len() + self.crossings.len()) as u64
     }
@@ -83,7 +83,7 @@ impl Star {
     /// Restores the links that cross the boundary.
     pub(super) fn remove(&self, strips: &mut TaggedStrips) {
         for crossing in &self.crossings {
-            strips.replace(crossing.triangle, crossing.link, Link::Black(crossing.half_edge));
+            strips.replace(crossing.triangle, crossing.link, TagLink::Black(crossing.half_edge));
         }
     }
 

@@ -14,7 +14,7 @@ use crate::stripify::tunnel::path_tags::{PathTags, TunnelStep};
 
 /// What a side of a triangle is linked with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Link {
+pub(super) enum TagLink {
     /// Nothing: the triangle is the end of a strip there.
     Free,
     /// The rest of the strip, which ends outside the star.
@@ -28,7 +28,7 @@ pub(super) enum Link {
 /// The links and the identifiers of triangles.
 #[derive(Debug)]
 pub(super) struct TaggedStrips {
-    links: Vec<[Link; 2]>,
+    links: Vec<[TagLink; 2]>,
     tags: Vec<u32>,
     /// Triangles accessed by writing identifiers and by following strips, since the last call of [`Self::take_accesses`].
     accesses: u64,
@@ -46,7 +46,7 @@ impl TaggedStrips {
     /// Enters the strips of a cover, each with the number of its path as its identifier.
     pub(super) fn new(cover: &PathCover, tags: &PathTags) -> Self {
         let triangles = 0..cover.len() as u32;
-        let link = |edge: Option<HalfEdge>| edge.map_or(Link::Free, |h| Link::Black(h.0));
+        let link = |edge: Option<HalfEdge>| edge.map_or(TagLink::Free, |h| TagLink::Black(h.0));
         Self {
             links: triangles.clone().map(|t| cover.edges(FaceId(t)).map(link)).collect(),
             tags: triangles.map(|t| tags.path(t)).collect(),
@@ -55,7 +55,7 @@ impl TaggedStrips {
     }
 
     /// Replaces one link of a triangle by another.
-    pub(super) fn replace(&mut self, triangle: u32, old: Link, new: Link) {
+    pub(super) fn replace(&mut self, triangle: u32, old: TagLink, new: TagLink) {
         let links = &mut self.links[triangle as usize];
         if let Some(link) = links.iter_mut().find(|link| **link == old) {
             *link = new;
@@ -64,14 +64,14 @@ impl TaggedStrips {
 
     /// Returns the links of a triangle.
     #[inline]
-    pub(super) fn links(&self, triangle: u32) -> [Link; 2] {
+    pub(super) fn links(&self, triangle: u32) -> [TagLink; 2] {
         self.links[triangle as usize]
     }
 
     /// Returns whether a tunnel may end with a red edge between these: whether the second is the end of another strip.
     #[inline]
     pub(super) fn may_end(&self, tip: u32, x: u32) -> bool {
-        self.links(x).contains(&Link::Free) && self.tags[x as usize] != self.tags[tip as usize]
+        self.links(x).contains(&TagLink::Free) && self.tags[x as usize] != self.tags[tip as usize]
     }
 
     /// Returns the number of triangles accessed since the last call.
@@ -131,14 +131,14 @@ impl TaggedStrips {
     fn cut(&mut self, graph: &DualGraph, half_edge: u32) {
         let Some(twin) = graph.twin_of(half_edge) else { return };
         for h in [half_edge, twin] {
-            self.replace(h / 3, Link::Black(h), Link::Free);
+            self.replace(h / 3, TagLink::Black(h), TagLink::Free);
         }
     }
 
     fn link(&mut self, graph: &DualGraph, half_edge: u32) {
         let Some(twin) = graph.twin_of(half_edge) else { return };
         for h in [half_edge, twin] {
-            self.replace(h / 3, Link::Free, Link::Black(h));
+            self.replace(h / 3, TagLink::Free, TagLink::Black(h));
         }
     }
 
@@ -175,14 +175,14 @@ impl TaggedStrips {
     fn next(&self, graph: &DualGraph, at: StripPosition) -> Option<StripPosition> {
         let [first, second] = self.links(at.triangle);
         match if first == at.back { second } else { first } {
-            Link::Black(h) => {
+            TagLink::Black(h) => {
                 let twin = graph.twin_of(h)?;
-                Some(StripPosition { triangle: twin / 3, back: Link::Black(twin) })
+                Some(StripPosition { triangle: twin / 3, back: TagLink::Black(twin) })
             }
-            Link::Temporary(next) => {
-                Some(StripPosition { triangle: next, back: Link::Temporary(at.triangle) })
+            TagLink::Temporary(next) => {
+                Some(StripPosition { triangle: next, back: TagLink::Temporary(at.triangle) })
             }
-            Link::Free | Link::Outside => None,
+            TagLink::Free | TagLink::Outside => None,
         }
     }
 }
@@ -191,12 +191,12 @@ impl TaggedStrips {
 #[derive(Debug, Clone, Copy)]
 struct StripPosition {
     triangle: u32,
-    back: Link,
+    back: TagLink,
 }
 
 impl StripPosition {
     /// Returns the position at an end of a strip, which has one link at most.
     fn at_end(triangle: u32) -> Self {
-        Self { triangle, back: Link::Free }
+        Self { triangle, back: TagLink::Free }
     }
 }

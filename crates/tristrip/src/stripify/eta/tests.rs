@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use proptest::prelude::*;
 
-use super::star::Star;
-use super::tagged_strips::{Link, TaggedStrips};
+use super::star::EtaStar;
+use super::tagged_strips::{TagLink, TaggedStrips};
 use super::{EtaOptions, join};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
@@ -141,7 +141,7 @@ proptest! {
         let tags = PathTags::new(&graph, &cover);
         let mut strips = TaggedStrips::new(&cover, &tags);
         let before: Vec<_> = (0..cover.len() as u32).map(|t| strips.links(t)).collect();
-        let mut star = Star::default();
+        let mut star = EtaStar::default();
         star.build((&graph, &cover, &tags), terminal, length, &mut strips);
         let distances = distances(&graph, terminal);
         let is_inside = |t: u32| distances[t as usize] <= length;
@@ -150,9 +150,9 @@ proptest! {
         for pair in inside.windows(2) {
             let [a, b] = [pair[0], pair[1]];
             let is_joined = |a: u32, b: u32| strips.links(a).into_iter().any(|link| match link {
-                Link::Black(h) => graph.twin_of(h).is_some_and(|twin| twin / 3 == b),
-                Link::Temporary(other) => other == b,
-                Link::Free | Link::Outside => false,
+                TagLink::Black(h) => graph.twin_of(h).is_some_and(|twin| twin / 3 == b),
+                TagLink::Temporary(other) => other == b,
+                TagLink::Free | TagLink::Outside => false,
             });
             prop_assert_eq!(is_joined(a, b), tags.path(a) == tags.path(b));
             prop_assert_eq!(is_joined(b, a), tags.path(a) == tags.path(b));
@@ -178,8 +178,8 @@ fn makes_few_strips_of_a_closed_grid() {
 #[test]
 fn localization_saves_accesses_where_strips_are_long() {
     #[derive(Default)]
-    struct Accesses(AtomicU64, AtomicU64);
-    impl Watch for Accesses {
+    struct TestAccesses(AtomicU64, AtomicU64);
+    impl Watch for TestAccesses {
         fn go_on(&self, _: Progress) -> bool {
             true
         }
@@ -191,7 +191,7 @@ fn localization_saves_accesses_where_strips_are_long() {
     let graph = torus(120, 80);
     let options = eta(TunnelOptions::ETA.with_length(19));
     let [local, plain] = [Localization::Star, Localization::None].map(|localization| {
-        let accesses = Accesses::default();
+        let accesses = TestAccesses::default();
         let mut cover = PathCover::isolated(graph.face_count());
         join(&graph, &mut cover, EtaOptions { localization, ..options }, 7, &accesses);
         assert_eq!(accesses.1.into_inner(), (cover.len() - cover.path_count()) as u64);

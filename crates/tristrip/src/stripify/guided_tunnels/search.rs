@@ -1,6 +1,6 @@
 //! A search of `eta` from one terminal: depth first within its star, the path nearest to another terminal first.
 
-use super::star::Star;
+use super::star::GuidedStar;
 use crate::random::Random;
 use crate::stripify::tunnel::accesses::{AccessCounter, SearchOutcome};
 use crate::stripify::tunnel::context::SearchContext;
@@ -33,7 +33,7 @@ impl GuidedSearch {
     pub(super) fn find(
         &mut self,
         context: &SearchContext<'_>,
-        star: &Star,
+        star: &GuidedStar,
         terminal: u32,
         limits: TunnelLimits,
         random: &mut Random,

@@ -17,7 +17,7 @@ const MARGIN: u32 = 6;
 
 /// The k-star of a terminal. Entries of an earlier star have an older stamp.
 #[derive(Debug, Default)]
-pub(super) struct Star {
+pub(super) struct GuidedStar {
     stamp: u32,
     /// The stamp of the star in which each triangle was last reached, over a black edge or as the terminal.
     reached: Vec<u32>,
@@ -27,7 +27,7 @@ pub(super) struct Star {
     terminals: Vec<u32>,
 }
 
-impl Star {
+impl GuidedStar {
     /// Builds the star of a terminal. Returns whether another strip has a terminal in it.
     pub(super) fn build(
         &mut self,
@@ -170,7 +170,7 @@ mod tests {
             let tags = PathTags::new(&graph, &cover);
             let context = SearchContext { graph: &graph, cover: &cover, tags: &tags };
             prop_assume!(context.is_terminal(terminal));
-            let mut star = Star::default();
+            let mut star = GuidedStar::default();
             // The star ends a few edges beyond the nearest terminal.
             let (_, back) = naive_star(&context, terminal, limit);
             let nearest = back[terminal as usize].filter(|&nearest| nearest <= limit);

@@ -16,10 +16,14 @@ use crate::names::names;
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub struct TunnelOptions {
-    length: u32,
-    threshold: u32,
-    start: Start,
+    /// The maximum length of a tunnel, in edges.
+    pub length: u32,
+    /// The maximum number of triangles that the paths of a search from one end of a strip step on.
+    pub threshold: u32,
+    /// The initial strips.
+    pub start: Start,
 }
 
 /// The initial strips of [`Method::Eta`](super::Method::Eta) and [`Method::GuidedTunnels`](super::Method::GuidedTunnels).
@@ -149,38 +153,5 @@ impl TunnelOptions {
     pub const fn with_start(mut self, start: Start) -> Self {
         self.start = start;
         self
-    }
-
-    /// Returns the maximum length of a tunnel, in edges.
-    ///
-    /// ```
-    /// use tristrip::stripify::TunnelOptions;
-    /// assert_eq!(TunnelOptions::default().length(), 1000);
-    /// assert_eq!(TunnelOptions::default().with_length(9).length(), 9);
-    /// ```
-    pub fn length(&self) -> u32 {
-        self.length
-    }
-
-    /// Returns the maximum number of triangles that the paths of a search from one end of a strip step on.
-    ///
-    /// ```
-    /// use tristrip::stripify::TunnelOptions;
-    /// assert_eq!(TunnelOptions::default().threshold(), 512);
-    /// assert_eq!(TunnelOptions::default().with_threshold(64).threshold(), 64);
-    /// ```
-    pub fn threshold(&self) -> u32 {
-        self.threshold
-    }
-
-    /// Returns the initial strips.
-    ///
-    /// ```
-    /// use tristrip::stripify::{TunnelOptions, Start};
-    /// assert_eq!(TunnelOptions::default().start(), Start::Sequential);
-    /// assert_eq!(TunnelOptions::default().with_start(Start::Sgi).start().name(), "sgi");
-    /// ```
-    pub fn start(&self) -> Start {
-        self.start
     }
 }

@@ -7,7 +7,7 @@ use super::policy::Policy;
 use crate::cover::PathCover;
 
 /// A covered triangulation.
-pub(super) struct Stripped<T> {
+pub(super) struct CoveredTriangulation<T> {
     pub(super) triangulation: T,
     pub(super) cover: PathCover,
     /// Cost beyond one index per triangle, without swaps at the starts of strips.
@@ -15,10 +15,10 @@ pub(super) struct Stripped<T> {
 }
 
 /// Covers a triangulation with one policy.
-pub(super) fn strip<T: MutableTriangulation>(triangulation: T, policy: Policy) -> Stripped<T> {
+pub(super) fn strip<T: MutableTriangulation>(triangulation: T, policy: Policy) -> CoveredTriangulation<T> {
     let strips = GreedyStripper::new(triangulation, policy).run();
     let GreedyStrips { mut triangulation, mut cover, strip_of, cost } = strips;
     let saved = local_search::improve(triangulation.graph(), &mut cover, strip_of, 0);
     triangulation.optimize_diagonals(&mut cover);
-    Stripped { triangulation, cover, cost: cost.cast_signed() - saved.cast_signed() }
+    CoveredTriangulation { triangulation, cover, cost: cost.cast_signed() - saved.cast_signed() }
 }

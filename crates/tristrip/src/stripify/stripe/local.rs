@@ -23,7 +23,7 @@
 use super::polygon_triangulator::{StripFace, StripSink};
 use super::queue::QueueOrder;
 use super::remaining_faces::{REACH, RemainingFaces};
-use super::turn_sequence::{A, B, Diagonals, LeastSwaps, TurnCounts};
+use super::turn_sequence::{A, B, LeastSwaps, TurnCounts, TurnDiagonals};
 use crate::random::Random;
 use crate::stripify::{LastTie, Ties};
 
@@ -46,7 +46,7 @@ pub(super) struct StripRules {
     pub(super) exit: ExitRule,
     /// Which exit is taken where the look-ahead leaves several.
     pub(super) last_tie: LastTie,
-    pub(super) diagonals: Diagonals,
+    pub(super) diagonals: TurnDiagonals,
     /// Where a strip starts, of the faces with the fewest neighbours.
     pub(super) starts: QueueOrder,
     /// Whether a rest of a polygon goes into the strip if it would keep fewer than two free neighbours.
@@ -58,7 +58,7 @@ impl StripRules {
     pub(super) const PUBLISHED: Self = Self {
         exit: ExitRule::Adjacency(Ties::Sequential),
         last_tie: LastTie::Last,
-        diagonals: Diagonals::Passing,
+        diagonals: TurnDiagonals::Passing,
         starts: QueueOrder::FirstIn,
         absorbs_rests: false,
     };

@@ -14,7 +14,7 @@
 
 use super::remaining_faces::RemainingFaces;
 use super::turn_sequence::{
-    A, B, Diagonals, LeastSwaps, TurnCounts, alternate, alternating_counts, append_turns, least_swaps,
+    A, B, LeastSwaps, TurnCounts, TurnDiagonals, alternate, alternating_counts, append_turns, least_swaps,
 };
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, TriangulationBuilder};
@@ -70,7 +70,7 @@ impl StripSink for TriangleLinker<'_> {
 pub(super) struct PolygonTriangulator<'a> {
     faces: &'a Faces,
     builder: TriangulationBuilder<'a>,
-    diagonals: Diagonals,
+    diagonals: TurnDiagonals,
     /// Half-edges over which a triangle is linked to the one before.
     linked: Vec<u32>,
     /// The least swaps at the exit of each face of the current strip but the last, and the last turns that are chosen there.
@@ -116,7 +116,7 @@ impl StripSink for PolygonTriangulator<'_> {
 }
 
 impl<'a> PolygonTriangulator<'a> {
-    pub(super) fn new(faces: &'a Faces, graph: &'a DualGraph, diagonals: Diagonals) -> Self {
+    pub(super) fn new(faces: &'a Faces, graph: &'a DualGraph, diagonals: TurnDiagonals) -> Self {
         let builder = TriangulationBuilder::new(faces, graph);
         let (linked, swaps, last_turns, turns) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Self { faces, builder, diagonals, linked, swaps, last_turns, turns }
@@ -134,7 +134,7 @@ impl<'a> PolygonTriangulator<'a> {
         let free_turn = alternate(B, first_size - 3);
         let start_swaps = [A, B].map(|last| u32::from(last != free_turn));
         let end_swaps = [A, B].map(|last| u32::from(alternate(last, last_size - 3) != B));
-        let last = if self.diagonals == Diagonals::Together {
+        let last = if self.diagonals == TurnDiagonals::Together {
             let from_behind = self.accumulate_swaps(strip, LeastSwaps::FREE);
             let at_end = LeastSwaps([A, B].map(|last| from_behind.0[last] + end_swaps[last]));
             let from_front = self.accumulate_swaps(strip, LeastSwaps(start_swaps));

@@ -33,7 +33,7 @@ use super::patch::PatchFinder;
 use super::polygon_triangulator::PolygonTriangulator;
 use super::queue::QueueOrder;
 use super::remaining_faces::RemainingFaces;
-use super::turn_sequence::Diagonals;
+use super::turn_sequence::TurnDiagonals;
 use super::{check_cutoff, cover};
 use crate::dual::{DualGraph, Triangulation};
 use crate::error::Error;
@@ -47,7 +47,7 @@ const MIN_ROW_LENGTH: usize = 3;
 const RULES: StripRules = StripRules {
     exit: ExitRule::FewSwaps,
     last_tie: LastTie::Last,
-    diagonals: Diagonals::Together,
+    diagonals: TurnDiagonals::Together,
     starts: QueueOrder::LastChanged,
     absorbs_rests: true,
 };

@@ -3,7 +3,7 @@
 use super::local::{LocalStripper, StripRules};
 use super::polygon_triangulator::{PolygonTriangulator, StripFace, StripSink, brute_force_swaps};
 use super::remaining_faces::RemainingFaces;
-use super::turn_sequence::Diagonals;
+use super::turn_sequence::TurnDiagonals;
 use crate::dual::DualGraph;
 use crate::mesh::{Faces, Mesh};
 use crate::prepare::PreparedFaces;
@@ -286,7 +286,7 @@ proptest! {
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
         // Diagonals that are chosen together have the fewest; those of a passing strip cannot have fewer.
-        let together = StripRules { diagonals: Diagonals::Together, ..StripRules::PUBLISHED.with_ties(TIES[ties]) };
+        let together = StripRules { diagonals: TurnDiagonals::Together, ..StripRules::PUBLISHED.with_ties(TIES[ties]) };
         let (plan, swaps) = checked_plan(&prepared, &graph, false, together);
         prop_assert_eq!(Metrics::of(&plan.strips()).swaps, swaps);
         let (plan, swaps) = checked_plan(&prepared, &graph, false, StripRules::PUBLISHED.with_ties(TIES[ties]));

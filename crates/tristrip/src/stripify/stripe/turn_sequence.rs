@@ -27,7 +27,7 @@ pub(super) type TurnCounts = [u32; 2];
 
 /// When the order of the turns inside polygons is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Diagonals {
+pub(super) enum TurnDiagonals {
     /// At each polygon, when the strip passes it: with the fewest swaps so far.
     Passing,
     /// For all polygons of a strip together: with the fewest swaps in the whole strip.
@@ -56,9 +56,9 @@ impl LeastSwaps {
     }
 
     /// Returns the swaps at the exit of a face as [`Self::through`], of those orders that are still open then.
-    pub(super) fn passing(self, counts: TurnCounts, diagonals: Diagonals) -> Self {
+    pub(super) fn passing(self, counts: TurnCounts, diagonals: TurnDiagonals) -> Self {
         let mut swaps = self.through(counts);
-        if diagonals == Diagonals::Passing {
+        if diagonals == TurnDiagonals::Passing {
             swaps.0[1 - swaps.best_turn()] = IMPOSSIBLE;
         }
         swaps

@@ -194,3 +194,13 @@ fn welded_strips_are_proven_against_their_mesh() {
         assert!(verify(&order.mesh(mesh).unwrap(), &order.strips(&strips).unwrap()).is_ok());
     }
 }
+
+#[test]
+fn one_missing_triangle_is_not_reported_in_the_plural() {
+    let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3]).unwrap();
+    let message = verify_drawing(&faces, &[[0, 1, 2]]).unwrap_err().to_string();
+    assert_eq!(message, "triangles missing: 1, extra or flipped: 0; the first is [1, 3, 2]");
+    let square = Faces::from_polygons([[0, 1, 2, 3]]).unwrap();
+    let message = verify_drawing(&square, &[[0, 1, 2]]).unwrap_err().to_string();
+    assert_eq!(message, "face 0: triangles found: 1, expected: 2");
+}

@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 1.0 / 1_048_576.0;
 const LONGEST: usize = 32;
 
 /// The least cosine of half the angle of an arc.
-const LEAST_COSINE: f64 = 0.92;
+const MIN_COSINE: f64 = 0.92;
 
 /// Times, and the values at them.
 pub(super) struct Track {
@@ -206,7 +206,7 @@ impl Track {
         let [start, end] = [from, to].map(|key| f64::from(self.times[key]));
         let (a, b) = (self.value(from), self.value(to));
         let arc = if self.is_rotation { Arc::of(a, b) } else { None };
-        if self.is_rotation && arc.as_ref().is_none_or(|arc| arc.cosine < LEAST_COSINE) {
+        if self.is_rotation && arc.as_ref().is_none_or(|arc| arc.cosine < MIN_COSINE) {
             return false;
         }
         (from + 1..to).all(|key| {

@@ -74,7 +74,7 @@ impl SkipView {
     #[doc = include_str!("../example.txt")]
     /// let mut view = model.view();
     /// let before = view.snapshot();
-    /// let update = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+    /// let update = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(0.5))?;
     /// let geomorphs = view.geomorphs(&before)?;
     /// // No vertex of this grid is on a seam: each split adds one.
     /// assert_eq!(geomorphs.split.transits().len(), update.splits);
@@ -96,8 +96,8 @@ impl SkipView {
         let (mut collapsed, mut split) = (Vec::new(), Vec::new());
         let blocks = before.chunks(BLOCK).zip(after.chunks(BLOCK)).zip((0..).step_by(BLOCK));
         for ((before, after), first) in blocks.filter(|((before, after), _)| before != after) {
-            for (node, (&was_done, &is_done)) in (first..).zip(before.iter().zip(after)) {
-                match (was_done, is_done) {
+            for (node, (&was_done, &is_collapsed)) in (first..).zip(before.iter().zip(after)) {
+                match (was_done, is_collapsed) {
                     (false, true) => collapsed.push(node),
                     (true, false) => split.push(node),
                     _ => (),
@@ -159,10 +159,10 @@ mod tests {
     fn between(a: &SkipView, b: &SkipView) -> Vec<[u32; 3]> {
         let model = a.model();
         let mut view = model.full_view();
-        for leader in model.order.iter().filter_map(|leader| leader.get()) {
-            if a.is_done(leader) || b.is_done(leader) {
-                assert!(view.state.can_collapse(leader, &model.dependencies));
-                view.collapse(leader);
+        for collapse_id in model.order.iter().filter_map(|collapse_id| collapse_id.get()) {
+            if a.is_collapsed(collapse_id) || b.is_collapsed(collapse_id) {
+                assert!(view.state.can_collapse(collapse_id, &model.dependencies));
+                view.collapse(collapse_id);
             }
         }
         sorted(view.renamed_triangles())
@@ -196,7 +196,7 @@ mod tests {
                     prop_assert_eq!(&middle, &sorted(view.renamed_triangles()));
                 }
                 let targets = geomorphs.split.transits().iter().map(|transit| transit.target);
-                let active = (0..model.tree.len() as u32).filter(|&node| !before.is_done(node));
+                let active = (0..model.tree.len() as u32).filter(|&node| !before.is_collapsed(node));
                 let active: HashSet<u32> = active.map(|node| model.tree.vertex(node)).collect();
                 prop_assert!(targets.into_iter().all(|target| active.contains(&target)));
             }

@@ -23,22 +23,24 @@ impl SkipView {
     pub fn set_level(&mut self, level: usize) -> Result<(), Error> {
         let model = Arc::clone(&self.model);
         model.levels.check(level)?;
-        let mut is_wanted = vec![false; model.tree.len()];
+        let mut is_target = vec![false; model.tree.len()];
         let done = &model.order[..model.order.len() - level];
-        done.iter().filter_map(|leader| leader.get()).for_each(|leader| is_wanted[leader as usize] = true);
-        let is_leader = |node: u32| model.tree.parent(node).is_some() && model.tree.leader(node) == node;
+        done.iter()
+            .filter_map(|collapse_id| collapse_id.get())
+            .for_each(|collapse_id| is_target[collapse_id as usize] = true);
+        let is_leader = |node: u32| model.tree.parent(node).is_some() && model.tree.collapse_id(node) == node;
         // In the order of the nodes, what is read for one collapse is near what is read for the next.
         for node in (0..model.tree.len() as u32).filter(|&node| is_leader(node)) {
-            if self.state.is_done(node) && !is_wanted[node as usize] {
+            if self.state.is_collapsed(node) && !is_target[node as usize] {
                 self.split_within(node, None);
             }
         }
         let mut collapsed = std::mem::take(&mut self.split);
         for node in (0..model.tree.len() as u32).rev().filter(|&node| is_leader(node)) {
-            if is_wanted[node as usize] {
+            if is_target[node as usize] {
                 collapsed.clear();
                 self.state.force_collapse(node, (&model.tree, &model.dependencies), &mut collapsed);
-                collapsed.iter().for_each(|&leader| self.count_collapse(leader));
+                collapsed.iter().for_each(|&collapse_id| self.count_collapse(collapse_id));
             }
         }
         self.split = collapsed;
@@ -54,10 +56,13 @@ impl SkipView {
         let number = |level: usize| model.order.len() - level;
         let between = &model.order[number(from.max(to))..number(from.min(to))];
         if to < from {
-            between.iter().filter_map(|leader| leader.get()).for_each(|leader| self.collapse(leader));
+            between
+                .iter()
+                .filter_map(|collapse_id| collapse_id.get())
+                .for_each(|collapse_id| self.collapse(collapse_id));
         } else {
-            for leader in between.iter().rev().filter_map(|leader| leader.get()) {
-                self.split_within(leader, None);
+            for collapse_id in between.iter().rev().filter_map(|collapse_id| collapse_id.get()) {
+                self.split_within(collapse_id, None);
             }
         }
         // What waits does not know of this.

@@ -1,10 +1,10 @@
-//! What an update of a view does: which collapses are due, what is wanted of them, and what follows from each.
+//! The update of a view: finds the collapses whose choice may have changed, and does the collapses and splits that follow.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
 
-use super::{MOST_SCALE, SkipView, ViewUpdate};
+use super::{MAX_SCALE, SkipView, ViewUpdate};
 use crate::csr::Csr;
 use crate::lod::skip::bounds::{Bounds, NodeBounds};
 use crate::lod::skip::camera::CameraFrame;
@@ -12,7 +12,7 @@ use crate::lod::skip::criteria::{Choice, Criteria, ViewCriteria};
 use crate::lod::skip::schedule::Schedule;
 
 /// The largest factor by which a frame raises the allowed error to keep a budget.
-const MOST_RISE: f64 = 2.0;
+const MAX_RISE: f64 = 2.0;
 /// The groups of nodes by which collapses are read in the order of memory.
 const GROUPS: usize = 4096;
 /// Collapses that are read before the first of them is looked at.
@@ -21,29 +21,29 @@ const LOOKED_AT_ONCE: usize = 64;
 /// What an update of a view works with.
 struct Frame<'a> {
     criteria: Criteria,
-    wanted: &'a ViewCriteria,
+    view_criteria: &'a ViewCriteria,
     schedule: Schedule,
     /// Whether everything is looked at.
     is_first: bool,
-    splits: BinaryHeap<WantedSplit>,
+    splits: BinaryHeap<PendingSplit>,
 }
 
 /// A collapse that is to be split.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct WantedSplit {
+struct PendingSplit {
     ratio: f64,
-    leader: u32,
+    collapse_id: u32,
 }
 
-impl Eq for WantedSplit {}
+impl Eq for PendingSplit {}
 
-impl Ord for WantedSplit {
+impl Ord for PendingSplit {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.ratio.total_cmp(&other.ratio).then(other.leader.cmp(&self.leader))
+        self.ratio.total_cmp(&other.ratio).then(other.collapse_id.cmp(&self.collapse_id))
     }
 }
 
-impl PartialOrd for WantedSplit {
+impl PartialOrd for PendingSplit {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
@@ -58,8 +58,8 @@ fn near_together(nodes: &mut Vec<u32>, node_count: usize) {
 }
 
 impl SkipView {
-    /// Does what a frame wants, at the current scale.
-    pub(super) fn work(&mut self, frame: CameraFrame, wanted: &ViewCriteria, update: &mut ViewUpdate) {
+    /// Moves to the detail of a frame, at the current scale.
+    pub(super) fn work(&mut self, frame: CameraFrame, view_criteria: &ViewCriteria, update: &mut ViewUpdate) {
         let model = Arc::clone(&self.model);
         let Some(bounds) = &model.bounds else { return };
         let farthest = frame.farthest((bounds.center, bounds.radius));
@@ -67,7 +67,7 @@ impl SkipView {
             Some(before) if farthest <= before.far() => before.far(),
             _ => 2.0 * farthest,
         };
-        let criteria = Criteria::new(frame, wanted, self.scale, far);
+        let criteria = Criteria::new(frame, view_criteria, self.scale, far);
         let travel = self
             .criteria
             .as_ref()
@@ -77,21 +77,21 @@ impl SkipView {
             Some(schedule) => schedule,
             None => Schedule::new(model.tree.len(), bounds.radius),
         };
-        let mut due = std::mem::take(&mut self.due);
+        let mut expired = std::mem::take(&mut self.expired);
         let travel = travel.filter(|&travel| !schedule.ends_with(travel));
         let is_first = travel.is_none();
         if let Some(travel) = travel {
-            schedule.advance(travel, &mut due, &mut self.fresh);
-            near_together(&mut due, model.tree.len());
+            schedule.advance(travel, &mut expired, &mut self.new_candidates);
+            near_together(&mut expired, model.tree.len());
         } else {
             schedule.clear();
-            due.extend(self.candidates());
-            schedule.make_due(&due);
+            expired.extend(self.candidates());
+            schedule.expire(&expired);
         }
-        let mut frame = Frame { criteria, wanted, schedule, is_first, splits: BinaryHeap::new() };
-        self.look_at(&due, bounds, &mut frame, update);
-        due.clear();
-        self.due = due;
+        let mut frame = Frame { criteria, view_criteria, schedule, is_first, splits: BinaryHeap::new() };
+        self.look_at(&expired, bounds, &mut frame, update);
+        expired.clear();
+        self.expired = expired;
         self.process(bounds, &mut frame, update);
         self.schedule = Some(frame.schedule);
     }
@@ -99,115 +99,131 @@ impl SkipView {
     /// Returns the collapses that may be done or undone next.
     fn candidates(&self) -> Vec<u32> {
         let model = &self.model;
-        let leaders = (0..model.tree.len() as u32)
-            .filter(|&node| model.tree.parent(node).is_some() && model.tree.leader(node) == node);
-        let may_change = |&leader: &u32| {
-            self.state.is_last(leader, &model.tree) || self.state.can_collapse(leader, &model.dependencies)
+        let collapse_ids = (0..model.tree.len() as u32)
+            .filter(|&node| model.tree.parent(node).is_some() && model.tree.collapse_id(node) == node);
+        let may_change = |&collapse_id: &u32| {
+            self.state.is_last(collapse_id, &model.tree)
+                || self.state.can_collapse(collapse_id, &model.dependencies)
         };
-        leaders.filter(may_change).collect()
+        collapse_ids.filter(may_change).collect()
     }
 
-    /// Looks at what is due: what is to change is wanted, and the others wait.
-    fn look_at(&mut self, due: &[u32], bounds: &Bounds, frame: &mut Frame, update: &mut ViewUpdate) {
-        update.looked_at += due.len();
+    /// Looks at collapses whose entry expired: those that change are listed, the others are scheduled again.
+    fn look_at(&mut self, expired: &[u32], bounds: &Bounds, frame: &mut Frame, update: &mut ViewUpdate) {
+        update.looked_at += expired.len();
         // Reading all of a block first lets the reads overlap.
         let mut block = [(NodeBounds::default(), false); LOOKED_AT_ONCE];
-        for leaders in due.chunks(LOOKED_AT_ONCE) {
-            for (slot, &leader) in block.iter_mut().zip(leaders) {
-                *slot = (bounds.nodes[leader as usize], self.state.is_done(leader));
+        for collapse_ids in expired.chunks(LOOKED_AT_ONCE) {
+            for (slot, &collapse_id) in block.iter_mut().zip(collapse_ids) {
+                *slot = (bounds.nodes[collapse_id as usize], self.state.is_collapsed(collapse_id));
             }
-            for ((node, is_done), &leader) in block.iter().zip(leaders) {
-                self.choose(leader, node, *is_done, frame);
+            for ((node, is_collapsed), &collapse_id) in block.iter().zip(collapse_ids) {
+                self.choose(collapse_id, node, *is_collapsed, frame);
             }
         }
     }
 
-    /// Chooses for a collapse, which is wanted to change then or waits.
-    fn choose(&mut self, leader: u32, node: &NodeBounds, is_done: bool, frame: &mut Frame) {
-        match frame.criteria.choose(node, is_done) {
-            Choice::Stay { travel } => frame.schedule.wait(leader, travel),
-            Choice::Change { ratio } if is_done => frame.splits.push(WantedSplit { ratio, leader }),
-            Choice::Change { .. } => self.wanted.push(leader),
+    /// Chooses for a collapse, which is then listed to change or scheduled.
+    fn choose(&mut self, collapse_id: u32, node: &NodeBounds, is_collapsed: bool, frame: &mut Frame) {
+        match frame.criteria.choose(node, is_collapsed) {
+            Choice::Stay { travel } => frame.schedule.wait(collapse_id, travel),
+            Choice::Change { ratio } if is_collapsed => {
+                frame.splits.push(PendingSplit { ratio, collapse_id })
+            }
+            Choice::Change { .. } => self.to_collapse.push(collapse_id),
         }
     }
 
-    /// Does what is wanted: collapses first, then splits, those with the largest errors first.
+    /// Does the listed changes: collapses first, then splits, those with the largest errors first.
     fn process(&mut self, bounds: &Bounds, frame: &mut Frame, update: &mut ViewUpdate) {
         let model = Arc::clone(&self.model);
         let (tree, dependencies) = (&model.tree, &model.dependencies);
-        let steps = frame.wanted.steps().unwrap_or(usize::MAX);
+        let steps = frame.view_criteria.steps.unwrap_or(usize::MAX);
         let mut unfit = Vec::new();
         let is_over = |update: &ViewUpdate| update.collapses + update.splits >= steps;
         while !is_over(update) {
-            if let Some(leader) = self.wanted.pop() {
-                if !frame.schedule.is_due(leader) || !self.state.can_collapse(leader, dependencies) {
+            if let Some(collapse_id) = self.to_collapse.pop() {
+                if !frame.schedule.has_expired(collapse_id)
+                    || !self.state.can_collapse(collapse_id, dependencies)
+                {
                     continue;
                 }
-                let replaced = tree.members(leader).flat_map(|node| [Some(node), tree.parent(node)]);
+                let replaced = tree.members(collapse_id).flat_map(|node| [Some(node), tree.parent(node)]);
                 let replaced: Vec<u32> =
                     replaced.flatten().filter_map(|node| self.state.active_child(node)).collect();
-                self.collapse(leader);
+                self.collapse(collapse_id);
                 update.collapses += 1;
-                for child in replaced.into_iter().map(|child| tree.leader(child)) {
+                for child in replaced.into_iter().map(|child| tree.collapse_id(child)) {
                     if !self.state.is_last(child, tree) {
                         frame.schedule.cancel(child);
                     }
                 }
-                self.fresh.push(leader);
-                self.fresh.extend(dependencies.dependents(leader).filter(|&d| !self.state.is_done(d)));
-            } else if let Some(leader) = self.fresh.pop() {
-                self.look_at_fresh(leader, bounds, frame, update);
+                self.new_candidates.push(collapse_id);
+                self.new_candidates
+                    .extend(dependencies.dependents(collapse_id).filter(|&d| !self.state.is_collapsed(d)));
+            } else if let Some(collapse_id) = self.new_candidates.pop() {
+                self.look_at_candidate(collapse_id, bounds, frame, update);
             } else if let Some(next) = frame.splits.pop() {
-                if !frame.schedule.is_due(next.leader) || !self.state.is_last(next.leader, tree) {
+                if !frame.schedule.has_expired(next.collapse_id)
+                    || !self.state.is_last(next.collapse_id, tree)
+                {
                     continue;
                 }
-                if !self.split_within(next.leader, frame.wanted.budget()) {
+                if !self.split_within(next.collapse_id, frame.view_criteria.budget) {
                     if next.ratio.is_infinite() {
                         // The eye is within its sphere: no error that is allowed makes room.
-                        unfit.push(next.leader);
+                        unfit.push(next.collapse_id);
                         continue;
                     }
                     // Of a view that was not looked at before, all ratios are known, and the largest that does not fit is the right one.
-                    let most = if frame.is_first { MOST_SCALE / self.scale } else { MOST_RISE };
+                    let most = if frame.is_first { MAX_SCALE / self.scale } else { MAX_RISE };
                     self.scale *= next.ratio.min(most).max(1.0 + 1e-6);
                     frame.splits.push(next);
                     break;
                 }
                 update.splits += self.split.len();
                 for i in 0..self.split.len() {
-                    let leader = self.split[i];
-                    self.fresh.push(leader);
-                    dependencies.dependents(leader).for_each(|dependent| frame.schedule.cancel(dependent));
-                    for node in tree.members(leader) {
+                    let collapse_id = self.split[i];
+                    self.new_candidates.push(collapse_id);
+                    dependencies
+                        .dependents(collapse_id)
+                        .for_each(|dependent| frame.schedule.cancel(dependent));
+                    for node in tree.members(collapse_id) {
                         let children = [Some(node), tree.parent(node)].into_iter().flatten();
                         let active = children.filter_map(|node| self.state.active_child(node));
-                        self.fresh.extend(active.map(|child| tree.leader(child)));
+                        self.new_candidates.extend(active.map(|child| tree.collapse_id(child)));
                     }
                 }
             } else {
                 break;
             }
         }
-        // What is left is wanted again at the next update.
-        let splits = frame.splits.drain().map(|split| split.leader);
-        let left = self.fresh.drain(..).chain(self.wanted.drain(..)).chain(splits).chain(unfit);
+        // What is left is looked at again by the next update.
+        let splits = frame.splits.drain().map(|split| split.collapse_id);
+        let left = self.new_candidates.drain(..).chain(self.to_collapse.drain(..)).chain(splits).chain(unfit);
         let before = frame.schedule.left_count();
         frame.schedule.leave(left);
         update.is_complete &= !is_over(update) || frame.schedule.left_count() == before;
     }
 
     /// Looks at a collapse that has become the next one of its vertices, or may have.
-    fn look_at_fresh(&mut self, leader: u32, bounds: &Bounds, frame: &mut Frame, update: &mut ViewUpdate) {
-        let is_done = self.state.is_done(leader);
-        let may_change = if is_done {
-            self.state.is_last(leader, &self.model.tree)
+    fn look_at_candidate(
+        &mut self,
+        collapse_id: u32,
+        bounds: &Bounds,
+        frame: &mut Frame,
+        update: &mut ViewUpdate,
+    ) {
+        let is_collapsed = self.state.is_collapsed(collapse_id);
+        let may_change = if is_collapsed {
+            self.state.is_last(collapse_id, &self.model.tree)
         } else {
-            self.state.can_collapse(leader, &self.model.dependencies)
+            self.state.can_collapse(collapse_id, &self.model.dependencies)
         };
         if may_change {
-            frame.schedule.make_due(&[leader]);
+            frame.schedule.expire(&[collapse_id]);
             update.looked_at += 1;
-            self.choose(leader, &bounds.nodes[leader as usize], is_done, frame);
+            self.choose(collapse_id, &bounds.nodes[collapse_id as usize], is_collapsed, frame);
         }
     }
 }

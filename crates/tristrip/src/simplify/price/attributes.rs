@@ -10,9 +10,9 @@
 //!
 //! The module `attribute_quadrics` compares them.
 
-use super::options::AttributeWeights;
 use super::skin::SkinValues;
 use crate::mesh::{Attribute, Mesh, triangles_of};
+use crate::simplify::options::AttributeWeights;
 use crate::vector::{Point, dot, normal_of};
 
 /// The distance, in units of the frame, that is as bad as a difference of 1 between unit normals. From 0.04 to 0.06, in pictures of
@@ -29,13 +29,13 @@ const SKIN_LENGTH: f64 = 0.1;
 /// worse normals.
 const TEXTURE_SHARE: f64 = 1.5;
 /// Most values per vertex that count: the time for a price is in proportion to their number.
-const MOST_VALUES: usize = 32;
+const MAX_VALUES: usize = 32;
 /// The largest length of a unit of a texture coordinate: an atlas that a model hardly uses does not outweigh its shape.
-const MOST_TEXTURE_LENGTH: f64 = 8.0;
+const MAX_TEXTURE_LENGTH: f64 = 8.0;
 
 /// The values of the attributes that have a price, as lengths in the local frame.
 #[derive(Debug)]
-pub(super) struct PricedAttributes {
+pub(crate) struct PricedAttributes {
     /// The number of values per vertex.
     width: usize,
     values: Vec<f32>,
@@ -43,15 +43,15 @@ pub(super) struct PricedAttributes {
 
 impl PricedAttributes {
     /// Collects the attributes of a mesh that have a weight; `None` if it has none. A value that is not finite counts as zero, and values
-    /// beyond [`MOST_VALUES`] per vertex do not count.
-    pub(super) fn new(mesh: &Mesh, triangles: &[u32], unit: f64, weights: AttributeWeights) -> Option<Self> {
+    /// beyond [`MAX_VALUES`] per vertex do not count.
+    pub(crate) fn new(mesh: &Mesh, triangles: &[u32], unit: f64, weights: AttributeWeights) -> Option<Self> {
         let length = |attribute: &&Attribute| length_of(mesh, attribute, triangles, unit, weights);
         let lengths = mesh.attributes().iter().map(|attribute| (attribute, length(&attribute)));
         let columns: Vec<(&Attribute, f64)> = lengths.filter(|&(_, length)| length > 0.0).collect();
         let of_skin = SKIN_LENGTH * f64::from(weights.skin);
         let skin = if of_skin > 0.0 { SkinValues::new(mesh, unit) } else { None };
         let width: usize = columns.iter().map(|(attribute, _)| usize::from(attribute.components)).sum();
-        let width = (width + skin.as_ref().map_or(0, |skin| skin.width)).min(MOST_VALUES);
+        let width = (width + skin.as_ref().map_or(0, |skin| skin.width)).min(MAX_VALUES);
         let mut values = Vec::with_capacity(width * mesh.vertex_count());
         for v in 0..mesh.vertex_count() {
             let of_skin = skin.iter().flat_map(|skin| skin.of(v).iter().map(|&x| f64::from(x) * of_skin));
@@ -70,7 +70,7 @@ impl PricedAttributes {
     }
 
     /// Joins the values of several meshes, each with its number of vertices, which are compared only within a mesh; `None` if no mesh has any.
-    pub(super) fn joined(meshes: &[(Option<Self>, usize)]) -> Option<Self> {
+    pub(crate) fn joined(meshes: &[(Option<Self>, usize)]) -> Option<Self> {
         let width = meshes.iter().filter_map(|(priced, _)| Some(priced.as_ref()?.width)).max()?;
         let mut values =
             vec![0.0; width * meshes.iter().map(|(_, vertex_count)| vertex_count).sum::<usize>()];
@@ -88,17 +88,17 @@ impl PricedAttributes {
     }
 
     /// Returns the number of values per vertex.
-    pub(super) fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.width
     }
 
     /// Returns the number of vertices.
-    pub(super) fn vertex_count(&self) -> usize {
+    pub(crate) fn vertex_count(&self) -> usize {
         self.values.len() / self.width
     }
 
     /// Returns the values of a vertex.
-    pub(super) fn of(&self, vertex: u32) -> &[f32] {
+    pub(crate) fn of(&self, vertex: u32) -> &[f32] {
         &self.values[vertex as usize * self.width..][..self.width]
     }
 }
@@ -147,7 +147,7 @@ fn texture_length(mesh: &Mesh, attribute: &Attribute, triangles: &[u32], unit: f
         on_surface += area(triangle.map(position));
         on_texture += area(triangle.map(texture));
     }
-    if on_texture > 0.0 { (on_surface / on_texture).sqrt().min(MOST_TEXTURE_LENGTH) } else { 0.0 }
+    if on_texture > 0.0 { (on_surface / on_texture).sqrt().min(MAX_TEXTURE_LENGTH) } else { 0.0 }
 }
 
 #[cfg(test)]

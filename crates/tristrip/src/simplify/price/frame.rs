@@ -1,7 +1,7 @@
 //! The local frame of the positions, and the quadrics of the points of a full mesh.
 
 use super::quadric::Quadric;
-use super::topology::Topology;
+use crate::simplify::surface::topology::Topology;
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
 /// The weight of a plane along a border relative to a face of the same size: a large penalty, as Garland and Heckbert, section 6, have it.
@@ -15,7 +15,7 @@ const SEAM_WEIGHT: f64 = 1.0;
 const BORDER_PENALTY: f64 = 1000.0;
 
 /// Returns positions in a frame in which the longest side of their bounding box is 1, and the length of that side.
-pub(super) fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<Point>, f64) {
+pub(crate) fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<Point>, f64) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in positions.clone() {
         for k in 0..3 {
@@ -31,7 +31,7 @@ pub(super) fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<P
 /// Returns for each point the planes of its triangles, weighted by area, and planes perpendicular to them along borders and seams.
 ///
 /// `priced` tells whether attributes have a price, so that seams need no planes.
-pub(super) fn quadrics(topology: &Topology, positions: &[Point], priced: bool) -> Vec<Quadric> {
+pub(crate) fn quadrics(topology: &Topology, positions: &[Point], priced: bool) -> Vec<Quadric> {
     let edge_weight = |is_border: bool, square: f64| match is_border {
         true => Some(square * BORDER_WEIGHT),
         false if priced => None,
@@ -42,7 +42,7 @@ pub(super) fn quadrics(topology: &Topology, positions: &[Point], priced: bool) -
 
 /// Returns for each point the planes of its triangles, each with a weight of 1, and planes perpendicular to them along borders, as
 /// Garland and Heckbert have them.
-pub(super) fn fundamental_quadrics(topology: &Topology, positions: &[Point]) -> Vec<Quadric> {
+pub(crate) fn fundamental_quadrics(topology: &Topology, positions: &[Point]) -> Vec<Quadric> {
     sums_of_planes(topology, positions, |_| 1.0, |is_border, _| is_border.then_some(BORDER_PENALTY))
 }
 

@@ -12,11 +12,11 @@ use super::irregular::Links;
 use super::topology::{LONG_RING, PointKind, Topology};
 
 /// A point with more triangles is not removed, so that the time for its price does not depend on the size of the mesh.
-pub(super) const MOST_CORNERS: usize = 256;
+pub(crate) const MAX_CORNERS: usize = 256;
 
 /// What a collapse does to the surface around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Outcome {
+pub(crate) enum CollapseOutcome {
     /// Everything stays as it is arranged.
     Keeps,
     /// The last triangles of a component or of a mesh disappear, or two back to back are left of it.
@@ -29,7 +29,7 @@ pub(super) enum Outcome {
 
 /// Finds the outcomes of collapses.
 #[derive(Debug)]
-pub(super) struct Outcomes {
+pub(crate) struct Outcomes {
     /// The last mark of each point.
     marks: Vec<u32>,
     mark: u32,
@@ -38,18 +38,18 @@ pub(super) struct Outcomes {
 
 impl Outcomes {
     /// Creates the marks of the points.
-    pub(super) fn new(point_count: usize) -> Self {
+    pub(crate) fn new(point_count: usize) -> Self {
         Self { marks: vec![0; point_count], mark: 0, links: Links::default() }
     }
 
     /// Returns what a collapse does to the surface.
-    pub(super) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> Outcome {
+    pub(crate) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> CollapseOutcome {
         let ring = topology.opposite(point);
         if is_end(topology, point, to) || topology.ends_mesh(point, to) {
-            return Outcome::Ends;
+            return CollapseOutcome::Ends;
         }
         let keeps = if topology.kind(point) == PointKind::Irregular {
-            topology.ring(to).len() <= MOST_CORNERS && self.links.allow(topology, point, to)
+            topology.ring(to).len() <= MAX_CORNERS && self.links.allow(topology, point, to)
         } else {
             let common = ring.iter().filter(|edge| edge.contains(&to)).count();
             let expected = if topology.kind(point) == PointKind::Border { 1 } else { 2 };
@@ -58,11 +58,11 @@ impl Outcomes {
                 && self.common_neighbours(topology, point, to) == common
         };
         if keeps {
-            Outcome::Keeps
+            CollapseOutcome::Keeps
         } else if loses_triangle(topology, point, to) {
-            Outcome::Loses
+            CollapseOutcome::Loses
         } else {
-            Outcome::Breaks
+            CollapseOutcome::Breaks
         }
     }
 
@@ -106,7 +106,7 @@ fn loses_triangle(topology: &Topology, point: u32, to: u32) -> bool {
         ring.iter().any(|edge| edge.contains(&third) && !edge.contains(&other))
     };
     let third = |&[u, w]: &[u32; 2]| (u == to || w == to).then_some(if u == to { w } else { u });
-    kept.len() > MOST_CORNERS
+    kept.len() > MAX_CORNERS
         || own
             .iter()
             .filter_map(third)
@@ -150,7 +150,7 @@ fn component_remains(topology: &Topology, point: u32, to: u32) -> bool {
 mod tests {
     use super::*;
 
-    fn outcome(vertices: &[u32], point: u32, to: u32) -> Outcome {
+    fn outcome(vertices: &[u32], point: u32, to: u32) -> CollapseOutcome {
         let positions: Vec<[f32; 3]> = (0..9).map(|i| [i as f32, (i * i) as f32, 0.0]).collect();
         let topology = Topology::new(&positions[..], |_| Vec::new(), vertices, false, 0.0);
         let at = |v: u32| (0..topology.point_count() as u32).find(|&p| topology.vertex_of(p) == v).unwrap();
@@ -160,14 +160,18 @@ mod tests {
     #[test]
     fn outcomes_of_small_surfaces() {
         let tetrahedron = [0, 1, 2, 0, 2, 3, 0, 3, 1, 3, 2, 1];
-        assert_eq!(outcome(&tetrahedron, 0, 1), Outcome::Ends);
-        assert_eq!(outcome(&[0, 1, 2, 0, 2, 1], 0, 1), Outcome::Ends, "two triangles back to back");
-        assert_eq!(outcome(&[0, 1, 2], 0, 1), Outcome::Ends);
-        assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 0, 1), Outcome::Keeps);
-        assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 2, 1), Outcome::Ends, "both triangles");
+        assert_eq!(outcome(&tetrahedron, 0, 1), CollapseOutcome::Ends);
+        assert_eq!(outcome(&[0, 1, 2, 0, 2, 1], 0, 1), CollapseOutcome::Ends, "two triangles back to back");
+        assert_eq!(outcome(&[0, 1, 2], 0, 1), CollapseOutcome::Ends);
+        assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 0, 1), CollapseOutcome::Keeps);
+        assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 2, 1), CollapseOutcome::Ends, "both triangles");
         // The sides of a prism: its three corners at each end are a hole.
         let sides = [0, 1, 3, 3, 1, 4, 1, 2, 4, 4, 2, 5, 2, 0, 5, 5, 0, 3];
-        assert_eq!(outcome(&sides, 0, 1), Outcome::Breaks);
-        assert_eq!(outcome(&[0, 1, 2, 0, 3, 4, 1, 5, 6], 0, 1), Outcome::Loses, "three triangles in a row");
+        assert_eq!(outcome(&sides, 0, 1), CollapseOutcome::Breaks);
+        assert_eq!(
+            outcome(&[0, 1, 2, 0, 3, 4, 1, 5, 6], 0, 1),
+            CollapseOutcome::Loses,
+            "three triangles in a row"
+        );
     }
 }

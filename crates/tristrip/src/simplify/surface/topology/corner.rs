@@ -3,19 +3,19 @@
 /// A corner of a triangle: the triangle in the upper bits, the index within the triangle in the lowest two, so that neither needs a
 /// division.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub(in crate::simplify) struct CornerId(u32);
+pub(crate) struct CornerId(u32);
 
 /// The indices of the next and of the previous corner.
 const NEXT: [usize; 4] = [1, 2, 0, 0];
 const PREVIOUS: [usize; 4] = [2, 0, 1, 0];
 
 impl CornerId {
-    pub(in crate::simplify) fn new(triangle: usize, k: usize) -> Self {
+    pub(crate) fn new(triangle: usize, k: usize) -> Self {
         Self((triangle << 2 | k) as u32)
     }
 
     #[inline]
-    pub(in crate::simplify) fn triangle(self) -> usize {
+    pub(crate) fn triangle(self) -> usize {
         (self.0 >> 2) as usize
     }
 
@@ -25,11 +25,11 @@ impl CornerId {
         (self.0 & 3) as usize
     }
 
-    pub(in crate::simplify) fn next(self) -> Self {
+    pub(crate) fn next(self) -> Self {
         Self::new(self.triangle(), NEXT[self.within()])
     }
 
-    pub(in crate::simplify) fn previous(self) -> Self {
+    pub(crate) fn previous(self) -> Self {
         Self::new(self.triangle(), PREVIOUS[self.within()])
     }
 

@@ -7,7 +7,7 @@
 //! # Algorithm
 //! 1. The extent of a joint's part is the root mean square distance of its vertices from their centre, by weight.
 //! 2. The weights of a vertex, times the extents, are a vector with a value per joint, of which few are not zero. With more than
-//!    [`MOST_VALUES`] joints it is projected onto so many values, each of which adds or subtracts every joint. The mean over all choices of these
+//!    [`MAX_VALUES`] joints it is projected onto so many values, each of which adds or subtracts every joint. The mean over all choices of these
 //!    signs keeps the distances between vectors; the signs are those of a fixed hash, so that results do not change.
 //!
 //! # References
@@ -21,13 +21,13 @@ use std::collections::BTreeMap;
 use crate::mesh::{Attribute, AttributeData, Mesh};
 
 /// The values per vertex that joints become.
-const MOST_VALUES: usize = 8;
+const MAX_VALUES: usize = 8;
 
 /// The weights of joints as lengths.
 #[derive(Debug)]
-pub(super) struct SkinValues {
+pub(crate) struct SkinValues {
     /// The number of values per vertex.
-    pub(super) width: usize,
+    pub(crate) width: usize,
     values: Vec<f32>,
 }
 
@@ -60,7 +60,7 @@ impl JointMoments {
 
 impl SkinValues {
     /// Computes the values of a mesh, in a frame of a unit; `None` if it has no skin.
-    pub(super) fn new(mesh: &Mesh, unit: f64) -> Option<Self> {
+    pub(crate) fn new(mesh: &Mesh, unit: f64) -> Option<Self> {
         let influences = Influences::of(mesh);
         let mut moments: BTreeMap<u32, JointMoments> = BTreeMap::new();
         for (v, position) in mesh.positions().iter().enumerate() {
@@ -72,7 +72,7 @@ impl SkinValues {
         let joints = moments.into_iter().enumerate();
         let joints: BTreeMap<u32, (usize, f64)> =
             joints.map(|(number, (joint, moments))| (joint, (number, moments.extent()))).collect();
-        let width = joints.len().min(MOST_VALUES);
+        let width = joints.len().min(MAX_VALUES);
         let mut values = vec![0.0; width * mesh.vertex_count()];
         for v in 0..mesh.vertex_count() {
             for (joint, weight) in influences.at(v) {
@@ -86,19 +86,19 @@ impl SkinValues {
     }
 
     /// Returns the values of a vertex.
-    pub(super) fn of(&self, vertex: usize) -> &[f32] {
+    pub(crate) fn of(&self, vertex: usize) -> &[f32] {
         &self.values[vertex * self.width..][..self.width]
     }
 }
 
 /// Returns how much of a joint a value has: all of its own, or the same part of each, added or subtracted.
 fn share(joint: usize, value: usize, joint_count: usize) -> f64 {
-    if joint_count <= MOST_VALUES {
+    if joint_count <= MAX_VALUES {
         return f64::from(u8::from(joint == value));
     }
     let hash = (joint as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     let sign = if hash >> (40 + value) & 1 == 0 { 1.0 } else { -1.0 };
-    sign / (MOST_VALUES as f64).sqrt()
+    sign / (MAX_VALUES as f64).sqrt()
 }
 
 /// Returns value `i` of all as the number of a joint.
@@ -169,8 +169,8 @@ mod tests {
     #[test]
     fn many_joints_keep_the_distances_of_vertices() {
         let skin = SkinValues::new(&chain(40), 1.0).unwrap();
-        assert_eq!(skin.width, MOST_VALUES);
-        let of = |v: usize| &skin.values[v * MOST_VALUES..][..MOST_VALUES];
+        assert_eq!(skin.width, MAX_VALUES);
+        let of = |v: usize| &skin.values[v * MAX_VALUES..][..MAX_VALUES];
         let distance = |a: usize, b: usize| {
             of(a).iter().zip(of(b)).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
         };

@@ -17,7 +17,7 @@ const CELL_BITS: u32 = 10;
 
 /// Returns the triangles in the order of a curve; `None` if the points of most lie together already. `points` are those of the corners,
 /// numbered in the order of their first use.
-pub(super) fn along_curve<P: Positions + ?Sized>(
+pub(crate) fn along_curve<P: Positions + ?Sized>(
     positions: &P,
     vertices: &[u32],
     points: &[u32],
@@ -31,7 +31,7 @@ pub(super) fn along_curve<P: Positions + ?Sized>(
 }
 
 /// Returns the numbers of places in the order of the curve through their bounding box; those in one cell keep their order.
-pub(super) fn order_along_curve(places: impl Iterator<Item = [f32; 3]> + Clone) -> Vec<u32> {
+pub(crate) fn order_along_curve(places: impl Iterator<Item = [f32; 3]> + Clone) -> Vec<u32> {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for p in places.clone() {
         for k in 0..3 {

@@ -15,7 +15,7 @@
 //! after those that it depends on (module `order`); they are cut off where the goal is reached.
 //!
 //! A collapse is refused if it would
-//! - rotate a remaining triangle by more than about 75 degrees (`LEAST_COSINE` of the module `neighbourhood`);
+//! - rotate a remaining triangle by more than about 75 degrees (`MIN_COSINE` of the module `neighbourhood`);
 //! - change the topology (the link condition): the two points must have no common neighbours except those of their common triangles, two or,
 //!   on a border, one; a border point moves only along the border. For points that are neither inner ones nor on a border see the
 //!   module `irregular`. Permissive simplification allows it: holes may close, handles vanish;
@@ -31,29 +31,29 @@
 mod merge_levels;
 
 use super::ahead::{PricesAhead, least_estimates};
-use super::attributes::PricedAttributes;
-use super::options::{Price, SimplifyOptions};
-use super::order::CollapseOrder;
-use super::outcome::{MOST_CORNERS, Outcome, Outcomes};
-use super::price::PriceSearch;
-use super::queue::{CollapseQueue, WaitingCollapse};
+use super::queue::{CollapseQueue, QueuedCollapse};
 use super::stopped::Stopped;
-use super::surface::{Surface, locked_points};
-use super::topology::{PointKind, Topology};
-use super::waiting::{PricedCollapse, Waiting, finite};
 use crate::collapse::CollapseSequence;
 use crate::ids::OptionalId;
 use crate::mesh::{Positions, is_degenerate, triangles_of};
+use crate::simplify::options::{Price, SimplifyOptions};
+use crate::simplify::order::collapse_order::CollapseOrder;
+use crate::simplify::price::attributes::PricedAttributes;
+use crate::simplify::price::best_collapse::{BestCollapse, PricedCollapse, finite};
+use crate::simplify::price::priced_surface::{PricedSurface, locked_points};
+use crate::simplify::price::search::PriceSearch;
+use crate::simplify::surface::outcome::{CollapseOutcome, MAX_CORNERS, Outcomes};
+use crate::simplify::surface::topology::{PointKind, Topology};
 
 /// One in so many of the points that wait are below the limit of a pass. From one in 6 to one in 12 the mean of the distances over 37 models
 /// differs by one percent, and the time hardly.
 const SHARE: usize = 12;
 /// The limit of a pass is found among about so many of the costs.
-const MOST_SAMPLES: usize = 1024;
+const MAX_SAMPLES: usize = 1024;
 
 /// The reason for which a collapse is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Refusal {
+enum CollapseRefusal {
     FoldOver,
     Topology,
     Seam,
@@ -61,16 +61,16 @@ enum Refusal {
 
 /// A mesh while it is simplified.
 #[derive(Debug)]
-pub(super) struct Decimation {
-    surface: Surface,
+pub(crate) struct Decimation {
+    surface: PricedSurface,
     locked: Vec<bool>,
     /// Whether any collapse may change the topology.
     may_break: bool,
-    waiting: Vec<Waiting>,
-    /// The points that wait, ascending, with others that did so until the last pass.
+    best_collapses: Vec<BestCollapse>,
+    /// The points with a possible collapse, ascending, with others that had one until the last pass.
     points: Vec<u32>,
-    /// Points for which no collapse was possible, and which wait again since something changed around them.
-    revived: Vec<u32>,
+    /// Points for which no collapse was possible, and which are tried again since something changed around them.
+    requeued: Vec<u32>,
     /// The number of the pass, from 1.
     pass: u32,
     order: CollapseOrder,
@@ -82,14 +82,14 @@ pub(super) struct Decimation {
     /// The neighbours of the point that was just removed.
     around: Vec<u32>,
     dropped: Vec<u32>,
-    /// The collapses that wait, if they are done one by one.
+    /// The queued collapses, if they are done one by one.
     queue: Option<CollapseQueue>,
 }
 
 impl Decimation {
     /// Connects the vertices of each point, computes the quadrics, and estimates all points. `priced` returns the attributes
     /// that have a price, given the triangles and the unit of the frame; `meshes` are the first vertices of the meshes if there are several.
-    pub(super) fn new<P: Positions + ?Sized>(
+    pub(crate) fn new<P: Positions + ?Sized>(
         positions: &P,
         attribute_bits: impl Fn(u32) -> Vec<u8>,
         vertices: &[u32],
@@ -97,20 +97,20 @@ impl Decimation {
         options: &SimplifyOptions,
         meshes: &[u32],
     ) -> Self {
-        let (may_break, weld_distance) = (options.may_break(), options.weld_distance());
+        let (may_break, weld_distance) = (options.may_break(), options.weld_distance);
         let topology = Topology::new(positions, attribute_bits, vertices, may_break, weld_distance);
         let topology = topology.with_meshes(meshes);
         let count = topology.point_count();
         let locked = locked_points(&topology, options);
-        let surface = Surface::new(topology, positions, |unit| priced(vertices, unit), options);
+        let surface = PricedSurface::new(topology, positions, |unit| priced(vertices, unit), options);
         let mut decimation = Self {
             triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),
             surface,
             locked,
             may_break,
-            waiting: vec![Waiting::NOT; count],
+            best_collapses: vec![BestCollapse::NONE; count],
             points: (0..count as u32).collect(),
-            revived: Vec::new(),
+            requeued: Vec::new(),
             pass: 0,
             order: CollapseOrder::new(count),
             outcomes: Outcomes::new(count),
@@ -120,20 +120,20 @@ impl Decimation {
             dropped: Vec::new(),
             queue: None,
         };
-        if options.price() == Price::Quadric {
+        if options.price == Price::Quadric {
             decimation.queue = Some(CollapseQueue::new(&decimation.surface));
             return decimation;
         }
         let estimates = least_estimates(&decimation.surface, |point| decimation.is_removable(point));
         for (point, estimate) in (0..).zip(estimates) {
-            decimation.wait_estimated(point, estimate);
+            decimation.set_estimate(point, estimate);
         }
         decimation
     }
 
     /// Does collapses until there are at most `triangle_count` triangles, or no collapse is possible; returns whether there are. The collapses
     /// come in the order in which they were found, the last ones of a pass beyond the number, until [`Decimation::finish`] puts them in order.
-    pub(super) fn run(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) -> bool {
+    pub(crate) fn run(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) -> bool {
         if let Some(mut queue) = self.queue.take() {
             self.run_cheapest_first(&mut queue, triangle_count, sequence);
             self.queue = Some(queue);
@@ -146,22 +146,22 @@ impl Decimation {
     fn run_passes(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) {
         let mut points = std::mem::take(&mut self.points);
         while self.triangle_count > triangle_count {
-            if !self.revived.is_empty() {
-                points.append(&mut self.revived);
+            if !self.requeued.is_empty() {
+                points.append(&mut self.requeued);
                 points.sort_unstable();
                 points.dedup();
             }
-            points.retain(|&point| self.waiting[point as usize].waits());
+            points.retain(|&point| self.best_collapses[point as usize].is_possible());
             let Some(limit) = self.pass_limit(&points) else { break };
             self.pass += 1;
-            self.ahead.find(&self.surface, &self.waiting, &points, limit);
+            self.ahead.find(&self.surface, &self.best_collapses, &points, limit);
             for &point in &points {
-                let waiting = &self.waiting[point as usize];
-                if waiting.changed == self.pass || waiting.cost > limit {
+                let known = &self.best_collapses[point as usize];
+                if known.changed == self.pass || known.cost > limit {
                     continue;
                 }
                 if let Some(found) = self.ahead.of(point) {
-                    self.wait_priced(point, found.best);
+                    self.set_price(point, found.best);
                 }
                 if let Some(collapse) = self.collapse_below(point, limit) {
                     self.surface.topology.neighbours(point, &mut self.around);
@@ -181,7 +181,7 @@ impl Decimation {
         sequence: &mut CollapseSequence,
     ) {
         while self.triangle_count > triangle_count {
-            let Some(WaitingCollapse { cost, point, to, .. }) = queue.next(&self.surface) else { break };
+            let Some(QueuedCollapse { cost, point, to, .. }) = queue.next(&self.surface) else { break };
             let Some(error) = self.error_if_allowed(cost, point, to) else { continue };
             let collapse = PricedCollapse { to, cost: finite(cost), error: finite(error) };
             self.pass += 1;
@@ -207,9 +207,11 @@ impl Decimation {
             return None;
         }
         let removal = match self.outcomes.of(&self.surface.topology, point, to) {
-            Outcome::Keeps => 0.0,
-            Outcome::Breaks if self.surface.is_permissive => 0.0,
-            Outcome::Breaks | Outcome::Loses | Outcome::Ends => self.surface.vanishing_error(point),
+            CollapseOutcome::Keeps => 0.0,
+            CollapseOutcome::Breaks if self.surface.is_permissive => 0.0,
+            CollapseOutcome::Breaks | CollapseOutcome::Loses | CollapseOutcome::Ends => {
+                self.surface.vanishing_error(point)
+            }
         };
         let error = cost.sqrt().max(removal);
         (error <= self.surface.error_limit).then_some(error)
@@ -217,24 +219,24 @@ impl Decimation {
 
     /// Puts the collapses in order, and removes those after at most `triangle_count` triangles. Returns the greatest cost so far of each that is
     /// left, in units of the frame.
-    pub(super) fn finish(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
+    pub(crate) fn finish(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
         self.order.apply(triangle_count, sequence)
     }
 
     /// Returns the greatest cost of a collapse, as [`Decimation::finish`] does.
-    pub(super) fn greatest_cost(&self) -> f32 {
+    pub(crate) fn greatest_cost(&self) -> f32 {
         self.order.greatest()
     }
 
     /// Returns the cost of 1 of the frame, in mesh units.
-    pub(super) fn cost_unit(&self) -> f64 {
+    pub(crate) fn cost_unit(&self) -> f64 {
         self.surface.price.cost_unit(self.surface.unit)
     }
 
     /// Returns the cost below which a share of the points wait; `None` without any points.
     fn pass_limit(&self, points: &[u32]) -> Option<f32> {
-        let samples = points.iter().step_by(points.len().div_ceil(MOST_SAMPLES).max(1));
-        let mut costs: Vec<f32> = samples.map(|&p| self.waiting[p as usize].cost).collect();
+        let samples = points.iter().step_by(points.len().div_ceil(MAX_SAMPLES).max(1));
+        let mut costs: Vec<f32> = samples.map(|&p| self.best_collapses[p as usize].cost).collect();
         if costs.is_empty() {
             return None;
         }
@@ -243,7 +245,7 @@ impl Decimation {
     }
 
     /// Counts the reasons for which the remaining points cannot be removed.
-    pub(super) fn stopped(&mut self) -> Stopped {
+    pub(crate) fn stopped(&mut self) -> Stopped {
         let mut stopped = Stopped { triangle_count: self.triangle_count, ..Stopped::default() };
         for point in 0..self.surface.topology.point_count() as u32 {
             let topology = &self.surface.topology;
@@ -254,7 +256,7 @@ impl Decimation {
                 &mut stopped.locked
             } else if topology.kind(point) == PointKind::Degenerate {
                 &mut stopped.non_manifold
-            } else if topology.ring(point).len() > MOST_CORNERS {
+            } else if topology.ring(point).len() > MAX_CORNERS {
                 &mut stopped.topology
             } else {
                 self.search.collect_candidates(&self.surface, point);
@@ -264,12 +266,14 @@ impl Decimation {
                 self.search.candidates = candidates;
                 let refusal = if refusals.contains(&None) { None } else { refusals[0] };
                 match refusal {
-                    Some(Refusal::FoldOver) => &mut stopped.fold_over,
-                    Some(Refusal::Seam) => &mut stopped.seam,
-                    Some(Refusal::Topology) if self.surface.topology.kind(point) == PointKind::Irregular => {
+                    Some(CollapseRefusal::FoldOver) => &mut stopped.fold_over,
+                    Some(CollapseRefusal::Seam) => &mut stopped.seam,
+                    Some(CollapseRefusal::Topology)
+                        if self.surface.topology.kind(point) == PointKind::Irregular =>
+                    {
                         &mut stopped.non_manifold
                     }
-                    Some(Refusal::Topology) => &mut stopped.topology,
+                    Some(CollapseRefusal::Topology) => &mut stopped.topology,
                     // Only the error limit holds it.
                     None => &mut stopped.error,
                 }
@@ -285,53 +289,53 @@ impl Decimation {
         !self.locked[point as usize]
             && self.surface.topology.kind(point) != PointKind::Degenerate
             && !ring.is_empty()
-            && ring.len() <= MOST_CORNERS
+            && ring.len() <= MAX_CORNERS
     }
 
     /// Estimates the cost of a point, if it may be removed.
     fn estimate(&mut self, point: u32) {
         let is_removable = self.is_removable(point);
         let least = is_removable.then(|| self.search.least_estimate(&self.surface, point)).flatten();
-        self.wait_estimated(point, least);
+        self.set_estimate(point, least);
     }
 
-    /// Lets a point wait with the price to expect from its least estimate, if there is one.
-    fn wait_estimated(&mut self, point: u32, estimate: Option<f64>) {
+    /// Sets the cost of a point to the price that its least estimate predicts; without an estimate no collapse is possible.
+    fn set_estimate(&mut self, point: u32, estimate: Option<f64>) {
         match estimate {
-            None => self.wait_priced(point, None),
-            Some(estimate) => self.wait(point, self.surface.price.expected(estimate)),
+            None => self.set_price(point, None),
+            Some(estimate) => self.set_cost(point, self.surface.price.expected(estimate)),
         }
     }
 
-    /// Lets a point wait with a cost that is no price.
-    fn wait(&mut self, point: u32, cost: f64) {
-        let waiting = &mut self.waiting[point as usize];
-        (waiting.cost, waiting.target) = (finite(cost), OptionalId::NONE);
+    /// Sets a cost that is not a price.
+    fn set_cost(&mut self, point: u32, cost: f64) {
+        let known = &mut self.best_collapses[point as usize];
+        (known.cost, known.target) = (finite(cost), OptionalId::NONE);
     }
 
-    /// Lets a point wait with its best collapse; without any it waits no longer, until something changes around it.
-    fn wait_priced(&mut self, point: u32, best: Option<PricedCollapse>) {
-        self.waiting[point as usize].set_price(best);
+    /// Sets the best collapse of a point. Without any the point is skipped until something changes around it.
+    fn set_price(&mut self, point: u32, best: Option<PricedCollapse>) {
+        self.best_collapses[point as usize].set_price(best);
     }
 
     /// Returns the collapse of a point whose price still holds.
     fn priced(&mut self, point: u32) -> Option<PricedCollapse> {
-        let Waiting { cost, target, error, .. } = self.waiting[point as usize];
+        let BestCollapse { cost, target, error, .. } = self.best_collapses[point as usize];
         let to = target.get()?;
         // Something may have changed around the other point. The end of a component has a price of its own.
         let is_as_priced = match self.outcomes.of(&self.surface.topology, point, to) {
-            Outcome::Keeps => true,
-            Outcome::Breaks => self.surface.is_permissive,
-            Outcome::Loses | Outcome::Ends => false,
+            CollapseOutcome::Keeps => true,
+            CollapseOutcome::Breaks => self.surface.is_permissive,
+            CollapseOutcome::Loses | CollapseOutcome::Ends => false,
         };
         is_as_priced.then_some(PricedCollapse { to, cost, error })
     }
 
-    /// Prices a point: returns its best collapse, with which it waits.
+    /// Prices a point: returns its best collapse, and stores it.
     fn price(&mut self, point: u32) -> Option<PricedCollapse> {
         let Self { surface, outcomes, search, .. } = self;
         let best = search.best(surface, point, |to| outcomes.of(&surface.topology, point, to));
-        self.wait_priced(point, best);
+        self.set_price(point, best);
         best
     }
 
@@ -351,20 +355,20 @@ impl Decimation {
         None
     }
 
-    /// Does the collapse of a point, whose neighbours are known, and lets these wait for the next pass.
+    /// Does the collapse of a point, whose neighbours are known, and leaves these to the next pass.
     fn collapse(&mut self, point: u32, collapse: &PricedCollapse, sequence: &mut CollapseSequence) {
         self.apply(point, collapse, sequence);
         let around = std::mem::take(&mut self.around);
-        self.wait_priced(point, None);
+        self.set_price(point, None);
         for &p in &around {
-            let waiting = &mut self.waiting[p as usize];
-            (waiting.changed, waiting.target) = (self.pass, OptionalId::NONE);
-            if !waiting.waits() {
+            let known = &mut self.best_collapses[p as usize];
+            (known.changed, known.target) = (self.pass, OptionalId::NONE);
+            if !known.is_possible() {
                 self.estimate(p);
-                self.revived.push(p);
+                self.requeued.push(p);
             } else if p == collapse.to {
-                let cost = f64::from(waiting.cost) + f64::from(collapse.cost);
-                self.wait(p, cost);
+                let cost = f64::from(known.cost) + f64::from(collapse.cost);
+                self.set_cost(p, cost);
             }
         }
         self.around = around;
@@ -379,7 +383,7 @@ impl Decimation {
         let changes_kinds = self.may_break || is_irregular(point) || is_irregular(to);
         self.surface.collapse(point, to, &self.search.renames, &mut self.dropped);
         if changes_kinds {
-            self.surface.topology.classify(&self.around, MOST_CORNERS);
+            self.surface.topology.classify(&self.around, MAX_CORNERS);
         }
         let error = finite(f64::from(collapse.error) * self.surface.unit);
         sequence.push(&self.search.renames, &self.dropped, error);
@@ -387,15 +391,15 @@ impl Decimation {
     }
 
     /// Returns the first reason for which the collapse of the current point is refused.
-    fn refusal(&mut self, point: u32, to: u32) -> Option<Refusal> {
+    fn refusal(&mut self, point: u32, to: u32) -> Option<CollapseRefusal> {
         if self.search.current.folds_over(to, self.surface.positions[to as usize]) {
-            return Some(Refusal::FoldOver);
+            return Some(CollapseRefusal::FoldOver);
         }
         if !self.is_allowed(point, to) {
-            return Some(Refusal::Topology);
+            return Some(CollapseRefusal::Topology);
         }
         if !self.surface.keeps_seams(point, to, &mut self.search.renames) {
-            return Some(Refusal::Seam);
+            return Some(CollapseRefusal::Seam);
         }
         None
     }
@@ -403,9 +407,9 @@ impl Decimation {
     /// Checks whether a collapse keeps the topology of the surface, or removes a component that may vanish.
     fn is_allowed(&mut self, point: u32, to: u32) -> bool {
         match self.outcomes.of(&self.surface.topology, point, to) {
-            Outcome::Keeps => true,
-            Outcome::Breaks if self.surface.is_permissive => true,
-            Outcome::Breaks | Outcome::Loses | Outcome::Ends => {
+            CollapseOutcome::Keeps => true,
+            CollapseOutcome::Breaks if self.surface.is_permissive => true,
+            CollapseOutcome::Breaks | CollapseOutcome::Loses | CollapseOutcome::Ends => {
                 self.surface.vanishing_error(point).is_finite()
             }
         }

@@ -7,7 +7,7 @@ use super::{LONG_RING, PointKind, Topology};
 
 impl Topology {
     /// Iterates over the sides of triangles at borders and seams: the corner at which each begins, and whether it is a border of its mesh.
-    pub(in crate::simplify) fn open_edges(&self) -> impl Iterator<Item = (CornerId, bool)> {
+    pub(crate) fn open_edges(&self) -> impl Iterator<Item = (CornerId, bool)> {
         // Sides between two points of many triangles each are found in a map.
         let is_long = |p: u32| self.ring(p).len() > LONG_RING;
         let mut long = HashMap::new();

@@ -12,13 +12,13 @@
 //! # Complexity
 //! As of the simplification of one mesh of all triangles, and 12 bytes per vertex.
 
-use super::attributes::PricedAttributes;
 use super::decimate::Decimation;
-use super::{SimplifyOptions, Stopped};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
 use crate::ids::check_count;
 use crate::mesh::{Mesh, attribute_bits, check_corners};
+use crate::simplify::price::attributes::PricedAttributes;
+use crate::simplify::{SimplifyOptions, Stopped};
 
 /// The collapses of meshes that were simplified as one surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +39,7 @@ impl JoinedSimplification {
     /// Counts the collapses of the joined surface.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let joined = simplify_joined(&[(&grid, grid.faces().corners())], &SimplifyOptions::default().with_triangles(126))?;
     /// assert_eq!(joined.step_count(), joined.steps[0].len());
     /// # Ok::<(), tristrip::Error>(())
@@ -75,9 +75,9 @@ pub fn simplify_joined(
     options: &SimplifyOptions,
 ) -> Result<JoinedSimplification, Error> {
     let mut surface = SurfaceSimplifier::new(parts.to_vec(), options)?;
-    surface.simplify_to(options.triangle_count());
-    let stopped = (surface.triangle_count() > options.triangle_count()).then(|| surface.stopped());
-    Ok(JoinedSimplification { stopped, ..surface.finish(options.triangle_count())? })
+    surface.simplify_to(options.triangle_count);
+    let stopped = (surface.triangle_count() > options.triangle_count).then(|| surface.stopped());
+    Ok(JoinedSimplification { stopped, ..surface.finish(options.triangle_count)? })
 }
 
 /// One or several meshes that are simplified as one surface, step by step: to share a number of triangles among several surfaces, the one
@@ -112,7 +112,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// As [`simplify_triangles`](super::simplify_triangles), or the meshes together have too many vertices for 32-bit ids.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let options = SimplifyOptions::default();
     /// assert!(SurfaceSimplifier::new(vec![(&grid, &[0, 1, 2])], &options).is_ok());
     /// assert!(SurfaceSimplifier::new(vec![(&grid, &[0, 1, 81])], &options).is_err());
@@ -146,7 +146,7 @@ impl<'a> SurfaceSimplifier<'a> {
         };
         let priced = |_: &[u32], unit: f64| {
             let of_part = |(mesh, triangles): &(&Mesh, &[u32])| {
-                (PricedAttributes::new(mesh, triangles, unit, *options.weights()), mesh.vertex_count())
+                (PricedAttributes::new(mesh, triangles, unit, options.weights), mesh.vertex_count())
             };
             PricedAttributes::joined(&parts.iter().map(of_part).collect::<Vec<_>>())
         };
@@ -159,7 +159,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// Counts the triangles that are left.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// assert_eq!(surface.triangle_count(), 128);
     /// # Ok::<(), tristrip::Error>(())
@@ -172,7 +172,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// may be fewer, as collapses are done many at a time; [`SurfaceSimplifier::finish`] puts them in the order of their costs.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// assert!(surface.simplify_to(100) && surface.triangle_count() <= 100);
     /// // The peak and the corners stay.
@@ -189,7 +189,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// which of them suffers least from the next collapse.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// surface.simplify_to(100);
     /// let flat = surface.cost();
@@ -205,7 +205,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// Counts the reasons for which the remaining vertices stay.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// surface.simplify_to(0);
     /// assert_eq!(surface.stopped().triangle_count, surface.triangle_count());
@@ -222,7 +222,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// None for meshes that [`SurfaceSimplifier::new`] accepted.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// surface.simplify_to(100);
     /// let count = surface.triangle_count();
@@ -323,11 +323,11 @@ mod tests {
         (mesh.with_attribute(attribute).unwrap(), (0..width * height).flat_map(quad).collect())
     }
 
-    type Edge = [[u32; 3]; 2];
+    type BorderEdge = [[u32; 3]; 2];
 
     /// Returns the edges along the line x = 8 that one triangle has, in each mesh, by the bits of their positions.
-    fn border(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<Edge> {
-        let mut count: BTreeMap<Edge, usize> = BTreeMap::new();
+    fn border(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<BorderEdge> {
+        let mut count: BTreeMap<BorderEdge, usize> = BTreeMap::new();
         for [a, b, c] in triangles {
             for edge in [[a, b], [b, c], [c, a]] {
                 let mut edge = edge.map(|&v| mesh.positions()[v as usize].map(f32::to_bits));
@@ -335,7 +335,7 @@ mod tests {
                 *count.entry(edge).or_default() += 1;
             }
         }
-        let on_line = |edge: &Edge| edge.iter().all(|p| p[0] == 8.0_f32.to_bits());
+        let on_line = |edge: &BorderEdge| edge.iter().all(|p| p[0] == 8.0_f32.to_bits());
         count.into_iter().filter(|(edge, n)| *n == 1 && on_line(edge)).map(|(edge, _)| edge).collect()
     }
 

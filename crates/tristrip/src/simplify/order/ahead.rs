@@ -20,20 +20,20 @@
 //! Blelloch, Fineman, Shun: *Greedy Sequential Maximal Independent Set and Matching are Parallel on Average*, 2012: rounds over the
 //! points without an undecided earlier neighbour give what one after the other gives.
 
-use super::outcome::{Outcome, Outcomes};
-use super::price::PriceSearch;
-use super::surface::Surface;
-use super::waiting::{PricedCollapse, Waiting};
+use crate::simplify::price::best_collapse::{BestCollapse, PricedCollapse};
+use crate::simplify::price::priced_surface::PricedSurface;
+use crate::simplify::price::search::PriceSearch;
+use crate::simplify::surface::outcome::{CollapseOutcome, Outcomes};
 
 /// Prices are found ahead of a pass while at least so many points are undecided.
-const LEAST_POINTS: usize = 1024;
+const MIN_POINTS: usize = 1024;
 /// Points that a thread takes at a time.
 #[cfg(feature = "rayon")]
 const CHUNK: usize = 128;
 /// Rounds at most: the last ones decide few points.
 const ROUNDS: usize = 8;
 /// Threads at most that know the outcomes of collapses, which takes 4 bytes per point for each.
-const MOST_PRICERS: usize = 8;
+const MAX_PRICERS: usize = 8;
 /// Points that are priced at a time, so that their prices take little memory.
 const BLOCK: usize = 1 << 16;
 
@@ -63,14 +63,14 @@ enum Finding {
 
 /// The best collapse of a point, if it has one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FoundPrice {
+pub(crate) struct FoundPrice {
     point: u32,
-    pub(super) best: Option<PricedCollapse>,
+    pub(crate) best: Option<PricedCollapse>,
 }
 
 /// Prices of points, found ahead of a pass.
 #[derive(Debug, Default)]
-pub(super) struct PricesAhead {
+pub(crate) struct PricesAhead {
     /// For each point; all are `Outside` between passes.
     fates: Vec<Fate>,
     /// The prices by ascending point.
@@ -81,30 +81,42 @@ pub(super) struct PricesAhead {
 
 impl PricesAhead {
     /// Finds prices of points, which ascend, for a pass up to a limit; none if there is only one thread, or few points.
-    pub(super) fn find(&mut self, surface: &Surface, waiting: &[Waiting], points: &[u32], limit: f32) {
+    pub(crate) fn find(
+        &mut self,
+        surface: &PricedSurface,
+        best_collapses: &[BestCollapse],
+        points: &[u32],
+        limit: f32,
+    ) {
         self.found.clear();
         self.next = 0;
         // A permissive collapse depends on the triangles of both points.
-        if thread_count() == 1 || points.len() < LEAST_POINTS || surface.is_permissive {
+        if thread_count() == 1 || points.len() < MIN_POINTS || surface.is_permissive {
             return;
         }
         let below: Vec<u32> =
-            points.iter().copied().filter(|&point| waiting[point as usize].cost <= limit).collect();
-        self.fates.resize(waiting.len(), Fate::Outside);
+            points.iter().copied().filter(|&point| best_collapses[point as usize].cost <= limit).collect();
+        self.fates.resize(best_collapses.len(), Fate::Outside);
         below.iter().for_each(|&point| self.fates[point as usize] = Fate::Undecided);
         let mut undecided = below.clone();
         for _ in 0..ROUNDS {
-            if undecided.len() < LEAST_POINTS {
+            if undecided.len() < MIN_POINTS {
                 break;
             }
-            self.round(surface, waiting, &mut undecided, limit);
+            self.round(surface, best_collapses, &mut undecided, limit);
         }
         below.iter().for_each(|&point| self.fates[point as usize] = Fate::Outside);
         self.found.sort_unstable_by_key(|found| found.point);
     }
 
     /// Prices the points without an undecided earlier neighbour, and leaves those that are undecided after it.
-    fn round(&mut self, surface: &Surface, waiting: &[Waiting], undecided: &mut Vec<u32>, limit: f32) {
+    fn round(
+        &mut self,
+        surface: &PricedSurface,
+        best_collapses: &[BestCollapse],
+        undecided: &mut Vec<u32>,
+        limit: f32,
+    ) {
         let fates = &self.fates;
         let finding = |search: &mut PriceSearch, point: u32| {
             let edges = surface.topology.opposite(point);
@@ -113,10 +125,10 @@ impl PricesAhead {
                 Finding::PassedOver
             } else if earlier().any(|fate| fate == Fate::Undecided) {
                 Finding::Undecided
-            } else if waiting[point as usize].target.get().is_some() {
+            } else if best_collapses[point as usize].target.get().is_some() {
                 Finding::Known
             } else {
-                Finding::Priced(search.best(surface, point, |_| Outcome::Keeps))
+                Finding::Priced(search.best(surface, point, |_| CollapseOutcome::Keeps))
             }
         };
         let findings = in_chunks(undecided, finding);
@@ -140,7 +152,7 @@ impl PricesAhead {
     }
 
     /// Returns the price of a point, if it was found. Each point comes after those asked for before.
-    pub(super) fn of(&mut self, point: u32) -> Option<FoundPrice> {
+    pub(crate) fn of(&mut self, point: u32) -> Option<FoundPrice> {
         while let Some(&found) = self.found.get(self.next).filter(|found| found.point <= point) {
             self.next += 1;
             if found.point == point {
@@ -152,8 +164,8 @@ impl PricesAhead {
 }
 
 /// Returns the least estimate of each point that may be removed.
-pub(super) fn least_estimates(
-    surface: &Surface,
+pub(crate) fn least_estimates(
+    surface: &PricedSurface,
     is_removable: impl Fn(u32) -> bool + Sync,
 ) -> Vec<Option<f64>> {
     let points: Vec<u32> = (0..surface.topology.point_count() as u32).collect();
@@ -171,7 +183,7 @@ fn in_chunks<T: Send>(points: &[u32], find: impl Fn(&mut PriceSearch, u32) -> T 
         chunk.iter().map(|&point| find(search, point)).collect()
     };
     #[cfg(feature = "rayon")]
-    if points.len() >= LEAST_POINTS && thread_count() > 1 {
+    if points.len() >= MIN_POINTS && thread_count() > 1 {
         use rayon::prelude::*;
         let chunks = points.par_chunks(CHUNK).map_init(PriceSearch::default, of_chunk);
         return chunks.collect::<Vec<_>>().into_iter().flatten().collect();
@@ -188,17 +200,17 @@ struct Pricer {
 
 /// Several threads that price points of a surface that stays as it is meanwhile.
 #[derive(Debug)]
-pub(super) struct Pricers(Vec<Pricer>);
+pub(crate) struct Pricers(Vec<Pricer>);
 
 impl Pricers {
     /// One for each thread of the current pool, up to eight; at least one.
-    pub(super) fn new(point_count: usize) -> Self {
+    pub(crate) fn new(point_count: usize) -> Self {
         let pricer = || Pricer { search: PriceSearch::default(), outcomes: Outcomes::new(point_count) };
-        Self((0..thread_count().clamp(1, MOST_PRICERS)).map(|_| pricer()).collect())
+        Self((0..thread_count().clamp(1, MAX_PRICERS)).map(|_| pricer()).collect())
     }
 
     /// Finds the best collapses of points, and tells them in the order of the points.
-    pub(super) fn price(
+    pub(crate) fn price(
         &mut self,
         points: &[u32],
         best: impl Fn(&mut PriceSearch, &mut Outcomes, u32) -> Option<PricedCollapse> + Sync,
@@ -220,7 +232,7 @@ impl Pricers {
         of_chunk: impl Fn(&mut Pricer, &[u32]) -> T + Sync,
     ) -> Vec<T> {
         #[cfg(feature = "rayon")]
-        if block.len() >= LEAST_POINTS && self.0.len() > 1 {
+        if block.len() >= MIN_POINTS && self.0.len() > 1 {
             use rayon::prelude::*;
             let chunks = block.par_chunks(block.len().div_ceil(self.0.len()));
             return self
@@ -247,8 +259,8 @@ fn thread_count() -> usize {
 mod tests {
     use super::*;
     use crate::mesh::{Attribute, AttributeData, Faces, Mesh};
+    use crate::simplify::surface::topology::Topology;
     use crate::simplify::tests::grid;
-    use crate::simplify::topology::Topology;
     use crate::simplify::{MergeOrder, Price, SimplifyOptions, merge_tree, simplify_triangles};
 
     const THREADS: [usize; 3] = [1, 2, 5];
@@ -327,28 +339,29 @@ mod tests {
         let triangles = mesh.faces().as_triangles().unwrap();
         let topology = Topology::new(mesh.positions(), |v| v.to_le_bytes().to_vec(), triangles, false, 0.0);
         let options = SimplifyOptions::default();
-        let surface = Surface::new(topology, mesh.positions(), |_| None, &options);
+        let surface = PricedSurface::new(topology, mesh.positions(), |_| None, &options);
         let points: Vec<u32> = (0..surface.topology.point_count() as u32).collect();
         let [one, more] = [1, 3].map(|threads| on_threads(threads, || least_estimates(&surface, |p| p != 5)));
         assert!(one == more && one[5].is_none() && one.iter().flatten().count() > 15_000);
         let estimates = one.iter().map(|estimate| estimate.map_or(f32::INFINITY, |x| x as f32));
-        let waiting: Vec<Waiting> = estimates.map(|cost| Waiting { cost, ..Waiting::NOT }).collect();
-        let mut costs: Vec<f32> = waiting.iter().map(|waiting| waiting.cost).collect();
+        let best_collapses: Vec<BestCollapse> =
+            estimates.map(|cost| BestCollapse { cost, ..BestCollapse::NONE }).collect();
+        let mut costs: Vec<f32> = best_collapses.iter().map(|known| known.cost).collect();
         costs.sort_unstable_by(f32::total_cmp);
         let limit = costs[costs.len() / 3];
 
         let mut ahead = PricesAhead::default();
-        on_threads(1, || ahead.find(&surface, &waiting, &points, limit));
+        on_threads(1, || ahead.find(&surface, &best_collapses, &points, limit));
         assert!(ahead.found.is_empty());
-        on_threads(3, || ahead.find(&surface, &waiting, &points, limit));
+        on_threads(3, || ahead.find(&surface, &best_collapses, &points, limit));
         assert!(ahead.fates.iter().all(|&fate| fate == Fate::Outside));
         let (mut search, mut removed, mut found) = (PriceSearch::default(), vec![false; points.len()], 0);
         let mut missing = 0;
-        for &point in points.iter().filter(|&&point| waiting[point as usize].cost <= limit) {
+        for &point in points.iter().filter(|&&point| best_collapses[point as usize].cost <= limit) {
             if surface.topology.opposite(point).iter().flatten().any(|&p| p < point && removed[p as usize]) {
                 continue;
             }
-            let best = search.best(&surface, point, |_| Outcome::Keeps);
+            let best = search.best(&surface, point, |_| CollapseOutcome::Keeps);
             removed[point as usize] = best.is_some_and(|best| best.cost <= limit);
             match ahead.of(point) {
                 None => missing += 1,
@@ -362,6 +375,6 @@ mod tests {
             }
         }
         assert_eq!(found, ahead.found.len(), "none is in vain");
-        assert!(found > 1000 && missing < LEAST_POINTS, "{found} {missing}");
+        assert!(found > 1000 && missing < MIN_POINTS, "{found} {missing}");
     }
 }

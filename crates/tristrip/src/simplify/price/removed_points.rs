@@ -18,10 +18,10 @@
 //! Ciampalini, Cignoni, Montani, Scopigno: *Multiresolution Decimation Based on Global Error*, 1997, keep removed vertices with the faces
 //! that are nearest, and bound the largest distance by them. The sum by area as the price of a collapse is our own.
 
-use super::fan::Fan;
-use super::topology::{CornerId, Topology};
-use super::waiting::finite;
+use super::fan::TriangleFan;
 use crate::ids::OptionalId;
+use crate::simplify::price::best_collapse::finite;
+use crate::simplify::surface::topology::{CornerId, Topology};
 use crate::vector::{Point, dot, sub};
 
 /// Places on the edges of a mesh without points: more are allowed for each point.
@@ -29,17 +29,17 @@ const FEW_SAMPLES: usize = 10_000;
 
 /// A point, with what is needed once it has been removed: all in one place of memory.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RemovedPoint {
-    pub(super) position: Point,
+pub(crate) struct RemovedPoint {
+    pub(crate) position: Point,
     /// The area that it represents, in squared units of the frame: a third of that of its triangles in the full mesh.
-    pub(super) area: f32,
+    pub(crate) area: f32,
     /// The next removed point of the same triangle.
     next: OptionalId,
 }
 
 /// The removed points of each triangle, in lists.
 #[derive(Debug)]
-pub(super) struct RemovedPoints {
+pub(crate) struct RemovedPoints {
     /// The first removed point of each triangle.
     first: Vec<OptionalId>,
     /// All points, removed or not, and then the places on edges.
@@ -49,12 +49,12 @@ pub(super) struct RemovedPoints {
     /// The triangles that they move to, and the edge of each that is opposite to the kept point.
     triangles: Vec<usize>,
     edges: Vec<[Point; 2]>,
-    fan: Fan,
+    fan: TriangleFan,
 }
 
 impl RemovedPoints {
     /// Without any points removed.
-    pub(super) fn new(triangle_count: usize, points: impl Iterator<Item = (Point, f64)>) -> Self {
+    pub(crate) fn new(triangle_count: usize, points: impl Iterator<Item = (Point, f64)>) -> Self {
         let point = |(position, area)| RemovedPoint { position, area: finite(area), next: OptionalId::NONE };
         Self {
             first: vec![OptionalId::NONE; triangle_count],
@@ -62,13 +62,13 @@ impl RemovedPoints {
             moving: Vec::new(),
             triangles: Vec::new(),
             edges: Vec::new(),
-            fan: Fan::default(),
+            fan: TriangleFan::default(),
         }
     }
 
     /// Adds places on the edges of the full mesh, about `spacing` apart unless there would be too many. They stand for no area, and count for the
     /// largest distance alone: the middle of a long edge may be far from a surface that is near its ends.
-    pub(super) fn with_samples(mut self, topology: &Topology, spacing: f64) -> Self {
+    pub(crate) fn with_samples(mut self, topology: &Topology, spacing: f64) -> Self {
         if !spacing.is_finite() {
             return self;
         }
@@ -105,12 +105,12 @@ impl RemovedPoints {
     }
 
     /// Returns the area of a point.
-    pub(super) fn area(&self, point: u32) -> f64 {
+    pub(crate) fn area(&self, point: u32) -> f64 {
         self.points[point as usize].area.into()
     }
 
     /// Collects the removed points that belong to the triangles of a point.
-    pub(super) fn around(&self, topology: &Topology, point: u32, found: &mut Vec<RemovedPoint>) {
+    pub(crate) fn around(&self, topology: &Topology, point: u32, found: &mut Vec<RemovedPoint>) {
         found.clear();
         for corner in topology.ring(point) {
             let mut at = self.first[corner.triangle()];
@@ -123,7 +123,7 @@ impl RemovedPoints {
     }
 
     /// Moves a point that is about to go to another, and the removed points of its triangles, to those that are left.
-    pub(super) fn collapse(&mut self, topology: &Topology, point: u32, to: u32) {
+    pub(crate) fn collapse(&mut self, topology: &Topology, point: u32, to: u32) {
         self.moving.clear();
         self.moving.push(point);
         self.triangles.clear();
@@ -156,8 +156,8 @@ impl RemovedPoints {
 mod tests {
     use super::*;
     use crate::simplify::SimplifyOptions;
-    use crate::simplify::neighbourhood::Neighbourhood;
-    use crate::simplify::surface::Surface;
+    use crate::simplify::price::neighbourhood::Neighbourhood;
+    use crate::simplify::price::priced_surface::PricedSurface;
     use crate::vector::to_triangle;
 
     /// Positions on a paraboloid, over a square grid of `side` by `side`, and the triangles.
@@ -201,7 +201,7 @@ mod tests {
         assert!((1..2 * FEW_SAMPLES).contains(&places(0.0).len()), "bounded");
         let points_of = |options: SimplifyOptions| {
             let topology = Topology::new(&corners[..], |_| Vec::new(), &[0, 1, 2, 2, 1, 3], false, 0.0);
-            Surface::new(topology, &corners[..], |_| None, &options).removed.unwrap().points.len()
+            PricedSurface::new(topology, &corners[..], |_| None, &options).removed.unwrap().points.len()
         };
         assert_eq!(points_of(SimplifyOptions::default()), 4);
         assert_eq!(points_of(SimplifyOptions::default().with_error(0.25)), 10, "twice the error limit apart");

@@ -9,13 +9,13 @@
 //! ```
 //! The second detects new triangles that bridge a valley beside b.
 
-use super::fan::Fan;
+use super::fan::TriangleFan;
 use super::removed_points::{RemovedPoint, RemovedPoints};
-use super::topology::{PointKind, Topology};
+use crate::simplify::surface::topology::{PointKind, Topology};
 use crate::vector::{Point, cross, dot, sub, to_segment, to_triangle};
 
 /// The cosine of the largest angle by which a triangle may rotate.
-const LEAST_COSINE: f64 = 0.25;
+const MIN_COSINE: f64 = 0.25;
 
 /// The shares of the corners of a new triangle at places that are compared with the full mesh.
 const NEW_PLACES: [[f64; 3]; 10] = [
@@ -48,25 +48,25 @@ impl OppositeEdge {
 
 /// The triangles around one point, in the order of its ring.
 #[derive(Debug, Default)]
-pub(super) struct Neighbourhood {
+pub(crate) struct Neighbourhood {
     from: Point,
     is_inner: bool,
     edges: Vec<OppositeEdge>,
     /// The mesh of each triangle, if they are of several.
     meshes: Vec<u32>,
     /// The same triangles, for distances, once they are asked for.
-    fan: Fan,
+    fan: TriangleFan,
     is_placed: bool,
     /// The removed points that belong to the triangles.
     removed: Vec<RemovedPoint>,
     /// The triangles that would replace them, for distances from the removed points.
-    new_fan: Fan,
+    new_fan: TriangleFan,
     new_edges: Vec<[Point; 2]>,
 }
 
 impl Neighbourhood {
     /// Collects the triangles of a point.
-    pub(super) fn collect(&mut self, topology: &Topology, positions: &[Point], point: u32) {
+    pub(crate) fn collect(&mut self, topology: &Topology, positions: &[Point], point: u32) {
         let from = positions[point as usize];
         (self.from, self.is_inner) = (from, topology.kind(point) == PointKind::Inner);
         topology.meshes_around(point, &mut self.meshes);
@@ -79,13 +79,13 @@ impl Neighbourhood {
     }
 
     /// Collects the removed points that belong to the triangles.
-    pub(super) fn collect_removed(&mut self, topology: &Topology, point: u32, removed: &RemovedPoints) {
+    pub(crate) fn collect_removed(&mut self, topology: &Topology, point: u32, removed: &RemovedPoints) {
         removed.around(topology, point, &mut self.removed);
     }
 
     /// Returns the sum of the squared distances of the removed points from the triangles that the point would have at a neighbour, weighted by area,
     /// and the largest squared distance; `None` if the sum exceeds `most`, or a distance `most_square`.
-    pub(super) fn removed_distances(
+    pub(crate) fn removed_distances(
         &mut self,
         to: u32,
         kept: Point,
@@ -123,7 +123,7 @@ impl Neighbourhood {
 
     /// Returns the squared distance of the point from the triangles that it would have at a neighbour, or, without any, from the edges opposite
     /// to it. Between several meshes it is the largest for any of them, so that it tells how far the line between them moves.
-    pub(super) fn distance(&mut self, to: u32, kept: Point) -> f64 {
+    pub(crate) fn distance(&mut self, to: u32, kept: Point) -> f64 {
         if self.meshes.is_empty() {
             self.place();
             let edges = &self.edges;
@@ -153,7 +153,7 @@ impl Neighbourhood {
     }
 
     /// Checks whether a remaining triangle would rotate too far. One without area must not become inverted.
-    pub(super) fn folds_over(&self, to: u32, kept: Point) -> bool {
+    pub(crate) fn folds_over(&self, to: u32, kept: Point) -> bool {
         // The orientation of a triangle without area is that of all triangles of the point together.
         let all = || {
             let sum = |sum: Point, normal: Point| [0, 1, 2].map(|k| sum[k] + normal[k]);
@@ -167,12 +167,12 @@ impl Neighbourhood {
                 return dot(after, all()) < 0.0;
             }
             let cosine = dot(before, after);
-            cosine <= 0.0 || cosine * cosine < LEAST_COSINE * LEAST_COSINE * square * dot(after, after)
+            cosine <= 0.0 || cosine * cosine < MIN_COSINE * MIN_COSINE * square * dot(after, after)
         })
     }
 
     /// Iterates over places on the triangles that the point would have at a neighbour: quarters of their edges at it, and their insides.
-    pub(super) fn new_places(&self, to: u32, kept: Point) -> impl Iterator<Item = Point> {
+    pub(crate) fn new_places(&self, to: u32, kept: Point) -> impl Iterator<Item = Point> {
         let edges = self.edges.iter().filter(move |edge| !edge.has(to));
         edges.flat_map(move |edge| {
             let [u, w] = edge.positions;
@@ -182,7 +182,7 @@ impl Neighbourhood {
     }
 
     /// Returns the largest squared distance of the middle of a new edge from the old triangles, or any above `most` as soon as there is one.
-    pub(super) fn bridge(&mut self, to: u32, kept: Point, most: f64) -> f64 {
+    pub(crate) fn bridge(&mut self, to: u32, kept: Point, most: f64) -> f64 {
         self.place();
         // Around an inner point each neighbour is the u of one triangle; around another one may be only a w.
         let ends = if self.is_inner { 1 } else { 2 };

@@ -15,33 +15,33 @@
 //! # Complexity
 //! 16 bytes per triangle, and 14 more for the tree of the module `box_tree` once it is needed.
 
-use super::box_tree::BoxTree;
+use super::box_tree::TriangleBoxTree;
 use super::neighbourhood::Neighbourhood;
-use super::topology::Topology;
-use super::waiting::finite;
+use crate::simplify::price::best_collapse::finite;
+use crate::simplify::surface::topology::Topology;
 use crate::vector::Point;
 
 /// The deviation of each triangle, and the full mesh.
 #[derive(Debug)]
-pub(super) struct Deviations {
+pub(crate) struct Deviations {
     /// Those of the triangles, in units of the frame.
     of_triangles: Vec<f32>,
     /// The triangles of the full mesh.
     full: Vec<[u32; 3]>,
-    tree: Option<BoxTree>,
+    tree: Option<TriangleBoxTree>,
     /// The deviation after the collapse that was allowed last.
     after: f32,
 }
 
 impl Deviations {
     /// Of a full mesh.
-    pub(super) fn new(triangles: &[[u32; 3]]) -> Self {
+    pub(crate) fn new(triangles: &[[u32; 3]]) -> Self {
         Self { of_triangles: vec![0.0; triangles.len()], full: triangles.to_vec(), tree: None, after: 0.0 }
     }
 
     /// Checks whether the new triangles of a collapse, of the point of a neighbourhood to another, are within a distance of the full mesh. If
     /// so, it keeps their deviation for [`Deviations::collapse`].
-    pub(super) fn allow(
+    pub(crate) fn allow(
         &mut self,
         topology: &Topology,
         positions: &[Point],
@@ -55,7 +55,7 @@ impl Deviations {
         let deviation = if bound <= limit {
             Some(bound)
         } else {
-            let tree = self.tree.get_or_insert_with(|| BoxTree::new(positions, &self.full));
+            let tree = self.tree.get_or_insert_with(|| TriangleBoxTree::new(positions, &self.full));
             let found = |place| tree.within(positions, &self.full, place, limit * limit);
             let mut places = around.new_places(to, kept);
             places.try_fold(0.0, |largest, place| Some(f64::max(largest, found(place)?))).map(f64::sqrt)
@@ -65,7 +65,7 @@ impl Deviations {
     }
 
     /// Sets the deviation of the triangles that are left when a point goes to another, in the collapse that was allowed last.
-    pub(super) fn collapse(&mut self, topology: &Topology, point: u32, to: u32) {
+    pub(crate) fn collapse(&mut self, topology: &Topology, point: u32, to: u32) {
         for (corner, edge) in topology.ring(point).iter().zip(topology.opposite(point)) {
             if !edge.contains(&to) {
                 self.of_triangles[corner.triangle()] = self.after;

@@ -10,30 +10,30 @@
 //!
 //! # Complexity
 //! O(n log n) time to build; 14 bytes per triangle. O(log n) time for a search where triangles are of similar size, and at most
-//! [`MOST_GROUPS`] groups of boxes.
+//! [`MAX_GROUPS`] groups of boxes.
 
 use wide::f32x4;
 
-use super::curve::order_along_curve;
+use crate::simplify::surface::curve::order_along_curve;
 use crate::vector::{Point, to_triangle};
 
 /// The boxes, or triangles, in a box.
 const ARITY: usize = 4;
 /// The groups of boxes that a search visits at most.
-const MOST_GROUPS: usize = 1024;
+const MAX_GROUPS: usize = 1024;
 /// Boxes are larger by this share of the longest side of the frame, which is more than 32-bit floats round.
 const MARGIN: f64 = 1e-6;
 
 /// Four boxes: their lowest and their highest coordinates.
 #[derive(Debug, Clone, Copy)]
-struct Group {
+struct BoxGroup {
     low: [f32x4; 3],
     high: [f32x4; 3],
 }
 
-impl Group {
+impl BoxGroup {
     /// Of up to four boxes; the others are nowhere.
-    fn new(boxes: &[Bounds]) -> Self {
+    fn new(boxes: &[BoxBounds]) -> Self {
         let lanes = |end: usize, k: usize, none: f32| {
             let lane = |i: usize| boxes.get(i).map_or(none, |bounds| bounds[end][k]);
             f32x4::from([0, 1, 2, 3].map(lane))
@@ -54,38 +54,38 @@ impl Group {
 }
 
 /// The lowest and the highest coordinates.
-type Bounds = [[f32; 3]; 2];
+type BoxBounds = [[f32; 3]; 2];
 
 /// The boxes around triangles.
 #[derive(Debug)]
-pub(super) struct BoxTree {
+pub(crate) struct TriangleBoxTree {
     /// The triangles in the order of the tree.
     triangles: Vec<u32>,
     /// The boxes of each level, the lowest first; the highest has one group.
-    levels: Vec<Vec<Group>>,
+    levels: Vec<Vec<BoxGroup>>,
 }
 
-impl BoxTree {
+impl TriangleBoxTree {
     /// Builds the boxes around triangles, each with the numbers of its corners' positions, in a frame with sides of at most 1.
-    pub(super) fn new(positions: &[Point], triangles: &[[u32; 3]]) -> Self {
+    pub(crate) fn new(positions: &[Point], triangles: &[[u32; 3]]) -> Self {
         let first = |triangle: &[u32; 3]| positions[triangle[0] as usize].map(|x| x as f32);
         let order = order_along_curve(triangles.iter().map(first));
         let corners = |t: &u32| triangles[*t as usize].map(|p| positions[p as usize]);
         let ends = |p: Point| [p.map(|x| (x - MARGIN) as f32), p.map(|x| (x + MARGIN) as f32)];
         let of_triangles = |group: &[u32]| around(group.iter().flat_map(corners).map(ends));
-        let mut boxes: Vec<Bounds> = order.chunks(ARITY).map(of_triangles).collect();
+        let mut boxes: Vec<BoxBounds> = order.chunks(ARITY).map(of_triangles).collect();
         let mut levels = Vec::new();
         while boxes.len() > ARITY {
-            levels.push(boxes.chunks(ARITY).map(Group::new).collect());
+            levels.push(boxes.chunks(ARITY).map(BoxGroup::new).collect());
             boxes = boxes.chunks(ARITY).map(|group| around(group.iter().copied())).collect();
         }
-        levels.push(vec![Group::new(&boxes)]);
+        levels.push(vec![BoxGroup::new(&boxes)]);
         Self { triangles: order, levels }
     }
 
     /// Returns the squared distance of a place from a triangle that is near enough, not always the nearest; `None` if there is none, or the
     /// search gives up.
-    pub(super) fn within(
+    pub(crate) fn within(
         &self,
         positions: &[Point],
         triangles: &[[u32; 3]],
@@ -94,14 +94,14 @@ impl BoxTree {
     ) -> Option<f64> {
         let lanes = place.map(|x| f32x4::splat(x as f32));
         let mut search =
-            Search { tree: self, positions, triangles, place, lanes, most_square, left: MOST_GROUPS };
+            NearestSearch { tree: self, positions, triangles, place, lanes, most_square, left: MAX_GROUPS };
         search.group(self.levels.len() - 1, 0)
     }
 }
 
 /// A search for a triangle near a place.
-struct Search<'a> {
-    tree: &'a BoxTree,
+struct NearestSearch<'a> {
+    tree: &'a TriangleBoxTree,
     positions: &'a [Point],
     triangles: &'a [[u32; 3]],
     place: Point,
@@ -112,7 +112,7 @@ struct Search<'a> {
     left: usize,
 }
 
-impl Search<'_> {
+impl NearestSearch<'_> {
     /// Searches the boxes of a group that are near enough, the nearest first.
     fn group(&mut self, level: usize, group: usize) -> Option<f64> {
         self.left = self.left.checked_sub(1)?;
@@ -144,7 +144,7 @@ impl Search<'_> {
 }
 
 /// Returns the box around others.
-fn around(boxes: impl Iterator<Item = Bounds>) -> Bounds {
+fn around(boxes: impl Iterator<Item = BoxBounds>) -> BoxBounds {
     boxes.fold([[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]], |[low, high], [other_low, other_high]| {
         [
             [0, 1, 2].map(|k| f32::min(low[k], other_low[k])),
@@ -169,7 +169,7 @@ mod tests {
             let last = positions.len() as u32 - 1;
             let triangles: Vec<[u32; 3]> =
                 (0..count).map(|t| [3 * t, (3 * t + 1 + t % 7 / 6).min(last), 3 * t + t % 3]).collect();
-            let tree = BoxTree::new(&positions, &triangles);
+            let tree = TriangleBoxTree::new(&positions, &triangles);
             for _ in 0..100 {
                 let (place, most) = ([number(1000), number(1000), number(1000)], 0.1 * number(100));
                 let corners = triangles.iter().map(|t| t.map(|p| positions[p as usize]));
@@ -189,7 +189,7 @@ mod tests {
         let positions: Vec<Point> =
             (0..=count).map(|i| [f64::from(i % 2), f64::from(i % 2), f64::from(i) * 1e-9]).collect();
         let triangles: Vec<[u32; 3]> = (0..count - 1).map(|t| [t, t + 1, t + 2]).collect();
-        let tree = BoxTree::new(&positions, &triangles);
+        let tree = TriangleBoxTree::new(&positions, &triangles);
         assert_eq!(tree.within(&positions, &triangles, [0.9, 0.1, 0.0], 0.1), None);
         assert!(tree.within(&positions, &triangles, [1.0, 1.0, 0.0], 0.1).is_some());
     }

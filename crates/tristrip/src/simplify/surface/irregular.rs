@@ -22,14 +22,14 @@ use super::topology::Topology;
 
 /// The link of a point.
 #[derive(Debug, Default)]
-struct Link {
+struct PointLink {
     /// The arcs, each as its lower and its higher point, ascending.
     arcs: Vec<[u32; 2]>,
     /// The points and their numbers of arcs, ascending.
     nodes: Vec<(u32, u32)>,
 }
 
-impl Link {
+impl PointLink {
     /// Collects the link of a point.
     fn collect(&mut self, topology: &Topology, point: u32) {
         self.arcs.clear();
@@ -60,14 +60,14 @@ impl Link {
 
 /// The links of two points.
 #[derive(Debug, Default)]
-pub(super) struct Links {
-    removed: Link,
-    kept: Link,
+pub(crate) struct Links {
+    removed: PointLink,
+    kept: PointLink,
 }
 
 impl Links {
     /// Collects the neighbours that a point may move to: along its singular edges, if it has any, otherwise all, ascending.
-    pub(super) fn neighbours(&mut self, topology: &Topology, point: u32, found: &mut Vec<u32>) {
+    pub(crate) fn neighbours(&mut self, topology: &Topology, point: u32, found: &mut Vec<u32>) {
         self.removed.collect(topology, point);
         found.clear();
         found.extend(self.removed.singular().map(|(node, _)| node));
@@ -77,7 +77,7 @@ impl Links {
     }
 
     /// Checks whether a collapse keeps the arrangement of the sheets, and leaves a triangle.
-    pub(super) fn allow(&mut self, topology: &Topology, removed: u32, kept: u32) -> bool {
+    pub(crate) fn allow(&mut self, topology: &Topology, removed: u32, kept: u32) -> bool {
         self.removed.collect(topology, removed);
         self.kept.collect(topology, kept);
         let Self { removed: from, kept: to } = self;
@@ -92,7 +92,7 @@ impl Links {
             return false;
         }
         // 3. A triangle remains at each edge that others become.
-        let in_more = |link: &Link, node: u32| link.arcs_of(node).is_some_and(|arcs| arcs > 1);
+        let in_more = |link: &PointLink, node: u32| link.arcs_of(node).is_some_and(|arcs| arcs > 1);
         let mut ends =
             from.arcs.iter().filter(|arc| arc.contains(&kept)).map(|&[u, w]| if u == kept { w } else { u });
         ends.all(|node| in_more(from, node) || in_more(to, node))

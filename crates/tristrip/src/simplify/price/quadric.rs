@@ -10,7 +10,7 @@ use crate::vector::{Point, dot};
 
 /// The sum of weighted squared distances to planes, and the weight of the planes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Quadric {
+pub(crate) struct Quadric {
     /// Coefficients of x², y², z².
     squares: [f64; 3],
     /// Coefficients of xy, xz, yz.
@@ -19,14 +19,14 @@ pub(super) struct Quadric {
     lines: [f64; 3],
     constant: f64,
     /// The weight of the planes of faces, without those of borders and seams.
-    pub(super) weight: f64,
+    pub(crate) weight: f64,
     /// The weight of all planes.
-    pub(super) whole_weight: f64,
+    pub(crate) whole_weight: f64,
 }
 
 impl Quadric {
     /// Returns the quadric of the plane through a point with a unit normal.
-    pub(super) fn plane(normal: Point, through: Point, weight: f64) -> Self {
+    pub(crate) fn plane(normal: Point, through: Point, weight: f64) -> Self {
         let [a, b, c] = normal;
         let d = -dot(normal, through);
         Self {
@@ -40,12 +40,12 @@ impl Quadric {
     }
 
     /// Returns the quadric with its planes counted as those of faces of a weight.
-    pub(super) fn of_faces(self, weight: f64) -> Self {
+    pub(crate) fn of_faces(self, weight: f64) -> Self {
         Self { weight, ..self }
     }
 
     /// Adds the planes of another quadric.
-    pub(super) fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         for k in 0..3 {
             self.squares[k] += other.squares[k];
             self.products[k] += other.products[k];
@@ -58,7 +58,7 @@ impl Quadric {
 
     /// Returns the sum at a point; a sum that rounding makes negative counts as zero.
     #[inline]
-    pub(super) fn at(&self, [x, y, z]: Point) -> f64 {
+    pub(crate) fn at(&self, [x, y, z]: Point) -> f64 {
         let [xx, yy, zz] = self.squares;
         let [xy, xz, yz] = self.products;
         let [lx, ly, lz] = self.lines;

@@ -34,14 +34,14 @@
 //! # Complexity
 //! O(n log n) time: each level has a share less vertices than the one before. 110 bytes per triangle while it runs.
 
-use super::attributes::PricedAttributes;
 use super::decimate::Decimation;
-use super::options::{Price, SimplifyOptions};
 use super::stopped::Stopped;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::mesh::{Mesh, attribute_bits};
 use crate::names::names;
+use crate::simplify::options::{Price, SimplifyOptions};
+use crate::simplify::price::attributes::PricedAttributes;
 
 /// The order in which the collapses of a level are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -62,7 +62,7 @@ names! {
 
 /// How far the collapses of a level are from each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Spacing {
+pub(crate) enum Spacing {
     /// No triangle has a vertex of two of them: each could be done alone.
     Disjoint,
     /// No triangle has two vertices that are removed, and irregular points stay.
@@ -87,7 +87,7 @@ pub struct MergeTree {
 /// As [`simplify_triangles`](super::simplify_triangles).
 ///
 /// ```
-#[doc = include_str!("example.txt")]
+#[doc = include_str!("../example.txt")]
 /// use tristrip::simplify::{MergeOrder, merge_tree};
 /// let triangles = grid.faces().corners().to_vec();
 /// let tree = merge_tree(&grid, triangles, MergeOrder::Quadric, &SimplifyOptions::default())?;
@@ -113,7 +113,7 @@ pub fn merge_tree(
 /// As [`simplify_triangles`](super::simplify_triangles).
 ///
 /// ```
-#[doc = include_str!("example.txt")]
+#[doc = include_str!("../example.txt")]
 /// use tristrip::simplify::{MergeOrder, merge_tree, refinement_batches};
 /// let triangles = || grid.faces().corners().to_vec();
 /// let options = SimplifyOptions::default();
@@ -140,11 +140,11 @@ fn levels(
     let options = options.clone().with_price(Price::Planes);
     let mut sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
     let bits = |v| attribute_bits(mesh, v as usize);
-    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, *options.weights());
+    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, options.weights);
     let mut decimation = Decimation::new(mesh.positions(), bits, sequence.triangles(), priced, &options, &[]);
     let level_ends =
-        decimation.run_levels(levels, options.error_factors(), options.triangle_count(), &mut sequence);
-    let is_reached = sequence.triangle_count(0)? <= options.triangle_count();
+        decimation.run_levels(levels, &options.error_factors, options.triangle_count, &mut sequence);
+    let is_reached = sequence.triangle_count(0)? <= options.triangle_count;
     let stopped = (!is_reached).then(|| decimation.stopped());
     Ok(MergeTree { sequence, level_ends, stopped })
 }

@@ -32,24 +32,24 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use super::outcome::MOST_CORNERS;
-use super::surface::Surface;
+use crate::simplify::price::priced_surface::PricedSurface;
+use crate::simplify::surface::outcome::MAX_CORNERS;
 
-/// A collapse that waits.
+/// A collapse in the queue.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct WaitingCollapse {
+pub(crate) struct QueuedCollapse {
     /// In units of the frame.
-    pub(super) cost: f64,
-    pub(super) point: u32,
-    pub(super) to: u32,
+    pub(crate) cost: f64,
+    pub(crate) point: u32,
+    pub(crate) to: u32,
     /// The number of collapses that were done before it was priced.
     priced: u32,
 }
 
 /// Void entries are not removed while there are fewer entries.
-const LEAST_ENTRIES: usize = 64;
+const MIN_ENTRIES: usize = 64;
 
-impl WaitingCollapse {
+impl QueuedCollapse {
     /// Returns whether neither point has changed since; `changed` has the number of the last collapse that did.
     fn is_current(&self, changed: &[u32]) -> bool {
         [self.point, self.to].iter().all(|&p| changed[p as usize] <= self.priced)
@@ -61,30 +61,30 @@ impl WaitingCollapse {
     }
 }
 
-impl Ord for WaitingCollapse {
+impl Ord for QueuedCollapse {
     fn cmp(&self, other: &Self) -> Ordering {
         self.order(other)
     }
 }
 
-impl PartialOrd for WaitingCollapse {
+impl PartialOrd for QueuedCollapse {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for WaitingCollapse {
+impl PartialEq for QueuedCollapse {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for WaitingCollapse {}
+impl Eq for QueuedCollapse {}
 
 /// The collapses of all pairs of neighbours, the cheapest first.
 #[derive(Debug)]
-pub(super) struct CollapseQueue {
-    heap: BinaryHeap<Reverse<WaitingCollapse>>,
+pub(crate) struct CollapseQueue {
+    heap: BinaryHeap<Reverse<QueuedCollapse>>,
     /// For each point the number of the last collapse that changed its triangles, from 1.
     changed: Vec<u32>,
     /// The number of collapses done.
@@ -96,7 +96,7 @@ pub(super) struct CollapseQueue {
 
 impl CollapseQueue {
     /// Prices all pairs of neighbours.
-    pub(super) fn new(surface: &Surface) -> Self {
+    pub(crate) fn new(surface: &PricedSurface) -> Self {
         let count = surface.topology.point_count();
         let mut queue = Self {
             heap: BinaryHeap::new(),
@@ -111,16 +111,16 @@ impl CollapseQueue {
             entries.extend(queue.neighbours.iter().map(|&to| Reverse(queue.priced(surface, point, to))));
         }
         queue.heap = entries.into();
-        queue.most_entries = 2 * queue.heap.len().max(LEAST_ENTRIES);
+        queue.most_entries = 2 * queue.heap.len().max(MIN_ENTRIES);
         queue
     }
 
-    fn priced(&self, surface: &Surface, point: u32, to: u32) -> WaitingCollapse {
-        WaitingCollapse { cost: cost_of(surface, point, to), point, to, priced: self.done }
+    fn priced(&self, surface: &PricedSurface, point: u32, to: u32) -> QueuedCollapse {
+        QueuedCollapse { cost: cost_of(surface, point, to), point, to, priced: self.done }
     }
 
     /// Returns the cheapest collapse whose points have not changed, and removes it.
-    pub(super) fn next(&mut self, surface: &Surface) -> Option<WaitingCollapse> {
+    pub(crate) fn next(&mut self, surface: &PricedSurface) -> Option<QueuedCollapse> {
         while let Some(Reverse(next)) = self.heap.pop() {
             if !next.is_current(&self.changed) {
                 continue;
@@ -135,7 +135,7 @@ impl CollapseQueue {
     }
 
     /// Prices the pairs of the points around a collapse that was done.
-    pub(super) fn update(&mut self, surface: &Surface, removed: u32, around: &[u32]) {
+    pub(crate) fn update(&mut self, surface: &PricedSurface, removed: u32, around: &[u32]) {
         self.done += 1;
         self.changed[removed as usize] = self.done;
         let around = || around.iter().copied().filter(|&point| may_collapse(surface, point));
@@ -155,18 +155,18 @@ impl CollapseQueue {
         if self.heap.len() > self.most_entries {
             let changed = &self.changed;
             self.heap.retain(|Reverse(entry)| entry.is_current(changed));
-            self.most_entries = 2 * self.heap.len().max(LEAST_ENTRIES);
+            self.most_entries = 2 * self.heap.len().max(MIN_ENTRIES);
         }
     }
 }
 
 /// Returns whether a point has few enough triangles to collapse.
-fn may_collapse(surface: &Surface, point: u32) -> bool {
-    surface.topology.ring(point).len() <= MOST_CORNERS
+fn may_collapse(surface: &PricedSurface, point: u32) -> bool {
+    surface.topology.ring(point).len() <= MAX_CORNERS
 }
 
 /// Returns the cost of a collapse in units of the frame: the sum of the quadrics of both points where the kept one is.
-fn cost_of(surface: &Surface, point: u32, to: u32) -> f64 {
+fn cost_of(surface: &PricedSurface, point: u32, to: u32) -> f64 {
     let mut quadric = surface.quadrics[point as usize];
     quadric.add(&surface.quadrics[to as usize]);
     quadric.at(surface.positions[to as usize])

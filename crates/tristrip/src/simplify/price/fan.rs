@@ -19,7 +19,7 @@ use crate::vector::{Point, dot, sub};
 
 const LANES: usize = 4;
 /// A triangle with a smaller normal, of unit edges, consists of its edges: rounding could turn the normal anywhere.
-const LEAST_NORMAL: f32 = 1e-5;
+const MIN_NORMAL: f32 = 1e-5;
 /// Added to divisors that may be zero.
 const TINY: f32 = 1e-30;
 
@@ -59,7 +59,7 @@ fn least(lanes: f32x4) -> f32 {
 
 /// Four triangles around the point.
 #[derive(Debug, Clone, Copy)]
-struct Block {
+struct TriangleBlock {
     u: Lanes,
     w: Lanes,
     /// The normals of the old triangles, of twice their areas as length.
@@ -86,7 +86,7 @@ struct OldTriangles {
     inverses: [f32x4; 3],
 }
 
-impl Block {
+impl TriangleBlock {
     fn new(u: Lanes, w: Lanes) -> Self {
         let normal = crosses(u, w);
         let edge = subs(w, u);
@@ -99,7 +99,7 @@ impl Block {
     /// Prepares distances from the old triangles.
     fn place(&mut self) {
         let tiny = f32x4::splat(TINY);
-        let has_area = self.square.simd_gt(f32x4::splat(LEAST_NORMAL * LEAST_NORMAL));
+        let has_area = self.square.simd_gt(f32x4::splat(MIN_NORMAL * MIN_NORMAL));
         let scale = has_area.select(f32x4::ONE / (self.square + tiny).sqrt(), f32x4::ZERO);
         let edge = subs(self.w, self.u);
         self.old = OldTriangles {
@@ -120,7 +120,7 @@ impl Block {
         let is_inside = positive(self.normal)
             & positive(first)
             & positive(last)
-            & square.simd_gt(f32x4::splat(LEAST_NORMAL * LEAST_NORMAL));
+            & square.simd_gt(f32x4::splat(MIN_NORMAL * MIN_NORMAL));
         let height = dots(at, self.normal);
         let from_plane = height * height / (square + f32x4::splat(TINY));
         let from_face = is_inside.select(from_plane, self.outer) + left_out;
@@ -153,22 +153,22 @@ impl Block {
 
 /// The triangles around a point.
 #[derive(Debug, Default)]
-pub(super) struct Fan {
+pub(crate) struct TriangleFan {
     origin: Point,
     /// The length of the longest edge at the point; positive.
     unit: f64,
     is_inner: bool,
     count: usize,
-    blocks: Vec<Block>,
+    blocks: Vec<TriangleBlock>,
     /// Whether the blocks are ready for distances from old triangles.
     is_placed: bool,
     /// Infinite for triangles that the neighbour `left_out_at` has, otherwise zero.
     left_out: Vec<f32x4>,
 }
 
-impl Fan {
+impl TriangleFan {
     /// Places the triangles (origin, u, w).
-    pub(super) fn place(
+    pub(crate) fn place(
         &mut self,
         origin: Point,
         is_inner: bool,
@@ -198,7 +198,7 @@ impl Fan {
                 }
             }
             let [u, w] = lanes.map(|end| end.map(f32x4::from));
-            self.blocks.push(Block::new(u, w));
+            self.blocks.push(TriangleBlock::new(u, w));
         }
     }
 
@@ -210,7 +210,7 @@ impl Fan {
 
     /// Returns the squared distance of the point from the triangles that it would have at a position, without those for which `is_left_out`;
     /// without any, from their opposite edges.
-    pub(super) fn distance(&mut self, kept: Point, is_left_out: impl Fn(usize) -> bool) -> f64 {
+    pub(crate) fn distance(&mut self, kept: Point, is_left_out: impl Fn(usize) -> bool) -> f64 {
         let at = splat(self.local(kept));
         let mut remain = false;
         self.left_out.clear();
@@ -237,7 +237,7 @@ impl Fan {
     }
 
     /// Returns the squared distance of a position from the old triangles.
-    pub(super) fn old_distance(&mut self, position: Point) -> f64 {
+    pub(crate) fn old_distance(&mut self, position: Point) -> f64 {
         self.place_old();
         let point = splat(self.local(position));
         let found = self.blocks.iter().map(|block| least(block.old_distance(point, self.is_inner)));
@@ -245,7 +245,7 @@ impl Fan {
     }
 
     /// Returns which of the old triangles is nearest to a position.
-    pub(super) fn nearest(&mut self, position: Point) -> usize {
+    pub(crate) fn nearest(&mut self, position: Point) -> usize {
         self.place_old();
         let point = splat(self.local(position));
         let (mut nearest, mut distance) = (0, f32::INFINITY);
@@ -262,7 +262,7 @@ impl Fan {
     /// Prepares distances from the old triangles, once.
     fn place_old(&mut self) {
         if !self.is_placed {
-            self.blocks.iter_mut().for_each(Block::place);
+            self.blocks.iter_mut().for_each(TriangleBlock::place);
             self.is_placed = true;
         }
     }
@@ -295,7 +295,7 @@ mod tests {
             let (origin, at, rim) = (place(origin), place(at), rim.into_iter().map(place).collect::<Vec<_>>());
             let count = if closed { rim.len() } else { rim.len() - 1 };
             let edges: Vec<[Point; 2]> = (0..count).map(|i| [rim[i], rim[(i + 1) % rim.len()]]).collect();
-            let mut fan = Fan::default();
+            let mut fan = TriangleFan::default();
             fan.place(origin, closed, edges.iter().copied());
             let is_near = |found: f64, oracle: f64| (found.sqrt() - oracle.sqrt()).abs() < 2e-3 * scale;
             let old = nearest(at, edges.iter().map(|&[u, w]| [origin, u, w]));

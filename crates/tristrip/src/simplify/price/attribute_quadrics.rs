@@ -17,12 +17,12 @@
 //! 88 bytes per vertex, and 32 more per value; constant time per value for a vertex.
 
 use super::attributes::PricedAttributes;
-use super::topology::{CornerId, Topology};
 use crate::collapse::Rename;
+use crate::simplify::surface::topology::{CornerId, Topology};
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
 /// The smallest squared double area, in units of the frame, of a triangle whose gradient is known.
-const LEAST_SQUARE: f64 = 1e-24;
+const MIN_SQUARE: f64 = 1e-24;
 /// The numbers of a quadric before those of the values: weight, gradient × gradient (6), gradient × offset (3), offset².
 const SHARED: usize = 11;
 /// The numbers per value: gradient (3), offset.
@@ -30,7 +30,7 @@ const PER_VALUE: usize = 4;
 
 /// A quadric per vertex, and the values.
 #[derive(Debug)]
-pub(super) struct AttributeQuadrics {
+pub(crate) struct AttributeQuadrics {
     values: PricedAttributes,
     /// The first vertex of the same point with the same attributes.
     first_equal: Vec<u32>,
@@ -39,7 +39,7 @@ pub(super) struct AttributeQuadrics {
 
 impl AttributeQuadrics {
     /// Adds up the triangles around each vertex.
-    pub(super) fn new(topology: &Topology, positions: &[Point], values: PricedAttributes) -> Self {
+    pub(crate) fn new(topology: &Topology, positions: &[Point], values: PricedAttributes) -> Self {
         let vertex_count = values.vertex_count();
         let size = SHARED + PER_VALUE * values.width();
         let first_equal = (0..vertex_count as u32).map(|v| topology.first_equal(v)).collect();
@@ -60,7 +60,7 @@ impl AttributeQuadrics {
     }
 
     /// Returns the sum of the squared deviations, weighted by area, if vertices become others at a position.
-    pub(super) fn change(&self, renames: &[Rename], kept: Point) -> f64 {
+    pub(crate) fn change(&self, renames: &[Rename], kept: Point) -> f64 {
         let first = |rename: &Rename| self.first_equal[rename.removed as usize];
         let mut sum = 0.0;
         for (i, rename) in renames.iter().enumerate() {
@@ -73,13 +73,13 @@ impl AttributeQuadrics {
     }
 
     /// Returns the squared difference of the values of two vertices.
-    pub(super) fn difference(&self, a: u32, b: u32) -> f64 {
+    pub(crate) fn difference(&self, a: u32, b: u32) -> f64 {
         let pairs = self.values.of(a).iter().zip(self.values.of(b));
         pairs.map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum()
     }
 
     /// Adds the quadrics of vertices that are removed to those of the vertices that they become.
-    pub(super) fn merge(&mut self, renames: &[Rename]) {
+    pub(crate) fn merge(&mut self, renames: &[Rename]) {
         let size = self.size();
         for rename in renames {
             let [removed, kept] =
@@ -120,7 +120,7 @@ fn deviation(quadric: &[f64], [x, y, z]: Point, values: &[f32]) -> f64 {
 fn set_triangle(quadric: &mut [f64], corners: [Point; 3], values: [&[f32]; 3]) -> bool {
     let normal = normal_of(corners);
     let square = dot(normal, normal);
-    if square < LEAST_SQUARE {
+    if square < MIN_SQUARE {
         return false;
     }
     let [a, b, c] = corners;

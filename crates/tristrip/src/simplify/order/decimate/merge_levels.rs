@@ -2,13 +2,13 @@
 
 use super::Decimation;
 use crate::collapse::CollapseSequence;
-use crate::simplify::ahead::Pricers;
-use crate::simplify::merge_tree::{MergeOrder, Spacing};
-use crate::simplify::outcome::{Outcome, Outcomes};
-use crate::simplify::price::PriceSearch;
-use crate::simplify::surface::Surface;
-use crate::simplify::topology::PointKind;
-use crate::simplify::waiting::PricedCollapse;
+use crate::simplify::order::ahead::Pricers;
+use crate::simplify::order::merge_tree::{MergeOrder, Spacing};
+use crate::simplify::price::best_collapse::PricedCollapse;
+use crate::simplify::price::priced_surface::PricedSurface;
+use crate::simplify::price::search::PriceSearch;
+use crate::simplify::surface::outcome::{CollapseOutcome, Outcomes};
+use crate::simplify::surface::topology::PointKind;
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
 /// One in so many of the vertices, the cheapest, is what a level by quadric takes a maximal set of. A view of the dragon at one pixel has 38, 36 and 36 thousand
@@ -21,10 +21,10 @@ const LIMIT_SHARE_APART: [usize; 2] = [7, 10];
 
 /// The least cosine of the angle between a triangle and the full mesh at its corners: 78 degrees. Without one, triangles between three points of a straight
 /// border stand upright beside a terrain, and thin sheets fold over: one view of a plane had 96 in a thousand edges folded, and has 10.
-const LEAST_COSINE: f64 = 0.2;
+const MIN_COSINE: f64 = 0.2;
 
 /// What the levels know beyond the surface.
-struct Levels {
+struct MergeLevels {
     order: MergeOrder,
     spacing: Spacing,
     /// For each point the sum of the normals of the full mesh at the points that it stands for, weighted by area.
@@ -33,8 +33,8 @@ struct Levels {
     factors: Vec<f32>,
 }
 
-impl Levels {
-    fn new(surface: &Surface, order: MergeOrder, spacing: Spacing) -> Self {
+impl MergeLevels {
+    fn new(surface: &PricedSurface, order: MergeOrder, spacing: Spacing) -> Self {
         let mut normals = vec![[0.0; 3]; surface.topology.point_count()];
         for triangle in &surface.topology.triangles {
             let normal = normal_of(triangle.map(|p| surface.positions[p as usize]));
@@ -47,14 +47,14 @@ impl Levels {
 
     /// Checks whether a triangle would turn farther than allowed from the full mesh at one of its corners, and farther than before. Each collapse turns triangles by
     /// little, but many of them may turn one over.
-    fn turns_over(&self, surface: &Surface, point: u32, to: u32) -> bool {
+    fn turns_over(&self, surface: &PricedSurface, point: u32, to: u32) -> bool {
         let at = |p: u32| surface.positions[p as usize];
         let sum_at = |p: u32| self.normals[p as usize];
         // What the kept point stands for afterwards.
         let mut kept = sum_at(to);
         add(&mut kept, sum_at(point));
         let turns = |before: [Point; 2], after: [Point; 2]| {
-            cosine(after[0], after[1]) < LEAST_COSINE.min(cosine(before[0], before[1]))
+            cosine(after[0], after[1]) < MIN_COSINE.min(cosine(before[0], before[1]))
         };
         let changed = surface.topology.opposite(point).iter().filter(|edge| !edge.contains(&to));
         let mut unchanged = surface.topology.opposite(to).iter().filter(|edge| !edge.contains(&point));
@@ -72,7 +72,7 @@ impl Levels {
     /// Returns the best collapse of a point.
     fn best(
         &self,
-        surface: &Surface,
+        surface: &PricedSurface,
         (search, outcomes): (&mut PriceSearch, &mut Outcomes),
         point: u32,
     ) -> Option<PricedCollapse> {
@@ -80,7 +80,7 @@ impl Levels {
             return None;
         }
         let outcome = |to| match outcomes.of(&surface.topology, point, to) {
-            Outcome::Keeps if self.turns_over(surface, point, to) => Outcome::Loses,
+            CollapseOutcome::Keeps if self.turns_over(surface, point, to) => CollapseOutcome::Loses,
             outcome => outcome,
         };
         match self.order {
@@ -113,7 +113,7 @@ fn add(sum: &mut Point, other: Point) {
 impl Decimation {
     /// Does collapses level by level until there are at most `triangle_count` triangles, or none is possible. Returns the number of
     /// collapses up to the end of each level.
-    pub(in super::super) fn run_levels(
+    pub(crate) fn run_levels(
         &mut self,
         (order, spacing): (MergeOrder, Spacing),
         error_factors: &[f32],
@@ -121,7 +121,7 @@ impl Decimation {
         sequence: &mut CollapseSequence,
     ) -> Vec<u32> {
         let count = self.surface.topology.point_count();
-        let mut levels = Levels::new(&self.surface, order, spacing);
+        let mut levels = MergeLevels::new(&self.surface, order, spacing);
         levels.factors = self.cost_factors(error_factors);
         let mut pricers = Pricers::new(count);
         let mut level_ends = Vec::new();
@@ -182,11 +182,12 @@ impl Decimation {
     }
 
     /// Collects the vertices that a level may remove, with their costs, the cheapest first. Returns the largest cost that a collapse of the level may have.
-    fn cheapest(&self, levels: &Levels, points: &[u32], chosen: &mut Vec<(f32, u32)>) -> f32 {
+    fn cheapest(&self, levels: &MergeLevels, points: &[u32], chosen: &mut Vec<(f32, u32)>) -> f32 {
         chosen.clear();
-        let Levels { order, spacing, .. } = *levels;
-        let priced =
-            points.iter().map(|&point| (levels.counted(point, self.waiting[point as usize].cost), point));
+        let MergeLevels { order, spacing, .. } = *levels;
+        let priced = points
+            .iter()
+            .map(|&point| (levels.counted(point, self.best_collapses[point as usize].cost), point));
         chosen.extend(priced.filter(|(cost, _)| *cost < f32::INFINITY));
         let by_cost = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         if order == MergeOrder::Quadric {
@@ -210,7 +211,7 @@ impl Decimation {
     /// Returns the best collapse of a vertex to one that is not taken.
     fn collapse_beside(
         &mut self,
-        levels: &Levels,
+        levels: &MergeLevels,
         point: u32,
         is_taken: impl Fn(u32) -> bool,
     ) -> Option<PricedCollapse> {
@@ -226,13 +227,13 @@ impl Decimation {
     }
 
     /// Prices vertices, each of which waits with its best collapse, if there is one.
-    fn price_for_level(&mut self, levels: &Levels, pricers: &mut Pricers, points: &[u32]) {
-        let mut waiting = std::mem::take(&mut self.waiting);
+    fn price_for_level(&mut self, levels: &MergeLevels, pricers: &mut Pricers, points: &[u32]) {
+        let mut best_collapses = std::mem::take(&mut self.best_collapses);
         let (this, surface) = (&*self, &self.surface);
         let best = |search: &mut PriceSearch, outcomes: &mut Outcomes, point| {
             this.is_removable(point).then(|| levels.best(surface, (search, outcomes), point)).flatten()
         };
-        pricers.price(points, best, |point, best| waiting[point as usize].set_price(best));
-        self.waiting = waiting;
+        pricers.price(points, best, |point, best| best_collapses[point as usize].set_price(best));
+        self.best_collapses = best_collapses;
     }
 }

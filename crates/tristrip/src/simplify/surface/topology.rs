@@ -32,24 +32,24 @@ use std::collections::HashMap;
 use super::curve::along_curve;
 use crate::collapse::Rename;
 use crate::mesh::{PositionIds, Positions, triangles_of};
-pub(super) use corner::CornerId;
+pub(crate) use corner::CornerId;
 use corner::corners;
 use fans::FanClassifier;
-pub(super) use fans::PointKind;
+pub(crate) use fans::PointKind;
 use points::{by_first_use, equal_vertices, lowest_vertices, picked};
 use rings::CornerRings;
 
 /// Most triangles of a mesh: rings that grow move to the end of their array, which about ten corners per triangle do not fill.
-pub(super) const MOST_TRIANGLES: usize = 1 << 27;
+pub(crate) const MAX_TRIANGLES: usize = 1 << 27;
 
 /// Most corners of a ring that is searched if there is another way.
-pub(super) const LONG_RING: usize = 64;
+pub(crate) const LONG_RING: usize = 64;
 
 /// Triangles that can be removed and whose corners can move to other points.
 #[derive(Debug)]
-pub(super) struct Topology {
+pub(crate) struct Topology {
     /// The points of each triangle; of a removed one, its last points.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
     /// The number of each triangle in the mesh, if they are in another order.
     triangle_ids: Option<Vec<u32>>,
     /// The vertex at each corner; empty if each point has one vertex.
@@ -73,7 +73,7 @@ pub(super) struct Topology {
 impl Topology {
     /// Connects triangles of vertices at points of equal position, and at open borders within a distance; 0 for none. If collapses may break
     /// the surface, any point may change its kind.
-    pub(super) fn new<P: Positions + ?Sized>(
+    pub(crate) fn new<P: Positions + ?Sized>(
         positions: &P,
         attribute_bits: impl Fn(u32) -> Vec<u8>,
         vertices: &[u32],
@@ -148,7 +148,7 @@ impl Topology {
     }
 
     /// Sets the first vertices of the meshes that the vertices belong to.
-    pub(super) fn with_meshes(mut self, meshes: &[u32]) -> Self {
+    pub(crate) fn with_meshes(mut self, meshes: &[u32]) -> Self {
         if meshes.len() > 1 {
             self.meshes = meshes.to_vec();
             self.triangles_left = vec![0; meshes.len() + 1];
@@ -161,7 +161,7 @@ impl Topology {
     }
 
     /// Checks whether a collapse removes the last triangles of one of several meshes.
-    pub(super) fn ends_mesh(&self, removed: u32, kept: u32) -> bool {
+    pub(crate) fn ends_mesh(&self, removed: u32, kept: u32) -> bool {
         if self.meshes.len() < 2 {
             return false;
         }
@@ -188,7 +188,7 @@ impl Topology {
     }
 
     /// Collects the mesh of each corner of a point, in the order of its ring; none if all corners are of one mesh.
-    pub(super) fn meshes_around(&self, point: u32, found: &mut Vec<u32>) {
+    pub(crate) fn meshes_around(&self, point: u32, found: &mut Vec<u32>) {
         found.clear();
         if self.meshes.len() > 1 && self.on_seam.get(point as usize) == Some(&true) {
             found.extend(self.ring(point).iter().map(|&corner| self.mesh_of(self.wedge(corner))));
@@ -198,17 +198,17 @@ impl Topology {
         }
     }
 
-    pub(super) fn point_count(&self) -> usize {
+    pub(crate) fn point_count(&self) -> usize {
         self.vertex_of.len()
     }
 
     /// Returns the lowest vertex of a point.
-    pub(super) fn vertex_of(&self, point: u32) -> u32 {
+    pub(crate) fn vertex_of(&self, point: u32) -> u32 {
         self.vertex_of[point as usize]
     }
 
     /// Returns the vertex at a corner.
-    pub(super) fn wedge(&self, corner: CornerId) -> u32 {
+    pub(crate) fn wedge(&self, corner: CornerId) -> u32 {
         if self.wedges.is_empty() {
             self.vertex_of[self.point(corner) as usize]
         } else {
@@ -216,13 +216,13 @@ impl Topology {
         }
     }
 
-    pub(super) fn kind(&self, point: u32) -> PointKind {
+    pub(crate) fn kind(&self, point: u32) -> PointKind {
         self.kinds[point as usize]
     }
 
     /// Finds the kinds of points again after a collapse at an irregular one. Those of more than `most` triangles count as irregular, however
     /// many collapses there are beside them.
-    pub(super) fn classify(&mut self, points: &[u32], most: usize) {
+    pub(crate) fn classify(&mut self, points: &[u32], most: usize) {
         let Some(classifier) = &mut self.classifier else { return };
         for &point in points {
             let (ring, kind) = (self.rings.of(point), &mut self.kinds[point as usize]);
@@ -235,35 +235,35 @@ impl Topology {
     }
 
     /// Returns the corners of a point.
-    pub(super) fn ring(&self, point: u32) -> &[CornerId] {
+    pub(crate) fn ring(&self, point: u32) -> &[CornerId] {
         self.rings.of(point)
     }
 
     /// Returns the opposite edge of each corner of a point, in the order of its ring: the points of the two other corners of the triangle, in
     /// its winding.
-    pub(super) fn opposite(&self, point: u32) -> &[[u32; 2]] {
+    pub(crate) fn opposite(&self, point: u32) -> &[[u32; 2]] {
         self.rings.opposite(point)
     }
 
     /// Iterates over all corners.
-    pub(super) fn corners(&self) -> impl Iterator<Item = CornerId> + use<> {
+    pub(crate) fn corners(&self) -> impl Iterator<Item = CornerId> + use<> {
         corners(self.triangles.len())
     }
 
     /// Returns the point of a corner.
     #[inline]
-    pub(super) fn point(&self, corner: CornerId) -> u32 {
+    pub(crate) fn point(&self, corner: CornerId) -> u32 {
         self.triangles[corner.triangle()][corner.within()]
     }
 
     /// Returns the points of the two other corners of a corner's triangle, in its winding.
     #[inline]
-    pub(super) fn others(&self, corner: CornerId) -> [u32; 2] {
+    pub(crate) fn others(&self, corner: CornerId) -> [u32; 2] {
         corner.others(&self.triangles)
     }
 
     /// Collects the distinct neighbours of a point; the two along a border come last.
-    pub(super) fn neighbours(&self, point: u32, found: &mut Vec<u32>) {
+    pub(crate) fn neighbours(&self, point: u32, found: &mut Vec<u32>) {
         found.clear();
         let edges = self.opposite(point);
         found.extend(edges.iter().map(|&[u, _]| u));
@@ -283,14 +283,14 @@ impl Topology {
     }
 
     /// Counts the triangles that have all of the given points, up to two, around the point with the fewest triangles.
-    pub(super) fn triangles_with<const N: usize>(&self, points: [u32; N]) -> usize {
+    pub(crate) fn triangles_with<const N: usize>(&self, points: [u32; N]) -> usize {
         let Some(around) = points.into_iter().min_by_key(|&p| self.opposite(p).len()) else { return 0 };
         let has_all = |edge: &&[u32; 2]| points.iter().all(|p| *p == around || edge.contains(p));
         self.opposite(around).iter().filter(has_all).take(2).count()
     }
 
     /// Returns the first of the vertices of a point that have the same attributes as a vertex.
-    pub(super) fn first_equal(&self, v: u32) -> u32 {
+    pub(crate) fn first_equal(&self, v: u32) -> u32 {
         self.equal_vertices.get(&v).copied().unwrap_or(v)
     }
 
@@ -302,7 +302,7 @@ impl Topology {
 
     /// Collects the vertex that each vertex at `removed` becomes if that point collapses to `kept`. Returns `None` if neither it nor an
     /// equal vertex has a triangle with `kept`, or if such triangles have different vertices there.
-    pub(super) fn renames(&self, removed: u32, kept: u32, found: &mut Vec<Rename>) -> Option<()> {
+    pub(crate) fn renames(&self, removed: u32, kept: u32, found: &mut Vec<Rename>) -> Option<()> {
         found.clear();
         if self.on_seam.is_empty() || !self.on_seam[removed as usize] && !self.on_seam[kept as usize] {
             found.push(Rename { removed: self.vertex_of(removed), kept: self.vertex_of(kept) });
@@ -336,7 +336,7 @@ impl Topology {
     /// Does the same, but a vertex without a triangle with `kept` becomes the vertex there from which it differs least, of equal ones the
     /// lowest, among those of the first triangles. Returns `None` if the triangles of one vertex have different vertices at `kept`: they
     /// could not all be dropped.
-    pub(super) fn renames_across(
+    pub(crate) fn renames_across(
         &self,
         removed: u32,
         kept: u32,
@@ -376,7 +376,7 @@ impl Topology {
     }
 
     /// Moves all corners of one point to another. Removes the triangles that had both, and writes their numbers in the mesh to `dropped`, ascending.
-    pub(super) fn collapse(&mut self, removed: u32, kept: u32, renames: &[Rename], dropped: &mut Vec<u32>) {
+    pub(crate) fn collapse(&mut self, removed: u32, kept: u32, renames: &[Rename], dropped: &mut Vec<u32>) {
         dropped.clear();
         for i in 0..self.ring(removed).len() {
             let corner = self.ring(removed)[i];

@@ -6,7 +6,7 @@ use crate::mesh::is_degenerate;
 
 /// The arrangement of the triangles around a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::simplify) enum PointKind {
+pub(crate) enum PointKind {
     /// A closed fan.
     Inner,
     /// A fan from one border edge to another.

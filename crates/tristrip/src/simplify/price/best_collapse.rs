@@ -2,26 +2,26 @@
 
 use crate::ids::OptionalId;
 
-/// A point that may be removed.
+/// The best collapse of a point, as far as known.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Waiting {
+pub(crate) struct BestCollapse {
     /// The cost of its best collapse, as far as known; infinite if none is possible.
-    pub(super) cost: f32,
+    pub(crate) cost: f32,
     /// The point that it would go to, if it has a price.
-    pub(super) target: OptionalId,
+    pub(crate) target: OptionalId,
     /// The error of that, in units of the frame.
-    pub(super) error: f32,
+    pub(crate) error: f32,
     /// The last pass in which its neighbourhood changed.
-    pub(super) changed: u32,
+    pub(crate) changed: u32,
 }
 
-impl Waiting {
-    /// A point that does not wait.
-    pub(super) const NOT: Self =
+impl BestCollapse {
+    /// No collapse is possible.
+    pub(crate) const NONE: Self =
         Self { cost: f32::INFINITY, target: OptionalId::NONE, error: 0.0, changed: 0 };
 
-    /// Waits with the best collapse, or not at all if none is possible.
-    pub(super) fn set_price(&mut self, best: Option<PricedCollapse>) {
+    /// Sets the best collapse; `None` if none is possible.
+    pub(crate) fn set_price(&mut self, best: Option<PricedCollapse>) {
         match best {
             None => (self.cost, self.target) = (f32::INFINITY, OptionalId::NONE),
             Some(PricedCollapse { to, cost, error }) => {
@@ -30,22 +30,22 @@ impl Waiting {
         }
     }
 
-    /// Returns whether the point waits.
-    pub(super) fn waits(&self) -> bool {
+    /// Returns whether a collapse is possible.
+    pub(crate) fn is_possible(&self) -> bool {
         self.cost < f32::INFINITY
     }
 }
 
 /// A collapse with its price.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PricedCollapse {
-    pub(super) to: u32,
-    pub(super) cost: f32,
+pub(crate) struct PricedCollapse {
+    pub(crate) to: u32,
+    pub(crate) cost: f32,
     /// The distance between the surfaces, in units of the frame.
-    pub(super) error: f32,
+    pub(crate) error: f32,
 }
 
 /// Returns a number as one that is finite in fewer bits.
-pub(super) fn finite(x: f64) -> f32 {
+pub(crate) fn finite(x: f64) -> f32 {
     x.min(f64::from(f32::MAX)) as f32
 }
