@@ -48,7 +48,7 @@ const STYLES: Styles = Styles::styled()
 #[command(
     disable_help_subcommand = true,
     arg_required_else_help = true,
-    help_template = "{about-with-newline}\n{usage-heading} {usage}{after-help}\n\n{options}"
+    help_template = "{about-with-newline}\n{usage-heading} {usage}{after-help}\n{options}"
 )]
 struct Cli {
     #[command(flatten)]

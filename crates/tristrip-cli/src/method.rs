@@ -15,8 +15,7 @@ use crate::values::effort_parser;
 pub(crate) struct WeldArgs {
     /// Merge vertices with the same bits in position and all attributes
     ///
-    /// Strips can then cross the seam between them. Vertices that differ in any attribute, such as a normal or a texture coordinate,
-    /// stay separate. Welding saves indices, not vertices: the vertex buffer is written unchanged.
+    /// Strips can then cross the seam between them. Welding saves indices, not vertices: the vertex buffer is written unchanged.
     #[arg(long, hide_short_help = true)]
     pub(crate) weld: bool,
 }
@@ -25,23 +24,21 @@ pub(crate) struct WeldArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Method")]
 pub(crate) struct MethodArgs {
-    /// The method and its parameters: NAME or NAME:PARAMETER=VALUE,... [default: best]
+    /// The method: NAME or NAME:PARAMETER=VALUE,... [default: best]
     ///
-    /// The default starts from the cheapest result of `sequential`, `quad-rows` and `input`, so it is never worse than the input. Most other
-    /// methods are published algorithms, included for comparison. `tristrip help methods` describes all methods and parameters;
-    /// `tristrip compare` measures them on your model.
+    /// The default is never worse than the input. Most other methods are published algorithms. `tristrip help methods` describes all methods
+    /// and parameters; `tristrip compare` measures them on your model.
     #[arg(short, long, value_parser = MethodParser, value_name = "METHOD", hide_possible_values = true)]
     method: Option<NamedMethod>,
-    /// The search effort of methods best, fewest and cache, from 0 to 9 [default: 2; for fewest 5]
+    /// The search effort of the method, from 0 to 9 [default: 2; for fewest 5]
     ///
-    /// A higher effort gives fewer indices and takes longer. Effort is counted in steps, so the result is the same on every machine.
-    /// `tristrip help methods` has typical times.
+    /// A higher effort of best, fewest or cache gives fewer indices and takes longer. `tristrip help methods` has typical times.
     #[arg(long, value_name = "LEVEL", value_parser = effort_parser())]
     effort: Option<Effort>,
     /// Stop a search after a time such as 5s or 500ms, with the best result so far
     ///
-    /// Applies to best, fewest, cache, tunnel, eta and guided-tunnels, for each input; the first growth of cache is always completed. Results
-    /// with a budget differ from run to run; results with --effort do not.
+    /// Results with a budget differ from run to run; results with --effort do not. Applies to each input, and to best, fewest, cache, tunnel, eta
+    /// and guided-tunnels.
     #[arg(long, hide_short_help = true, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
     #[command(flatten)]

@@ -74,14 +74,12 @@ pub(crate) struct SimplifyArgs {
   tristrip level bunny.ply --level 40% -o level.glb
   tristrip level bunny.ply --triangles 5k -o level.glb
   tristrip level bunny.ply --pixels 1.5 --distance 3      the level for a viewing distance
-  tristrip level bunny.ply --method stripe --base 1% --filter dtfs --level 120
+  tristrip level bunny.ply --base 1% --filter dtfs --level 120
   tristrip level bunny.ply --model sets --level 25% -o level.glb")]
 pub(crate) struct LevelArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// The level: the number of undone collapses, or a percentage of all such as 40% [default: 10%]
-    ///
-    /// 0 is the base mesh, 100% the full mesh.
+    /// The level: a percentage, or the number of undone collapses [default: 10%]
     #[arg(
         long,
         value_name = "LEVEL",
@@ -90,7 +88,7 @@ pub(crate) struct LevelArgs {
         conflicts_with_all = ["triangles", "error", "pixels"],
     )]
     pub(crate) level: Option<Level>,
-    /// Select the finest level with at most this number of triangles, such as 50000, 200k or 2M
+    /// Select the finest level of up to this number of triangles, such as 200k
     #[arg(
         long,
         value_name = "COUNT",
@@ -99,10 +97,10 @@ pub(crate) struct LevelArgs {
         conflicts_with_all = ["error", "pixels"]
     )]
     pub(crate) triangles: Option<Amount>,
-    /// Select the coarsest level within this error, in mesh units or in % of the bounding-box diagonal
+    /// Select the coarsest level within this error: 0.01 mesh units, or 0.1%
     #[arg(long, value_name = "ERROR", help_heading = "Level", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
-    /// Select the coarsest level whose error covers at most this number of pixels from --distance
+    /// Select the coarsest level with an error of up to this number of pixels
     #[arg(
         long,
         value_name = "PIXELS",
@@ -112,7 +110,7 @@ pub(crate) struct LevelArgs {
         requires = "distance"
     )]
     pub(crate) pixels: Option<f32>,
-    /// The distance from the camera to the nearest point of the model, in mesh units
+    /// The distance of --pixels from the camera to the model, in mesh units
     #[arg(
         long,
         value_name = "DISTANCE",
@@ -121,28 +119,32 @@ pub(crate) struct LevelArgs {
         requires = "pixels"
     )]
     pub(crate) distance: Option<f32>,
-    /// The vertical field of view of --pixels, in degrees
-    #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
+    /// The vertical field of view of --pixels, in degrees [default: 45]
+    #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW, hide_default_value = true, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
     pub(crate) field_of_view: f32,
-    /// The height of the image of --pixels, in pixels
-    #[arg(long, value_name = "ROWS", default_value_t = View::ROWS, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
+    /// The height of the image of --pixels, in pixels [default: 1080]
+    #[arg(long, value_name = "ROWS", default_value_t = View::ROWS, hide_default_value = true, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
     pub(crate) rows: f32,
-    /// The ratio of all triangles in the base mesh [default: 5%; 0 with --triangles, --error or --pixels]
-    #[arg(long, value_name = "RATIO", help_heading = "Levels", allow_negative_numbers = true)]
+    /// The ratio of all triangles in the base mesh [default: 5% with --level, else 0]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "RATIO",
+        help_heading = "Level",
+        allow_negative_numbers = true
+    )]
     pub(crate) base: Option<Ratio>,
-    /// What a collapse costs: distance, planes or quadric
-    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_possible_values = true, help_heading = "Levels", hide_short_help = true)]
+    /// What a collapse costs: distance, planes or quadric [default: distance]
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_default_value = true, hide_possible_values = true, help_heading = "Level", hide_short_help = true)]
     pub(crate) price: Price,
-    /// How degenerate triangles are removed from renamed strips [default: repair]
-    #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels", hide_possible_values = true)]
+    /// How degenerate triangles are removed from strips [default: repair]
+    #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Level", hide_possible_values = true)]
     pub(crate) filter: Option<DisplayFilter>,
     /// The search effort of --filter repair, from 0 to 9 [default: 5]
-    #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Levels", hide_short_help = true)]
+    #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Level", hide_short_help = true)]
     pub(crate) filter_effort: Option<Effort>,
-    /// Draw the strips that a level model stores, instead of filtered strips
-    ///
-    /// All models have the same levels. progressive and naive store unfiltered strips, which --filter applies to.
-    #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), value_name = "MODEL", help_heading = "Levels", hide_short_help = true)]
+    /// Draw the strips that a level model stores, instead of filtered strips: see `help levels`
+    #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), hide_possible_values = true, value_name = "MODEL", help_heading = "Level", hide_short_help = true)]
     pub(crate) model: Option<ModelKind>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
@@ -153,8 +155,7 @@ pub(crate) struct LevelArgs {
 /// Write what one camera sees, with reduced detail where it cannot see it
 ///
 /// Detail is reduced far from the camera, outside the frustum and on back faces, with the strips of the full mesh (Skip Strips). The result is
-/// proven to draw exactly the triangles that remain after the collapses. Without -o, only report. `tristrip help levels` explains the details;
-/// `tristrip view` shows a model in the browser.
+/// proven. Without -o, only report. `tristrip help levels` explains the details.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip camera-level dragon.ply --eye 0,0,3 --look-at 0,0,0 --pixels 1.5 -o seen.glb
@@ -169,23 +170,22 @@ pub(crate) struct CameraLevelArgs {
     /// The point that the camera looks at
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     pub(crate) look_at: Vector,
-    /// The direction that is up in the image
-    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, default_value_t = Vector([0.0, 1.0, 0.0]))]
+    /// The direction that is up in the image [default: 0,1,0]
+    #[arg(long, hide_short_help = true, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, default_value_t = Vector([0.0, 1.0, 0.0]), hide_default_value = true)]
     pub(crate) up: Vector,
     #[command(flatten)]
     pub(crate) lens: LensArgs,
-    /// The maximum error of a collapse in the image, in pixels
+    /// The maximum error of a collapse in the image, in pixels [default: 1]
     #[arg(
         long,
         value_name = "PIXELS",
         help_heading = "Detail",
         allow_negative_numbers = true,
+        hide_default_value = true,
         default_value_t = 1.0
     )]
     pub(crate) pixels: f32,
     /// The maximum number of triangles, such as 50000, 200k or 2M
-    ///
-    /// If --pixels needs more, the largest errors in pixels are reduced first. The base mesh may have more.
     #[arg(long, value_name = "COUNT", help_heading = "Detail", allow_negative_numbers = true)]
     pub(crate) triangles: Option<Amount>,
     #[command(flatten)]
@@ -199,8 +199,8 @@ pub(crate) struct CameraLevelArgs {
         hide_short_help = true
     )]
     pub(crate) base: Option<Ratio>,
-    /// What a collapse costs: distance, planes or quadric
-    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_possible_values = true, help_heading = "Detail", hide_short_help = true)]
+    /// What a collapse costs: distance, planes or quadric [default: distance]
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_default_value = true, hide_possible_values = true, help_heading = "Detail", hide_short_help = true)]
     pub(crate) price: Price,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
@@ -253,7 +253,7 @@ pub(crate) struct BuildLodArgs {
     ///
     /// By quadric, the cheaper half of the possible collapses makes a level, so the vertices of features go last. By shortest edge, each level has
     /// as many independent collapses as possible.
-    #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Levels")]
+    #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Level")]
     pub(crate) order: MergeOrder,
     /// The .tlod file to write
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]

@@ -24,8 +24,6 @@ pub(crate) struct GeneralArgs {
 #[command(next_help_heading = "General")]
 pub(crate) struct FromArgs {
     /// The format of the input, if neither extension nor content tells it
-    ///
-    /// By default the file name extension decides, or the content if the extension is unknown.
     #[arg(long, value_name = "FORMAT", value_parser = format_parser(&Format::ALL), hide_short_help = true)]
     pub(crate) from: Option<Format>,
 }
@@ -35,16 +33,12 @@ pub(crate) struct FromArgs {
 #[command(next_help_heading = "General")]
 pub(crate) struct SharedArgs {
     /// Print the results as JSON on standard output
-    ///
-    /// One object for one input, an array for several. FORMAT.md describes the keys.
     #[arg(long, global = true)]
     pub(crate) json: bool,
     /// Print only errors and requested results: JSON, a table, a report without -o
     #[arg(short, long, global = true, hide_short_help = true)]
     pub(crate) quiet: bool,
-    /// The number of threads [default: one per core]
-    ///
-    /// The result does not depend on it.
+    /// The number of threads, which the result does not depend on [default: one per core]
     #[arg(long, global = true, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 }
@@ -54,10 +48,7 @@ pub(crate) struct SharedArgs {
 pub(crate) struct OutputArgs {
     #[command(flatten)]
     pub(crate) target: TargetArgs,
-    /// The layout: degenerate (default of GLB), restart (default of PLY), separate, list (OBJ)
-    ///
-    /// By default, `strip` writes a part as a triangle list where that takes fewer indices than strips. `tristrip help files` describes the
-    /// layouts.
+    /// The layout: degenerate, restart, separate or list [default: by the format]
     #[arg(long, value_parser = named(Layout::ALL, Layout::name, layout_help), value_name = "LAYOUT", requires = "output", hide_possible_values = true)]
     pub(crate) layout: Option<Layout>,
 }
@@ -67,16 +58,14 @@ pub(crate) struct OutputArgs {
 pub(crate) struct TargetArgs {
     /// The file to write, a directory for several inputs, or - for standard output
     ///
-    /// The extension selects the format: .glb, .gltf, .ply or .obj. The buffer of a .gltf is written next to it, with the extension .bin.
-    /// Files are written under a temporary name and then renamed; existing files are replaced. In a directory, each output has the name of
-    /// its input, with the extension of --to.
+    /// The extension selects the format: .glb, .gltf, .ply or .obj. `tristrip help files` describes formats and layouts.
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: Option<PathBuf>,
     /// The format to write [default: by the extension; glb in a directory]
     #[arg(long, hide_short_help = true, value_name = "FORMAT", requires = "output", value_parser = format_parser(&WRITTEN_FORMATS))]
     pub(crate) to: Option<Format>,
     /// Skip verification
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) no_verify: bool,
 }
 

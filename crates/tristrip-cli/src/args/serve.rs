@@ -46,16 +46,16 @@ pub(crate) struct ServeArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Address")]
 pub(crate) struct ListenArgs {
-    /// The address to listen on: 0.0.0.0 or :: for all networks
+    /// The address to listen on; 0.0.0.0 or :: for all networks
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
     pub(crate) address: IpAddr,
     /// The port; 0 for any free port
     #[arg(long, value_name = "PORT", default_value_t = 8080)]
     pub(crate) port: u16,
-    /// Also answer to this host name, for a server behind a proxy; repeatable
+    /// Also answer to this host name, behind a proxy; repeatable
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<String>,
-    /// Allow pages of this origin to read the files, such as https://example.org, or *; repeatable
+    /// Allow pages of this origin, or *, to read the files; repeatable
     #[arg(long, value_name = "ORIGIN")]
     pub(crate) cors: Vec<String>,
     /// The certificate chain for HTTPS, in PEM
@@ -78,7 +78,7 @@ pub(crate) struct PackingArgs {
     /// The maximum size of a file to pack or draw, such as 512M or 2G
     #[arg(long, hide_short_help = true, value_name = "BYTES", default_value = "512M")]
     pub(crate) largest_input: ByteCount,
-    /// The directory of packed files and thumbnails [default: tristrip in the user's cache directory]
+    /// The directory of packed files [default: tristrip in the user's cache directory]
     #[arg(long, value_name = "DIRECTORY")]
     pub(crate) cache: Option<PathBuf>,
     /// The maximum size of this directory; the least recently used files are removed
@@ -89,7 +89,7 @@ pub(crate) struct PackingArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Limits")]
 pub(crate) struct LimitArgs {
-    /// Limit each response to these bits per second, such as 500k or 5M, to simulate a slow network
+    /// Limit responses to these bits per second, such as 5M, to simulate a slow network
     #[arg(long, value_name = "RATE")]
     pub(crate) bandwidth: Option<BitRate>,
     /// The maximum number of connections
@@ -149,7 +149,7 @@ pub(crate) struct ViewArgs {
     /// The port [default: any free port]
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
     pub(crate) port: u16,
-    /// Limit each response to these bits per second, such as 500k or 5M, to simulate a slow network
+    /// Limit responses to these bits per second, such as 5M, to simulate a slow network
     #[arg(long, value_name = "RATE")]
     pub(crate) bandwidth: Option<BitRate>,
 }

@@ -134,3 +134,17 @@ fn flags_that_do_not_fit_are_wrong_usage() {
         tristrip().arg("build-lod").args(flags).assert().code(2).stdout(is_empty()).stderr(contains(message));
     }
 }
+
+#[test]
+fn a_tlod_file_is_no_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("fish.tlod");
+    let source = model("fish_control.ply");
+    tristrip().args(["build-lod", "-m", "stripe"]).arg(&source).arg("-o").arg(&path).assert().success();
+    let renamed = dir.path().join("fish.ply");
+    fs::copy(&path, &renamed).unwrap();
+    for input in [&renamed, &path] {
+        let refused = tristrip().arg("strip").arg(input).assert().code(1);
+        refused.stderr(contains("found a .tlod model of view-dependent detail, expected a mesh or a scene"));
+    }
+}

@@ -24,12 +24,7 @@ fn help_of(subcommand: &str, flag: &str) -> String {
     let names = |line: &str| line.split([' ', ',', '=']).any(|word| word == flag);
     let mut lines = help.lines().skip_while(|line| !(is_flag(line) && names(line)));
     let first = lines.next().unwrap_or_else(|| panic!("{subcommand} has no {flag}"));
-    let indent = first.len() - first.trim_start().len();
-    let rest = lines.take_while(|line| {
-        line.is_empty()
-            || line.len() - line.trim_start().len() > indent + 4
-            || line.trim_start().starts_with("- ")
-    });
+    let rest = lines.take_while(|line| line.is_empty() || line.starts_with("          "));
     [first].into_iter().chain(rest).flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }
 
