@@ -9,7 +9,6 @@ import unittest
 from pathlib import Path
 
 import check_api
-import check_duplicates
 import check_layers
 import check_words
 import rust_source
@@ -198,42 +197,6 @@ class Words(Tree):
         self.assertGreater(len(words), 10)
 
 
-class Duplicates(Tree):
-    @staticmethod
-    def block(lines: int) -> str:
-        return "".join(f"    step_{i}(x);\n" for i in range(lines))
-
-    def pairs(self, tree: dict[str, str]) -> list[tuple[str, str]]:
-        self.write(tree)
-        return check_duplicates.duplicates(check_duplicates.read(self.root))
-
-    def test_six_lines_in_two_files(self) -> None:
-        text = "fn a() {\n" + self.block(6) + "}\n"
-        self.assertEqual(self.pairs({"a.rs": text, "b.rs": "\n" + text.replace("fn a", "fn b")}), [("a.rs:2-7", "b.rs:3-8")])
-
-    def test_five_lines_are_too_few(self) -> None:
-        self.assertEqual(self.pairs({"a.rs": self.block(5), "b.rs": self.block(5)}), [])
-
-    def test_runs_are_merged(self) -> None:
-        text = self.block(9)
-        self.assertEqual(self.pairs({"a.rs": text + "other();\n" + text}), [("a.rs:1-9", "a.rs:11-19")])
-
-    def test_three_places_are_two_pairs(self) -> None:
-        text = self.block(6)
-        self.assertEqual(len(self.pairs({"a.rs": text, "b.rs": text, "c.rs": text})), 2)
-
-    def test_equal_lines_in_a_row_are_one_place(self) -> None:
-        self.assertEqual(self.pairs({"a.rs": "next();\n" * 8}), [])
-
-    def test_what_does_not_count(self) -> None:
-        text = "use a::{\n    b,\n    c,\n    d,\n    e,\n    f,\n};\n// g\n#[arg(\n    long,\n    short,\n)]\n}\n" + self.block(5)
-        self.assertEqual(self.pairs({"a.rs": text, "b.rs": text}), [])
-
-    def test_tests_are_left_out(self) -> None:
-        text = "#[cfg(test)]\nmod tests {\n" + self.block(8) + "}\n"
-        self.assertEqual(self.pairs({"a.rs": text, "b.rs": text, "b/tests.rs": self.block(8), "tests/c.rs": self.block(8)}), [])
-
-
 class PublicApi(unittest.TestCase):
     """Documents as rustdoc writes them: a crate `low` with a public module `base`."""
 
@@ -243,7 +206,7 @@ class PublicApi(unittest.TestCase):
 
     def problems(self, items: dict[str, dict], root: list[int], base: list[int]) -> list[str]:
         modules = {"0": self.item("low", {"module": {"items": root}}), "1": self.item("base", {"module": {"items": base}})}
-        return check_api.problems({"root": 0, "index": modules | items}, with_examples=True)
+        return check_api.problems({"root": 0, "index": modules | items})
 
     def use(self, target: int, name: str, is_glob: bool = False) -> dict:
         return self.item(None, {"use": {"id": target, "name": name, "is_glob": is_glob}})
@@ -260,21 +223,6 @@ class PublicApi(unittest.TestCase):
 
     def test_empty_module(self) -> None:
         self.assertEqual(self.problems({}, [1], []), ["low::base: no public items"])
-
-    def test_functions_need_examples(self) -> None:
-        call = {"function": {}}
-        items = {
-            "2": self.item("bare", call),
-            "3": self.item("shown", call, "```\nshown();\n```"),
-            "4": self.item("Point", {"struct": {"impls": [5, 7]}}),
-            "5": self.item(None, {"impl": {"trait": None, "items": [6, 9]}}),
-            "6": self.item("length", call),
-            "7": self.item(None, {"impl": {"trait": {"path": "Display"}, "items": [8]}}),
-            "8": self.item("fmt", call, visibility="default"),
-            "9": self.item("hidden", call, visibility="crate"),
-        }
-        expected = ["low::bare: no example", "low::base::Point::length: no example"]
-        self.assertEqual(self.problems(items, [1, 2, 3], [4]), expected)
 
 
 class Source(unittest.TestCase):

@@ -15,7 +15,7 @@ use crate::text::{self, Table, optional};
 use crate::vertex_caches::CacheResults;
 
 /// The command that generates the page.
-pub const COMMAND: &str = "cargo run --release -p tristrip-bench -- --docs docs";
+pub const COMMAND: &str = "cargo run --profile dist -p tristrip-bench -- --docs docs";
 
 /// The methods that have a column of indices per triangle.
 const METHODS: [&str; 6] = [BEST, "sequential", "quad-rows", "input", "sgi", "stripe"];

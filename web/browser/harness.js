@@ -2,12 +2,15 @@
  * What tests in the browser share: pages, what their consoles say, and the end of all that was started.
  * @module
  */
-import { after } from 'node:test';
+import { after, test } from 'node:test';
 import { browser, skip } from './chromium.js';
 import { Models } from './models.js';
 import { Server } from './server.js';
 
 export { skip };
+
+/** How long a page waits for something, in milliseconds: long enough for a busy machine. */
+const PATIENCE = 120_000;
 
 /** Messages of the driver, which say nothing about the page. */
 const NOISE = /GPU stall|GL Driver|WebGL-0x|GroupMarkerNotSet/;
@@ -23,6 +26,8 @@ const BUNDLE = ['index.html', 'style.css', 'viewer.js', 'worker.js'];
 /** A server of the folder `web` with the bundled viewer, of installed packages under `/node_modules/`, and of models under `/models/`; and pages. */
 export class Harness {
   models = new Models();
+  /** @type {import('playwright-core').BrowserContext[]} */
+  #contexts = [];
   server = new Server({
     '/': new URL('../', import.meta.url),
     ...Object.fromEntries(BUNDLE.map((name) => [`/${name}`, new URL(`../../crates/tristrip-serve/dist/${name}`, import.meta.url)])),
@@ -38,13 +43,31 @@ export class Harness {
   }
 
   /**
+   * Defines a test whose pages are closed at its end: they would take processor time from the next tests.
+   * @param {string} name
+   * @param {import('node:test').TestOptions} options
+   * @param {(t: import('node:test').TestContext) => Promise<void>} act
+   */
+  test = (name, options, act) => {
+    test(name, options, async (t) => {
+      try {
+        await act(t);
+      } finally {
+        await Promise.all(this.#contexts.splice(0).map((context) => context.close()));
+      }
+    });
+  };
+
+  /**
    * Opens a page.
    * @param {string} path
    * @param {import('playwright-core').BrowserContextOptions} [options]
    * @returns {Promise<Tab>}
    */
-  async open(path, options = { viewport: { width: 512, height: 512 } }) {
+  open = async (path, options = { viewport: { width: 512, height: 512 } }) => {
     const context = await browser.newContext(options);
+    context.setDefaultTimeout(PATIENCE);
+    this.#contexts.push(context);
     const page = await context.newPage();
     /** @type {string[]} */
     const problems = [];
@@ -54,7 +77,7 @@ export class Harness {
     page.on('pageerror', (error) => problems.push(`error: ${error.message}`));
     await page.goto(`${this.server.origin}${path}`);
     return { page, problems };
-  }
+  };
 
   close() {
     this.server.close();

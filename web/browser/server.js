@@ -32,6 +32,7 @@ const TICKS_PER_SECOND = 50;
  * @property {number} [bytesPerSecond] no limit unless given
  * @property {number} [dropAfter] the connection is closed after so many bytes of the file
  * @property {number} [drops] how often: 1 unless given
+ * @property {number} [holdAfter] no more bytes of the file are sent until `hold` raises it
  * @property {number} [flipAt] a bit of this byte of the file is flipped
  * @property {number} [status] an HTTP status instead of the file
  */
@@ -82,6 +83,17 @@ export class Server {
    */
   shape(file, network = {}) {
     this.#networks.set(file, { drops: 1, ...network });
+  }
+
+  /**
+   * Sets how many bytes of a file are sent before the next call, by running responses, too.
+   * @param {string} file its path in URLs
+   * @param {number} [bytes] all unless given
+   */
+  hold(file, bytes = Infinity) {
+    const network = this.#networks.get(file) ?? { drops: 1 };
+    network.holdAfter = bytes;
+    this.#networks.set(file, network);
   }
 
   /**
@@ -158,9 +170,13 @@ export class Server {
     if (flipAt !== undefined && flipAt < sent.length) sent[flipAt] ^= 1;
     const step = Math.ceil(bytesPerSecond / TICKS_PER_SECOND);
     for (let at = start; at < sent.length && !response.destroyed; ) {
-      const { dropAfter = Infinity, drops = 0 } = network;
-      const isDropped = drops > 0 && at + step >= dropAfter;
-      const end = Math.min(at + step, sent.length, isDropped ? Math.max(dropAfter, at) : Infinity);
+      const { dropAfter = Infinity, drops = 0, holdAfter = Infinity } = network;
+      const isDropped = drops > 0 && Number.isFinite(dropAfter) && at + step >= dropAfter;
+      const end = Math.min(at + step, sent.length, Math.max(holdAfter, at), isDropped ? Math.max(dropAfter, at) : Infinity);
+      if (end === at && !isDropped) {
+        await sleep(1000 / TICKS_PER_SECOND);
+        continue;
+      }
       await new Promise((resolve) => response.write(sent.subarray(at, end), resolve));
       at = end;
       if (isDropped) {

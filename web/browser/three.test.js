@@ -4,7 +4,6 @@
 import assert from 'node:assert/strict';
 import { readFileSync, statSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
-import { test } from 'node:test';
 import { skip, startHarness } from './harness.js';
 import { largeModels, ownModel, texturedScenes } from './models.js';
 import { morphingSquare, readGlb, writeGlb } from '../testing/scene_glb.js';
@@ -18,7 +17,7 @@ const ROUNDING = 0.00002;
 const STAGE = '/browser/pages/stage.html';
 
 const harness = await startHarness();
-const { models, server } = harness;
+const { models, server, test } = harness;
 
 /** @param {string} file */
 function pack(file) {
@@ -418,7 +417,9 @@ test('nothing arrives while a model is paused', { skip }, async () => {
     const states = [];
     progressive.addEventListener('connection', ({ state }) => states.push(state));
     await new Promise((resolve) => progressive.addEventListener('update', resolve));
+    const paused = new Promise((resolve) => progressive.addEventListener('connection', ({ state }) => state === 'paused' && resolve()));
     progressive.pause();
+    await paused;
     // What is on its way may still come.
     await new Promise((resolve) => setTimeout(resolve, 500));
     const note = () => [trianglesOf(gltf), progressive.progress.receivedBytes];

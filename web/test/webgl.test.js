@@ -95,6 +95,29 @@ test('a camera sees what it looks at, and its view is text', () => {
   for (const text of ['', '1,2,3', '0,0,-1,0,0,0', '0,0,x,0,0,0', '0,0,Infinity,0,0,0', '0,0,1e300,0,0,0', '0,0,1e-300,0,0,0', '0,0,1,0,-1e38,0', '1e16,0,1,0,0,0']) assert.ok(!other.parse(text), text);
 });
 
+/**
+ * Returns an object that calls a function whenever a property of it, or of what is in it, is read.
+ * @template {object} T
+ * @param {T} object
+ * @param {() => void} onread
+ * @returns {T}
+ */
+function counting(object, onread) {
+  const proxies = new Map();
+  const wrap = (value) => {
+    if (typeof value !== 'object' || value === null) return value;
+    if (!proxies.has(value)) {
+      const get = (target, key) => {
+        onread();
+        return wrap(target[key]);
+      };
+      proxies.set(value, new Proxy(value, { get }));
+    }
+    return proxies.get(value);
+  };
+  return wrap(object);
+}
+
 test('a scene ignores cycles, and bounds its meshes where they stand', () => {
   const scene = new Scene({
     scenes: [{ nodes: [0] }],
@@ -108,15 +131,15 @@ test('a scene ignores cycles, and bounds its meshes where they stand', () => {
 
 test('a scene of many nodes is read in linear time, and bounds that are none do not count', () => {
   const count = 200_000;
-  const bounds = (accessor) => new Scene({
+  let reads = 0;
+  const bounds = (accessor) => new Scene(counting({
     scenes: [{ nodes: Array.from({ length: count }, (_, i) => i) }],
     nodes: Array.from({ length: count }, (_, i) => (i > 1 ? {} : { mesh: i })),
     meshes: [0, 1].map((POSITION) => ({ primitives: [{ attributes: { POSITION } }] })),
     accessors: [accessor, { min: [0, 0, 0], max: [1, 1, 1] }],
-  }).bounds;
-  const start = performance.now();
+  }, () => reads++)).bounds;
   for (const accessor of [{ min: 5, max: 5 }, { min: ['a', 0, 0], max: [1, 1, 1] }]) assert.deepEqual(bounds(accessor), { min: [0, 0, 0], max: [1, 1, 1] });
-  assert.ok(performance.now() - start < 10_000);
+  assert.ok(reads < 50 * count, `${reads} reads`);
 });
 
 test('animations may have many tracks', () => {
@@ -163,11 +186,11 @@ test('weights of many nodes and targets take no more than the document', () => {
     accessors: [{ min: [0, 0, 0], max: [1, 1, 1] }],
     animations: [{ channels: Array.from({ length: nodes }, (_, node) => ({ target: { node, path: 'weights' } })) }],
   };
-  const start = performance.now();
-  const scene = new Scene(json);
+  let reads = 0;
+  const scene = new Scene(counting(json, () => reads++));
   assert.deepEqual(scene.bounds.max, [1 + targets / 2, 1 + targets / 2, 1 + targets / 2]);
   assert.ok(new Set([...scene.nodes.values()].map(({ weights }) => weights)).size === 1 + nodes / 2);
-  assert.ok(performance.now() - start < 10_000);
+  assert.ok(reads < 200 * (targets + nodes), `${reads} reads`);
 });
 
 test('morph targets that nothing adds are not read', () => {
@@ -268,6 +291,22 @@ test('morph targets are uploaded as one texture, and nothing of it stays', () =>
   assert.equal(gl.textures.length, 2, 'it is made again after the context was lost');
   model.close();
   assert.ok(gl.textures[1].isDeleted);
+});
+
+/** Regression: the page said that there was nothing to show. */
+test('a model that arrives after the context was restored is shown', () => {
+  const { json, arrays } = morphingSquare();
+  const { json: views, bytes } = binaryOf(sceneGlb(json, arrays));
+  for (const isRestored of [false, true]) {
+    const { model, told } = openModel({ ...json, ...views }, new Uint8Array(0), bytes.length);
+    if (isRestored) model.restore();
+    while (model.isBusy) model.step(new Budget());
+    assert.equal(model.items.length, 0);
+    model.events.binary(bytes, 0);
+    while (model.isBusy) model.step(new Budget());
+    assert.deepEqual(told.errors, []);
+    assert.equal(model.items.length, 1, isRestored ? 'after the context was restored' : 'without a loss');
+  }
 });
 
 test('morph targets beyond the room are left out', () => {

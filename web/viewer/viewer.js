@@ -49,6 +49,8 @@ export class Viewer {
   /** Why the model ended early. @type {ViewerError | undefined} */
   error;
   isPaused = false;
+  /** How the connection is. @type {ConnectionState} */
+  connection = 'connecting';
   /** The files that the model refers to and that are not there. @type {Set<string>} */
   missing = new Set();
   #client = new Client();
@@ -200,6 +202,7 @@ export class Viewer {
         this.#listener.change();
       },
       connection: (state) => {
+        this.connection = state;
         this.#isDone = state === 'done';
         if (this.#isDone) this.renderer.draw();
         this.#listener.connection(state);
@@ -224,6 +227,7 @@ export class Viewer {
     this.figures = new Figures();
     this.state = 'empty';
     this.error = undefined;
+    this.connection = 'connecting';
     this.isPaused = this.#isDone = this.#hasPicture = false;
   }
 

@@ -292,6 +292,20 @@ export class Geometry {
   #isUploaded = false;
 
   /**
+   * Takes the arrays of a part. They are uploaded even if the context was restored before they arrived.
+   * @param {Map<string, VertexData>} attributes
+   * @param {number} number
+   * @param {IndexData} indices
+   * @param {Morphs} [morphs]
+   */
+  fill(attributes, number, indices, morphs) {
+    this.attributes = attributes;
+    this.morphs = morphs;
+    this.parts.set(number, indices);
+    this.#isChanged = true;
+  }
+
+  /**
    * Takes an update of the client.
    * @param {MeshUpdate} update
    */

@@ -194,14 +194,16 @@ export class ShownModel {
     const used = [...Object.values(attributes), indices, ...targets.flatMap(Object.values)];
     this.#later(Math.max(...used.map((accessor) => accessorEnd(json, accessor))), (bytes) => {
       let count = 0;
+      /** @type {Map<string, VertexData>} */
+      const vertices = new Map();
       for (const [name, accessor] of Object.entries(attributes)) {
         if (!Object.hasOwn(LOCATIONS, name)) continue;
         const index = /** @type {number} */ (accessor);
         if (name === 'POSITION') count = this.#accessors.read(index, bytes).count;
-        own.attributes.set(name, this.#vertexData(index, bytes));
+        vertices.set(name, this.#vertexData(index, bytes));
       }
-      own.morphs = this.#morphs(targets, count, bytes);
-      own.parts.set(part, indices === undefined ? new IndexData(null, count, mode) : this.#indexData(indices, mode, bytes));
+      const faces = indices === undefined ? new IndexData(null, count, mode) : this.#indexData(indices, mode, bytes);
+      own.fill(vertices, part, faces, this.#morphs(targets, count, bytes));
       this.#changed.add(own);
     });
     return { own, stream, part, material };

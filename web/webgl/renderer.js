@@ -147,6 +147,11 @@ export class Renderer {
     this.#gl.getExtension('WEBGL_lose_context')?.loseContext();
   }
 
+  /** Whether the picture shows all that has arrived: nothing is to be uploaded, decoded or drawn. */
+  get isIdle() {
+    return this.#frame === 0 && !this.#isDirty && !this.#isMoving && !this.#model?.isBusy && !this.#model?.textures?.isBusy;
+  }
+
   get mode() {
     return this.#mode;
   }

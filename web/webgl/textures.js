@@ -33,6 +33,8 @@ export class Textures {
   #images = new Map();
   #json;
   #isReleased = false;
+  /** The images that are loaded or decoded at the moment. */
+  #pending = 0;
   /** How often the context was lost: textures of before are none any more. */
   #losses = 0;
 
@@ -47,6 +49,11 @@ export class Textures {
     this.#json = json;
     this.#onchange = onchange;
     this.#find = find;
+  }
+
+  /** Whether images are loaded or decoded. */
+  get isBusy() {
+    return this.#pending > 0;
   }
 
   /**
@@ -67,6 +74,7 @@ export class Textures {
     const uri = this.#json.images?.[image]?.uri;
     if (typeof uri !== 'string' || this.#asked.has(image)) return;
     this.#asked.add(image);
+    this.#pending++;
     try {
       const blob = dataOf(uri) ?? (await this.#find(uri));
       if (this.#isReleased) return;
@@ -74,6 +82,8 @@ export class Textures {
       this.#onchange();
     } catch {
       // The model is drawn without it. Who finds images knows which ones are missing.
+    } finally {
+      this.#pending--;
     }
   }
 
@@ -94,6 +104,7 @@ export class Textures {
       return null;
     }
     this.#textures.set(key, null);
+    this.#pending++;
     const losses = this.#losses;
     // An image that cannot be decoded is left out: the model is drawn without it.
     this.#make(blob, isColor, this.#json.samplers?.[sampler] ?? {}).then(
@@ -104,7 +115,7 @@ export class Textures {
         this.#onchange();
       },
       () => {},
-    );
+    ).finally(() => this.#pending--);
     return null;
   }
 

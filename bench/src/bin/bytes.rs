@@ -1,7 +1,7 @@
 //! Measures the bytes of simplified scenes, images aside, compared with gltfpack.
 //!
 //! ```sh
-//! cargo run --release -p tristrip-bench --bin bytes -- --gltfpack gltfpack ../shared/models/textured ../shared/models/milktruck.glb
+//! cargo run --profile dist -p tristrip-bench --bin bytes -- --gltfpack gltfpack ../shared/models/textured ../shared/models/milktruck.glb
 //! ```
 //!
 //! Each scene is simplified to 20 % of its triangles by both programs, within the error limit that each has by default; `compact` is ours with

@@ -2,7 +2,7 @@
 //! threads (variants of methods on models of more than 8,000 triangles: with 1 and one of the others), and is written to files that an independent checker proves again (`tools/corpus/check_files.py`).
 //!
 //! ```sh
-//! cargo build --release && target/release/corpus ../shared/models --checker ../shared/check_strips.py
+//! cargo build --profile dist -p tristrip-bench && target/dist/corpus ../shared/models --checker ../shared/check_strips.py
 //! ```
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
 

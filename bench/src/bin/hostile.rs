@@ -1,7 +1,7 @@
 //! Measures every default method, and levels of detail, on the hostile shapes at two sizes: time per triangle, and growth.
 //!
 //! ```sh
-//! cargo run --release -p tristrip-bench --bin hostile -- --triangles 1000000
+//! cargo run --profile dist -p tristrip-bench --bin hostile -- --triangles 1000000
 //! ```
 //!
 //! Every run is a process of its own with a time limit; its result is proven before its time is printed. A run *violates* the bar if it

@@ -1,7 +1,7 @@
 //! Measures what simplification changes in pictures of textured scenes, compared with gltfpack.
 //!
 //! ```sh
-//! cargo run --release -p tristrip-bench --bin pictures -- --gltfpack gltfpack
+//! cargo run --profile dist -p tristrip-bench --bin pictures -- --gltfpack gltfpack
 //! ```
 //!
 //! Each scene is simplified to 50 % and to 20 % of its triangles. With gltfpack, ours gets as many triangles as gltfpack's result shows, which

@@ -1,7 +1,7 @@
 //! What the web server bears: many clients at once, slow clients, hostile paths, a kill while it packs, and requests per second on one core.
 //!
 //! ```text
-//! cargo run --release -p tristrip-bench --bin server
+//! cargo run --profile dist -p tristrip-bench --bin server
 //! ```
 //! The server is a process of its own, so that its memory and its core are its own. Each answer is compared with the bytes that it should have.
 

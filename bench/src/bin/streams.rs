@@ -1,7 +1,7 @@
 //! Measures progressive streams: bytes by component, times, memory, and how far the surface is from the full mesh after shares of the bytes.
 //!
 //! ```sh
-//! cargo run --release -p tristrip-bench --bin streams -- ../shared/models/bunny.ply ../shared/models/horse.ply
+//! cargo run --profile dist -p tristrip-bench --bin streams -- ../shared/models/bunny.ply ../shared/models/horse.ply
 //! ```
 //!
 //! Only the first mesh of a file is encoded, without its attributes unless --attributes is given. Each stream is decoded again, and must have the triangles of the

@@ -6,7 +6,6 @@ import array
 import datetime
 import decimal
 import resource
-import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -202,16 +201,15 @@ WRONG_INDICES = [
 
 
 def raises(wrong: Wrong, call: Callable[[Any], object]) -> None:
-    """Check that a call fails as it must, at once and without memory for what an array claims to have."""
+    """Check that a call fails as it must, without memory for what an array claims to have."""
     argument = wrong.make()
-    started, memory = time.monotonic(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(wrong.error, match=wrong.text) as caught:
         call(argument)
     assert caught.type is wrong.error
     assert issubclass(wrong.error, (TypeError, ValueError))
     # Kilobytes on Linux; other systems have larger or smaller units, which would only fail earlier or later.
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - memory < 50_000
-    assert time.monotonic() - started < 5
 
 
 @pytest.mark.parametrize("wrong", WRONG_FACES, ids=lambda wrong: wrong.name)
@@ -342,12 +340,11 @@ def test_an_empty_index_buffer(layout: Any, indices: Any) -> None:
 
 @pytest.mark.parametrize("highest", [10**6, 2**31, 2**32 - 3])
 def test_sparse_vertex_numbers(highest: int) -> None:
-    """Few faces with large vertex numbers take time and memory by the number of faces."""
+    """Few faces with large vertex numbers take memory by the number of faces."""
     faces = MESH.faces.copy()
     faces[faces == 29] = highest
-    started, memory = time.monotonic(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     strips = tristrip.stripify(faces, verify=True)
     oracle.assert_same_triangles(strips.triangles(), faces)
     assert strips.metrics()["strips"] == tristrip.stripify(MESH.faces).metrics()["strips"]
-    assert time.monotonic() - started < 5
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - memory < 100_000

@@ -6,7 +6,6 @@ import io
 import pickle
 import signal
 import threading
-import time
 from typing import Any
 
 import pytest
@@ -63,19 +62,15 @@ def test_an_exception_of_the_callback_ends_the_search(hand: Hand) -> None:
     def stop(progress: tristrip.Progress) -> None:
         raise FoundEnoughError(progress.stage)
 
-    started = time.monotonic()
     with pytest.raises(FoundEnoughError, match="stripify") as caught:
         tristrip.stripify(hand[1], progress=stop, **LONG)
-    assert time.monotonic() - started < 8
     # The work is not lost.
     best = vars(caught.value)["best"]
     oracle.assert_same_triangles(best.triangles(), hand[1])
 
 
 def test_a_budget_ends_the_search(hand: Hand) -> None:
-    started = time.monotonic()
     strips = tristrip.stripify(hand[1], budget=0.2, **LONG)
-    assert 0.15 < time.monotonic() - started < 8
     assert strips.stopped == "budget"
     assert strips.notes == ["the time budget ended the search: another run may give a different result"]
     oracle.assert_same_triangles(strips.triangles(), hand[1])
@@ -97,10 +92,8 @@ def test_a_budget_of_zero_is_enough_for_a_result(hand: Hand) -> None:
 
 @pytest.mark.parametrize("options", [LONG, {**LONG, "progress": lambda _: None}], ids=["alone", "with progress"])
 def test_ctrl_c_raises_with_the_best_result(hand: Hand, options: dict[str, Any]) -> None:
-    started = time.monotonic()
     with pytest.raises(tristrip.Interrupted, match="best") as caught, interrupt_after(0.3):
         tristrip.stripify(hand[1], **options)
-    assert time.monotonic() - started < 8
     assert isinstance(caught.value, KeyboardInterrupt)
     best = caught.value.best
     assert best.stopped == "interrupt"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import time
 from typing import Any
 
 import numpy as np
@@ -225,18 +224,12 @@ def test_many_parts_are_interrupted_together() -> None:
     assert sum(len(part.faces) for part in best.scene.parts) == best.report["triangles_after"]
 
 
-def test_large_triangles_take_no_points_and_no_long_time() -> None:
+def test_large_triangles_take_no_points() -> None:
     ball = meshes.sphere(6)
     count = len(ball.vertices)
     floor = np.array([[-900, -900, -2], [900, -900, -2], [900, 900, -2], [-900, 900, -2]], np.float32)
     faces = np.concatenate([ball.faces, [[count, count + 1, count + 2], [count, count + 2, count + 3]]])
-    seconds = []
-    for fit in (False, True):
-        started = time.monotonic()
-        small = tristrip.simplify(np.concatenate([ball.vertices, floor]), faces, ratio=0.2, error="100%", fit=fit)
-        seconds.append(time.monotonic() - started)
-    # Without bounds of the searches it was a hundred times.
-    assert seconds[1] < 20 * seconds[0] + 1
+    small = tristrip.simplify(np.concatenate([ball.vertices, floor]), faces, ratio=0.2, error="100%", fit=True)
     radii = np.linalg.norm(small.vertices[small.sources < count], axis=1)
     assert 0.99 < radii.min() <= radii.max() < 1.03
 

@@ -2,6 +2,7 @@
 
 mod detail;
 mod groups;
+#[cfg(feature = "serve")]
 mod serve;
 mod stream;
 mod view;
@@ -25,6 +26,7 @@ use crate::topics::{TOPICS, Topic};
 use crate::values::{effort_parser, named};
 pub(crate) use detail::{BuildLodArgs, CameraLevelArgs, ChainArgs, LevelArgs, SimplifyArgs};
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs, TargetArgs};
+#[cfg(feature = "serve")]
 pub(crate) use serve::{LogFormat, ServeArgs, ViewArgs};
 pub(crate) use stream::{InspectArgs, PackArgs, UnpackArgs};
 pub(crate) use view::CriteriaArgs;
@@ -73,8 +75,18 @@ pub(crate) enum Command {
     Pack(PackArgs),
     Unpack(UnpackArgs),
     Inspect(InspectArgs),
+    #[cfg(feature = "serve")]
     Serve(Box<ServeArgs>),
+    #[cfg(feature = "serve")]
     View(ViewArgs),
+    /// Serve the models of a directory over HTTP (not in this build)
+    #[cfg(not(feature = "serve"))]
+    #[command(after_help = NO_SERVER, arg = any_arguments())]
+    Serve,
+    /// View models in the browser (not in this build)
+    #[cfg(not(feature = "serve"))]
+    #[command(after_help = NO_SERVER, arg = any_arguments())]
+    View,
     Completions(CompletionsArgs),
     Man(ManArgs),
     Help(HelpArgs),
@@ -90,6 +102,17 @@ const GROUPS: [(&str, &[&str]); 4] = [
 
 /// The subcommands that print texts about the command.
 const TEXTS: [&str; 3] = ["help", "completions", "man"];
+
+/// How to get the web server in a build without it.
+#[cfg(not(feature = "serve"))]
+pub(crate) const NO_SERVER: &str = "this build has no web server: install one that has, from a clone of the repository, \
+     with `cargo install --path crates/tristrip-cli --features serve --profile dist`";
+
+/// Accepts what the subcommands of the web server would.
+#[cfg(not(feature = "serve"))]
+fn any_arguments() -> Arg {
+    Arg::new("arguments").num_args(0..).hide(true).allow_hyphen_values(true).trailing_var_arg(true)
+}
 
 /// Build triangle strips, verify them and write them
 ///
@@ -298,8 +321,8 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
         Command::Pack(_) => "pack",
         Command::Unpack(_) => "unpack",
         Command::Inspect(_) => "inspect",
-        Command::Serve(_) => "serve",
-        Command::View(_) => "view",
+        Command::Serve { .. } => "serve",
+        Command::View { .. } => "view",
         Command::Completions(_) => "completions",
         Command::Man(_) => "man",
         Command::Help(HelpArgs { name: Some(name) }) if Topic::find(name).is_none() => {

@@ -16,6 +16,7 @@ use crate::task::Shared;
 /// The two output streams and their settings.
 pub(crate) struct Console {
     quiet: bool,
+    #[cfg(feature = "serve")]
     threads: Option<usize>,
     results: Results,
     /// Whether a second thread may animate the progress display.
@@ -59,6 +60,7 @@ impl Console {
     pub(crate) fn new(shared: &Shared, output_is_stdout: bool) -> Self {
         Self {
             quiet: shared.quiet,
+            #[cfg(feature = "serve")]
             threads: shared.threads,
             results: match (shared.json, output_is_stdout) {
                 (true, _) => Results::Json,
@@ -112,16 +114,19 @@ impl Console {
     }
 
     /// Returns whether only errors and requested results are printed.
+    #[cfg(feature = "serve")]
     pub(crate) fn is_quiet(&self) -> bool {
         self.quiet
     }
 
     /// Returns the number of threads, if the user chose one.
+    #[cfg(feature = "serve")]
     pub(crate) fn threads(&self) -> Option<usize> {
         self.threads
     }
 
     /// Prints a line on standard error.
+    #[cfg(feature = "serve")]
     pub(crate) fn line(&self, line: &str) {
         self.print(line);
     }

@@ -66,6 +66,7 @@ impl From<tristrip_pipeline::Error> for Failure {
     }
 }
 
+#[cfg(feature = "serve")]
 impl From<tristrip_serve::Error> for Failure {
     fn from(error: tristrip_serve::Error) -> Self {
         Self::Input(error.to_string())

@@ -54,6 +54,7 @@ impl Output {
     }
 
     /// Chooses bytes in memory instead of a file.
+    #[cfg(feature = "serve")]
     pub(crate) fn in_memory(format: Format) -> Self {
         Self { path: None, in_directory: false, format, separate: false, layout: Layout::List }
     }

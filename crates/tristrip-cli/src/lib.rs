@@ -4,6 +4,8 @@
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab, tristrip-serve ─▶ output ─▶ figures ─▶ console
 //!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ level │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ serve │ view │ repro
 //! ```
+//! `serve` and `view` need the feature `serve`, and HTTPS the feature `tls`.
+//!
 //! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
 
 #![forbid(unsafe_code)]
@@ -24,12 +26,14 @@ mod input;
 mod inspect;
 mod job;
 mod level;
+#[cfg(feature = "serve")]
 mod logs;
 mod method;
 mod output;
 mod pack;
 mod reorder;
 mod search;
+#[cfg(feature = "serve")]
 mod serve;
 mod shell;
 mod simplify;
@@ -40,6 +44,7 @@ mod topics;
 mod unpack;
 mod values;
 mod verify;
+#[cfg(feature = "serve")]
 mod view;
 
 use std::ffi::OsString;
@@ -136,7 +141,9 @@ fn run_task(task: &Task, console: &mut Console) -> bool {
         Task::Pack(task) => pack::run(task, console),
         Task::Unpack(task) => unpack::run(task, console),
         Task::Inspect(task) => inspect::run(task, console),
+        #[cfg(feature = "serve")]
         Task::Serve(task) => serve::run(task, console),
+        #[cfg(feature = "serve")]
         Task::View(task) => view::run(task, console),
         Task::Print(text) => {
             console.write_stdout(text);

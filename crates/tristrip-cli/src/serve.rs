@@ -49,7 +49,7 @@ pub(crate) fn run(task: &ServeTask, console: &mut Console) -> bool {
     report.address = Some(server.address().ip().to_string());
     report.port = Some(server.address().port());
     console.line(&format!("{}  {}", server.url(), report.file));
-    if !options.address.to_canonical().is_loopback() && options.tls.is_none() {
+    if !options.address.to_canonical().is_loopback() && server.url().starts_with("http:") {
         console.note("other machines can connect, without encryption");
         report.notes.push("other machines can connect, without encryption".into());
     }

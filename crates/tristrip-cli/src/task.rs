@@ -2,6 +2,7 @@
 
 mod checks;
 mod levels;
+#[cfg(feature = "serve")]
 mod servers;
 mod streams;
 mod views;
@@ -23,7 +24,9 @@ use crate::topics::Topic;
 use checks::{check_chart, check_picture};
 pub(crate) use levels::{BuildLodTask, ChainTask, LevelTask};
 use levels::{build_lod_task, camera_level_task, chain_task, level_task};
+#[cfg(feature = "serve")]
 pub(crate) use servers::{ServeTask, ViewTask};
+#[cfg(feature = "serve")]
 use servers::{serve_task, view_task};
 pub(crate) use streams::{InspectTask, PackTask, UnpackTask};
 use streams::{inspect_task, pack_task, unpack_task};
@@ -44,7 +47,9 @@ pub(crate) enum Task {
     Pack(PackTask),
     Unpack(UnpackTask),
     Inspect(InspectTask),
+    #[cfg(feature = "serve")]
     Serve(Box<ServeTask>),
+    #[cfg(feature = "serve")]
     View(ViewTask),
     /// A text to print: completions, a man page or a topic.
     Print(Vec<u8>),
@@ -138,9 +143,9 @@ impl Task {
             | Self::Verify(_)
             | Self::BuildLod(_)
             | Self::Inspect(_)
-            | Self::Serve(_)
-            | Self::View(_)
             | Self::Print(_) => false,
+            #[cfg(feature = "serve")]
+            Self::Serve(_) | Self::View(_) => false,
         }
     }
 }
@@ -243,8 +248,12 @@ fn validate(command: Command) -> Result<Task, String> {
         Command::Pack(args) => Task::Pack(pack_task(args)?),
         Command::Unpack(args) => Task::Unpack(unpack_task(args)?),
         Command::Inspect(args) => Task::Inspect(inspect_task(args)?),
+        #[cfg(feature = "serve")]
         Command::Serve(args) => Task::Serve(Box::new(serve_task(*args)?)),
+        #[cfg(feature = "serve")]
         Command::View(args) => Task::View(view_task(args)?),
+        #[cfg(not(feature = "serve"))]
+        Command::Serve | Command::View => return Err(args::NO_SERVER.into()),
         Command::Completions(args) => Task::Print(shell::completions(args.shell)),
         Command::Man(args) => Task::Print(shell::man(args.subcommand.as_deref())?),
         Command::Help(HelpArgs { name }) => {

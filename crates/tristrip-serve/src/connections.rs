@@ -21,7 +21,6 @@ use tokio::net::TcpStream;
 use tokio::sync::watch;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 use tokio_io_timeout::TimeoutStream;
-use tokio_rustls::TlsAcceptor;
 
 use crate::activity::Activity;
 use crate::answer::Answerer;
@@ -29,6 +28,7 @@ use crate::clients::{Clients, Place};
 use crate::metrics::Metrics;
 use crate::options::Limits;
 use crate::streams::StreamExecutor;
+use crate::tls::Tls;
 
 /// What a client over a limit gets.
 const REFUSAL: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nContent-Type: text/plain; charset=utf-8\r\nContent-Length: 21\r\nConnection: close\r\n\r\ntoo many connections\n";
@@ -41,7 +41,7 @@ pub(crate) struct Connections {
     pub(crate) answerer: Answerer,
     pub(crate) limits: Arc<Limits>,
     pub(crate) metrics: Arc<Metrics>,
-    pub(crate) tls: Option<TlsAcceptor>,
+    pub(crate) tls: Option<Tls>,
     pub(crate) clients: Arc<Clients>,
     /// True once the server stops.
     pub(crate) stop: watch::Receiver<bool>,

@@ -7,7 +7,7 @@
 //!                 ├─ catalogue: the list of models                                        │
 //!                 └─ packing, thumbnails ─▶ workshop: once for all who ask ─▶ cache ◀─────┘
 //! ```
-//! It speaks HTTP/1.1 and HTTP/2, with or without TLS. What a client may take is limited ([`Limits`]): connections, heads of requests, time without progress.
+//! It speaks HTTP/1.1 and HTTP/2, and TLS with the feature `tls`. What a client may take is limited ([`Limits`]): connections, heads of requests, time without progress.
 //! Files are read in small pieces, so that memory does not grow with their size.
 
 #![forbid(unsafe_code)]
@@ -28,6 +28,8 @@ mod glb_start;
 mod hosts;
 mod media;
 mod metrics;
+#[cfg(not(feature = "tls"))]
+mod no_tls;
 mod options;
 mod packing;
 mod paths;
@@ -37,11 +39,16 @@ mod server;
 mod site;
 mod streams;
 mod thumbnails;
+#[cfg(feature = "tls")]
 mod tls;
 mod workshop;
 
 pub use content::{Content, MemoryFile};
 pub use error::Error;
-pub use options::{Limits, PackingOptions, ServerOptions, TlsFiles};
+#[cfg(not(feature = "tls"))]
+use no_tls as tls;
+#[cfg(feature = "tls")]
+pub use options::TlsFiles;
+pub use options::{Limits, PackingOptions, ServerOptions};
 pub use paths::url_path;
 pub use server::{Server, StopHandle, default_cache};

@@ -28,6 +28,7 @@ pub struct ServerOptions {
     /// The bits per second of each response, to show a model over a slow network; `None` for no limit.
     pub bandwidth: Option<u64>,
     /// The certificate of HTTPS; `None` for HTTP.
+    #[cfg(feature = "tls")]
     pub tls: Option<TlsFiles>,
     /// What is packed, and how.
     pub packing: PackingOptions,
@@ -43,6 +44,7 @@ impl Default for ServerOptions {
             hosts: Vec::new(),
             cors: Vec::new(),
             bandwidth: None,
+            #[cfg(feature = "tls")]
             tls: None,
             packing: PackingOptions::default(),
             limits: Limits::default(),
@@ -82,6 +84,7 @@ impl ServerOptions {
     }
 
     /// Sets the certificate of HTTPS; `None` for HTTP.
+    #[cfg(feature = "tls")]
     #[must_use]
     pub fn with_tls(self, tls: Option<TlsFiles>) -> Self {
         Self { tls, ..self }
@@ -101,6 +104,7 @@ impl ServerOptions {
 }
 
 /// The files of a certificate, in PEM.
+#[cfg(feature = "tls")]
 #[derive(Debug, Clone)]
 pub struct TlsFiles {
     /// The certificate, and those that it depends on.

@@ -10,7 +10,6 @@ use tokio::runtime::Builder;
 use tokio::sync::{oneshot, watch};
 use tokio::task::JoinSet;
 use tokio::time::{sleep, timeout};
-use tokio_rustls::TlsAcceptor;
 
 use crate::answer::Answerer;
 use crate::cache::Cache;
@@ -21,7 +20,7 @@ use crate::error::Error;
 use crate::metrics::Metrics;
 use crate::options::{PackingOptions, ServerOptions};
 use crate::site::{Site, router};
-use crate::tls::acceptor;
+use crate::tls::Tls;
 use crate::workshop::Workshop;
 
 /// The files that may be open beside the connections and the files that they send.
@@ -56,15 +55,6 @@ pub struct Server {
     metrics: Arc<Metrics>,
     tls: Option<Tls>,
     stop: StopHandle,
-}
-
-/// The certificate in use.
-struct Tls(TlsAcceptor);
-
-impl std::fmt::Debug for Tls {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Tls")
-    }
 }
 
 /// Stops a server: it accepts no more connections, and ends when running responses have ended, or the grace time has.
@@ -110,7 +100,7 @@ impl Server {
     pub fn bind(content: Content, options: &ServerOptions) -> Result<Self, Error> {
         let options = options.clone();
         let store = Store::open(content)?;
-        let tls = options.tls.as_ref().map(acceptor).transpose()?.map(Tls);
+        let tls = Tls::from_options(&options)?;
         let metrics = Arc::new(Metrics::new());
         let workshop = match &store {
             Store::Folder(_) => Some(Arc::new(open_workshop(&options.packing, &metrics)?)),
@@ -197,7 +187,7 @@ impl Server {
             answerer: self.answerer,
             limits: Arc::clone(&limits),
             metrics: Arc::clone(&metrics),
-            tls: self.tls.map(|Tls(acceptor)| acceptor),
+            tls: self.tls,
             clients: Arc::new(Clients::default()),
             stop: stop.clone(),
         };

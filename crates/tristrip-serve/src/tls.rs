@@ -1,18 +1,47 @@
 //! HTTPS with a given certificate: HTTP/2 and HTTP/1.1, chosen by the client.
 
+use std::fmt;
+use std::io;
 use std::sync::Arc;
 
 use rustls_pki_types::pem::PemObject;
 use rustls_pki_types::{CertificateDer, PrivateKeyDer};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio_rustls::TlsAcceptor;
 use tokio_rustls::rustls::ServerConfig;
 use tokio_rustls::rustls::crypto::ring::default_provider;
+use tokio_rustls::server::TlsStream;
 
 use crate::error::Error;
-use crate::options::TlsFiles;
+use crate::options::{ServerOptions, TlsFiles};
+
+/// The certificate in use.
+#[derive(Clone)]
+pub(crate) struct Tls(TlsAcceptor);
+
+impl fmt::Debug for Tls {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Tls")
+    }
+}
+
+impl Tls {
+    /// Reads the certificate that the options name, if there is one.
+    pub(crate) fn from_options(options: &ServerOptions) -> Result<Option<Self>, Error> {
+        options.tls.as_ref().map(|files| acceptor(files).map(Self)).transpose()
+    }
+
+    /// Performs the handshake of a connection.
+    pub(crate) async fn accept<S>(&self, stream: S) -> io::Result<TlsStream<S>>
+    where
+        S: AsyncRead + AsyncWrite + Unpin,
+    {
+        self.0.accept(stream).await
+    }
+}
 
 /// Reads the certificate and its key.
-pub(crate) fn acceptor(files: &TlsFiles) -> Result<TlsAcceptor, Error> {
+fn acceptor(files: &TlsFiles) -> Result<TlsAcceptor, Error> {
     let of_file =
         |path: &std::path::Path, message: String| Error::Tls(format!("{}: {message}", path.display()));
     let certificates: Vec<CertificateDer<'static>> = CertificateDer::pem_file_iter(&files.certificate)

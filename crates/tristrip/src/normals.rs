@@ -75,10 +75,10 @@ impl Shading {
         Ok(Some(Self { is_flat, crease: separating(angles.collect()) }))
     }
 
-    /// Does the same for flat-shaded triangles only, and returns `None` for all others, most of them in less time.
+    /// Returns the shading of flat-shaded triangles as [`Shading::of`] does, and `None` for all others, most of them in less time.
     ///
     /// # Errors
-    /// As of [`Shading::of`].
+    /// The number of indices is not a multiple of three, or an index is out of range.
     ///
     /// ```
     #[doc = include_str!("normals/example.txt")]
@@ -130,10 +130,11 @@ impl Shading {
         self.normals_of_corners(mesh, before, triangles, false)
     }
 
-    /// Does the same, but a corner has the normal of its vertex where this fits the face, and that of the face where no other fits.
+    /// Returns the normals of [`Shading::corner_normals`], except that a corner has the normal of its vertex where this fits the face, and that of
+    /// the face where no other fits.
     ///
     /// # Errors
-    /// As of [`Shading::corner_normals`].
+    /// A number of indices is not a multiple of three, or an index is out of range.
     ///
     /// ```
     #[doc = include_str!("normals/example.txt")]

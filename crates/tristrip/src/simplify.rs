@@ -128,7 +128,8 @@ pub fn simplify_triangles(
 /// stay where they are. Vertices of one position count as different in their other attributes, so that they stay together on a seam.
 ///
 /// # Errors
-/// As [`simplify_triangles`]; or a position is not finite.
+/// The number of indices is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option is
+/// invalid; a position is not finite.
 ///
 /// ```
 /// use tristrip::InterleavedPositions;

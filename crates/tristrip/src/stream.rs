@@ -7,13 +7,13 @@
 //! goes on later from the byte at which the next one starts. A file may hold several meshes, whose chunks come in any order.
 //!
 //! # Algorithm
-//! Splits come in batches. A batch is a set of collapses whose removed points have no triangle in common, so that they can be told in any order: fan by fan, such
-//! that fans near each other follow one another. What a batch says about a fan is whether it is split (module `splits`), which of its corners move, and where the new point is
-//! (`places`) and what attributes its vertex has (`channels`), as differences from what the mesh around it makes expect. Each of these is a row of
-//! decisions and choices for the range coder and the adaptive models of the module `entropy`. Positions are on a grid whose step is halved as the error of the levels
-//! gets smaller (`refiner`). The encoder plans (`plan`) and rehearses (`run`, `fit`) before it writes (`encoder`).
+//! Splits come in batches. A batch is a set of collapses whose removed points have no triangle in common, so their order is free: they are written
+//! fan by fan, and fans near each other follow one another. For each fan a batch has whether it is split, which of its corners move, the position
+//! of the new point and the attributes of its vertex, as residuals against a prediction from the neighbouring mesh. Each of these is a sequence of
+//! decisions for a range coder with adaptive models. Positions are on a grid whose step is halved as the error of the levels gets smaller. The
+//! encoder plans all splits, and fits the weights of the predictions in rehearsals, before it writes.
 //!
-//! On an attribute seam, and where a surface is not manifold, a point has several fans (`surface`), which are split together.
+//! On an attribute seam, and where a surface is not manifold, a point has several fans, which are split together.
 //!
 //! Everything that decides is an integer, so that decoders in other languages agree with this one. The bytes are defined in FORMAT.md.
 //!

@@ -1,7 +1,7 @@
 //! Measures simplification, compared with meshoptimizer's, and levels of detail: filters, vertex splits, traffic, repaired strips.
 //!
 //! ```sh
-//! cargo run --release -p tristrip-bench --bin levels -- --docs docs
+//! cargo run --profile dist -p tristrip-bench --bin levels -- --docs docs
 //! ```
 //!
 //! All representations of levels of detail, over STRIPE's strips, are compared with the oracle before anything is timed. Times are medians
@@ -41,7 +41,7 @@ use tristrip_bench::text::{self, Table};
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// The command that generates the page.
-const COMMAND: &str = "cargo run --release -p tristrip-bench --bin levels -- --docs docs";
+const COMMAND: &str = "cargo run --profile dist -p tristrip-bench --bin levels -- --docs docs";
 /// Models whose quality has a target relative to meshoptimizer's.
 const QUALITY: [&str; 3] = ["bunny", "horse", "armadillo_43k"];
 const QUALITY_TARGET: f64 = 0.95;

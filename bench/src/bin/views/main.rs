@@ -1,7 +1,7 @@
 //! Measures view-dependent detail by Skip Strips: building, flights, vertices sent, and the time beside that of strips computed again.
 //!
 //! ```sh
-//! cargo run --release -p tristrip-bench --bin views -- --docs docs
+//! cargo run --profile dist -p tristrip-bench --bin views -- --docs docs
 //! ```
 //!
 //! Every flight is proven on a sample of its frames before it is timed. Times are those of one thread, except that two build the merge tree.
@@ -25,7 +25,7 @@ use tristrip_bench::models::ModelArgs;
 use tristrip_bench::text::{self, Table};
 
 /// The command that generates the page.
-const COMMAND: &str = "cargo run --release -p tristrip-bench --bin views -- --docs docs";
+const COMMAND: &str = "cargo run --profile dist -p tristrip-bench --bin views -- --docs docs";
 
 /// Measure view-dependent detail
 #[derive(Debug, Parser)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use tristrip_io::Format;
-use tristrip_serve::{Limits, PackingOptions, ServerOptions, TlsFiles};
+use tristrip_serve::{Limits, PackingOptions, ServerOptions};
 
 use crate::args::{LogFormat, ServeArgs, ViewArgs};
 use crate::job::{Job, Output, inputs};
@@ -47,13 +47,11 @@ pub(super) fn serve_task(args: ServeArgs) -> Result<ServeTask, String> {
     if let Some(at_once) = packing.packings {
         packing_options = packing_options.with_at_once(usize::from(at_once));
     }
-    let tls = listen.tls_certificate.zip(listen.tls_key);
     let options = ServerOptions::default()
         .with_address(listen.address)
         .with_port(listen.port)
         .with_hosts(listen.host)
         .with_cors(listen.cors)
-        .with_tls(tls.map(|(certificate, key)| TlsFiles { certificate, key }))
         .with_bandwidth(limits.bandwidth.map(|BitRate(rate)| rate))
         .with_packing(packing_options)
         .with_limits(
@@ -64,6 +62,11 @@ pub(super) fn serve_task(args: ServeArgs) -> Result<ServeTask, String> {
                 .with_idle_time(limits.idle_time)
                 .with_grace_time(limits.grace_time),
         );
+    #[cfg(feature = "tls")]
+    let options = {
+        let files = listen.tls_certificate.zip(listen.tls_key);
+        options.with_tls(files.map(|(certificate, key)| tristrip_serve::TlsFiles { certificate, key }))
+    };
     Ok(ServeTask { directory, options, log })
 }
 

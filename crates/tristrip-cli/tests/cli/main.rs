@@ -18,6 +18,7 @@ mod picture;
 mod progressive;
 mod reorder;
 mod search;
+#[cfg(feature = "serve")]
 mod serve;
 mod simplify;
 mod strip;

@@ -188,29 +188,27 @@ fn the_first_signal_waits_for_responses_and_the_second_does_not() {
     let mut rest = Vec::new();
     socket.read_to_end(&mut rest).unwrap();
     assert!(rest.ends_with(&bytes));
-    let (code, _) = ended(server);
-    assert_eq!(code, Some(0));
+    assert_eq!(ended(server), Some(0));
     // Half an hour.
     let (mut server, _socket) = start("1k");
     std::thread::sleep(Duration::from_millis(500));
     assert!(server.child.try_wait().unwrap().is_none(), "it waits for the response");
     assert!(TcpStream::connect(server.address()).is_err(), "it accepts nothing more");
     server.signal("INT");
-    let (code, time) = ended(server);
-    assert!(code == Some(0) && time < Duration::from_secs(10), "{code:?} {time:?}");
+    assert_eq!(ended(server), Some(0));
 }
 
-/// Waits for the end of a process, and returns its exit code and how long that took.
+/// Waits for the end of a process, and returns its exit code; none if it still runs after a minute.
 #[cfg(unix)]
-fn ended(mut server: Server) -> (Option<i32>, Duration) {
+fn ended(mut server: Server) -> Option<i32> {
     let start = Instant::now();
     while start.elapsed() < Duration::from_mins(1) {
         if let Some(status) = server.child.try_wait().unwrap() {
-            return (status.code(), start.elapsed());
+            return status.code();
         }
         std::thread::sleep(Duration::from_millis(10));
     }
-    (None, start.elapsed())
+    None
 }
 
 #[cfg(unix)]
@@ -230,7 +228,7 @@ fn a_browser_in_the_terminal_is_answered_while_it_runs() {
     let server = Server::start_with_browser(&["view", fish.to_str().unwrap()], Some(&browser));
     let start = Instant::now();
     while !opened.exists() {
-        assert!(start.elapsed() < Duration::from_secs(20), "no browser was opened");
+        assert!(start.elapsed() < Duration::from_mins(1), "no browser was opened");
         std::thread::sleep(Duration::from_millis(10));
     }
     let url = fs::read_to_string(&opened).unwrap();
@@ -238,8 +236,7 @@ fn a_browser_in_the_terminal_is_answered_while_it_runs() {
     assert_eq!(server.get("/").0, "200");
     assert_eq!(server.get("/files/fish_control.ply.glb").0, "200");
     server.signal("INT");
-    let (code, _) = ended(server);
-    assert_eq!(code, Some(0), "the browser still runs");
+    assert_eq!(ended(server), Some(0), "the browser still runs");
 }
 
 #[test]

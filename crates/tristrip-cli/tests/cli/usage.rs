@@ -22,6 +22,19 @@ fn negative_numbers_are_values_out_of_range() {
     refused(&["level", "a.ply", "--level", "-1"], "invalid value '-1' for '--level <LEVEL>'");
 }
 
+/// With the feature, `serve.rs` tests the server.
+#[cfg(not(feature = "serve"))]
+#[test]
+fn a_build_without_the_server_says_how_to_get_it() {
+    let command = "`cargo install --path crates/tristrip-cli --features serve --profile dist`";
+    let serve = ["serve", "models", "--port", "80", "--tls-key=key.pem"];
+    for arguments in [&serve[..], &["serve"], &["view", "a.ply", "--no-open"], &["view"]] {
+        refused(arguments, command);
+        let mut help = tristrip();
+        help.arg(arguments[0]).arg("--help").assert().success().stdout(contains(command));
+    }
+}
+
 #[test]
 fn parameters_belong_to_their_methods() {
     for (method, message) in [

@@ -374,7 +374,7 @@ fn keeps_real_scenes() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 4))]
     #[test]
     fn every_layout_draws_the_same_triangles(
         vertex_count in prop_oneof![3usize..12, 250usize..260, 65530usize..65540],

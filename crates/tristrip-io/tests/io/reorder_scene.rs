@@ -268,7 +268,7 @@ fn reorders_real_scenes() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 5))]
     /// Primitives over vertex arrays, some of them shared, interleaved in one view or in separate views.
     #[test]
     fn every_scene_is_reordered_or_kept(

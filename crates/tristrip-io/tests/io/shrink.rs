@@ -331,7 +331,7 @@ fn real_scenes_shrink() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 3))]
     /// Primitives over vertex arrays, some of them shared, interleaved in one view, behind each other in one view, or in separate
     /// views; some of the primitives are lines.
     #[test]

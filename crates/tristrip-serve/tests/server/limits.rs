@@ -9,19 +9,20 @@ use super::Running;
 use super::client::{connect, parse, read};
 
 const MILLION: usize = 1_000_000;
+/// How long a test waits for the server to notice something.
+const PATIENCE: Duration = Duration::from_mins(1);
 
 fn with(limits: Limits) -> ServerOptions {
     ServerOptions::default().with_limits(limits)
 }
 
-/// Reads until the server closes, and returns the time that this took.
-fn time_to_close(mut socket: impl Read) -> Duration {
-    let start = Instant::now();
+/// Reads until the server closes the connection. The socket has a time limit.
+fn wait_for_close(mut socket: impl Read) -> Vec<u8> {
     let mut bytes = Vec::new();
     if let Err(error) = socket.read_to_end(&mut bytes) {
         assert_ne!(error.kind(), ErrorKind::WouldBlock, "the connection stays open");
     }
-    start.elapsed()
+    bytes
 }
 
 #[test]
@@ -42,11 +43,11 @@ fn connections_over_a_limit_are_refused() {
     // The server notices that it is closed a moment later.
     let start = Instant::now();
     while parse(&attempt(&server)).is_none_or(|response| response.status != 200) {
-        assert!(start.elapsed() < Duration::from_secs(10));
+        assert!(start.elapsed() < PATIENCE);
     }
     drop(open);
     while server_metric(&server) == 0 {
-        assert!(start.elapsed() < Duration::from_secs(10));
+        assert!(start.elapsed() < PATIENCE);
     }
 }
 
@@ -88,11 +89,9 @@ fn slow_heads_and_idle_connections_are_closed_and_hold_up_nobody() {
             std::thread::sleep(Duration::from_millis(50));
         }
     });
-    let start = Instant::now();
     assert_eq!(server.get("/healthz").status, 200);
-    assert!(start.elapsed() < Duration::from_secs(2));
     for socket in [silent, half, preface] {
-        assert!(time_to_close(socket) < Duration::from_secs(5));
+        wait_for_close(socket);
     }
     let mut bytes = Vec::new();
     slow.read_to_end(&mut bytes).unwrap_or_default();
@@ -100,30 +99,42 @@ fn slow_heads_and_idle_connections_are_closed_and_hold_up_nobody() {
     writing.join().unwrap();
     let mut idle = connect(server.address);
     idle.write_all(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
-    assert!(time_to_close(idle) < Duration::from_secs(5));
+    wait_for_close(idle);
 }
 
-#[test]
-fn a_client_that_reads_nothing_is_closed_and_holds_up_nobody() {
-    // More than the buffers of both sockets take.
-    let large = vec![5; 20 * MILLION];
-    let limits = Limits::default().with_stall_time(Duration::from_millis(500));
-    let server = Running::with_files(with(limits), &[("large.glb", &large), ("small.glb", b"a")]);
-    let mut stalled: Vec<_> = (0..20).map(|_| connect(server.address)).collect();
+/// Requests a file that is larger than the buffers of both sockets on connections that read nothing.
+fn stall(server: &Running, count: usize) -> Vec<std::net::TcpStream> {
+    let mut stalled: Vec<_> = (0..count).map(|_| connect(server.address)).collect();
     for socket in &mut stalled {
         socket.write_all(b"GET /files/large.glb HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
     }
-    let start = Instant::now();
+    stalled
+}
+
+#[test]
+fn clients_that_read_nothing_hold_up_nobody() {
+    let large = vec![5; 20 * MILLION];
+    // Nobody is closed during the test.
+    let limits = Limits::default().with_stall_time(Duration::from_hours(1));
+    let server = Running::with_files(with(limits), &[("large.glb", &large), ("small.glb", b"a")]);
+    let stalled = stall(&server, 20);
     for _ in 0..20 {
         assert_eq!(server.get("/files/small.glb").body, b"a");
     }
-    let whole = server.get("/files/large.glb");
-    assert!(whole.body == large && start.elapsed() < Duration::from_secs(10));
-    std::thread::sleep(Duration::from_secs(1));
-    let mut socket = stalled.remove(0);
-    let mut bytes = Vec::new();
-    socket.read_to_end(&mut bytes).unwrap_or_default();
-    assert!(bytes.len() < large.len(), "the connection was not closed");
+    assert!(server.get("/files/large.glb").body == large);
+    drop(stalled);
+}
+
+#[test]
+fn a_client_that_reads_nothing_is_closed() {
+    let large = vec![5; 20 * MILLION];
+    let limits = Limits::default().with_stall_time(Duration::from_millis(500));
+    let server = Running::with_files(with(limits), &[("large.glb", &large)]);
+    let stalled = stall(&server, 1);
+    std::thread::sleep(Duration::from_millis(1500));
+    for socket in stalled {
+        assert!(wait_for_close(socket).len() < large.len(), "the connection was not closed");
+    }
 }
 
 #[test]
@@ -139,7 +150,7 @@ fn bandwidth_is_that_of_each_response() {
     for (body, time) in both {
         assert!(body == bytes);
         // 0.4 s by the rate; a busy machine takes longer.
-        assert!(time > Duration::from_millis(350) && time < Duration::from_secs(5), "{time:?}");
+        assert!(time > Duration::from_millis(350), "{time:?}");
     }
 }
 
@@ -169,8 +180,7 @@ fn the_grace_time_ends_what_does_not_end_itself() {
     let mut socket = connect(server.address);
     socket.write_all(b"GET /files/a.glb HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
     socket.read_exact(&mut [0; 100]).unwrap();
-    let start = Instant::now();
     server.stop.stop();
     server.thread.take().unwrap().join().unwrap().unwrap();
-    assert!(start.elapsed() < Duration::from_secs(5));
+    assert!(wait_for_close(socket).len() < MILLION, "the response has ended before the server");
 }

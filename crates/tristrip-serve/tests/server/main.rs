@@ -8,6 +8,8 @@ mod hostile;
 mod limits;
 mod packing;
 mod protocols;
+#[cfg(feature = "tls")]
+mod tls;
 
 use std::fs;
 use std::net::SocketAddr;

@@ -1,6 +1,7 @@
 //! Packing on demand: once for all who ask, again when a file has changed, failures, the cache.
 
 use std::fs;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
@@ -131,13 +132,17 @@ fn a_slow_reader_holds_no_packing() {
         options,
         &[("a.obj", &grid(60)), ("b.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")],
     );
+    let is_read = AtomicBool::new(false);
     std::thread::scope(|scope| {
-        let slow = scope.spawn(|| (server.get("/packed/a.obj.glb").status, Instant::now()));
+        let slow = scope.spawn(|| {
+            let status = server.get("/packed/a.obj.glb").status;
+            is_read.store(true, Ordering::SeqCst);
+            status
+        });
         std::thread::sleep(Duration::from_millis(50));
-        let fast = (server.get("/packed/b.obj.glb").status, Instant::now());
-        let slow = slow.join().unwrap();
-        assert_eq!((fast.0, slow.0), (200, 200));
-        assert!(fast.1 < slow.1);
+        assert_eq!(server.get("/packed/b.obj.glb").status, 200);
+        assert!(!is_read.load(Ordering::SeqCst), "it waited for the slow reader");
+        assert_eq!(slow.join().unwrap(), 200);
     });
 }
 
@@ -164,7 +169,7 @@ fn a_client_that_would_wait_too_long_is_told_to_come_back() {
     assert_eq!(first.header("cache-control"), "no-store");
     let start = Instant::now();
     while server.metric(DONE) == 0 {
-        assert!(start.elapsed() < Duration::from_secs(20));
+        assert!(start.elapsed() < Duration::from_mins(1));
         std::thread::sleep(Duration::from_millis(10));
     }
     assert_eq!(server.get("/packed/grid.obj.glb").status, 200);

@@ -35,11 +35,11 @@ fn bucket_of(x: u32) -> i32 {
 
 /// Expects the levels of numbers of one kind, in 1/16 of an octave, from `N` features in about the same unit.
 #[derive(Debug, Clone)]
-pub(crate) struct Level<const N: usize> {
+pub(crate) struct NumberLevel<const N: usize> {
     weights: [i32; N],
 }
 
-impl<const N: usize> Level<N> {
+impl<const N: usize> NumberLevel<N> {
     /// Weights are in 1/65536.
     pub(crate) fn new(weights: [i32; N]) -> Self {
         Self { weights }
@@ -90,18 +90,18 @@ impl NumberModel {
         let context =
             (level.wrapping_add(32) >> 2).clamp(0, CONTEXTS.cast_signed() - 1).cast_unsigned() as usize;
         let size = number.unsigned_abs();
-        let wanted = bucket_of(size);
+        let to_encode = bucket_of(size);
         // 1. The bucket.
-        let symbol = (wanted - usual + MIDDLE).clamp(0, LAST).cast_unsigned() as usize;
+        let symbol = (to_encode - usual + MIDDLE).clamp(0, LAST).cast_unsigned() as usize;
         let symbol = self.symbols.code_number(coder, set * CONTEXTS as usize + context, 4, symbol);
         let of_symbol = (symbol as u32).cast_signed();
         let mut bucket = usual - MIDDLE + of_symbol;
         if symbol == 0 && bucket > 0 {
-            bucket -=
-                code_small(coder, &mut self.escapes, (bucket - wanted).max(0).cast_unsigned()).cast_signed();
+            bucket -= code_small(coder, &mut self.escapes, (bucket - to_encode).max(0).cast_unsigned())
+                .cast_signed();
         } else if of_symbol == LAST {
-            bucket +=
-                code_small(coder, &mut self.escapes, (wanted - bucket).max(0).cast_unsigned()).cast_signed();
+            bucket += code_small(coder, &mut self.escapes, (to_encode - bucket).max(0).cast_unsigned())
+                .cast_signed();
         }
         let bucket = bucket.clamp(0, MAX_BUCKET).cast_unsigned();
         if bucket == 0 {
@@ -121,9 +121,9 @@ impl NumberModel {
 
 /// Codes a number that is usually small, below 2²⁴, with a model of 32 decisions.
 pub(crate) fn code_small<C: BitCoder>(coder: &mut C, model: &mut Simple, number: u32) -> u32 {
-    let wanted = 32 - (number + 1).leading_zeros();
+    let to_encode = 32 - (number + 1).leading_zeros();
     let mut bits = 1;
-    while bits < 25 && model.code(coder, bits as usize, wanted > bits) {
+    while bits < 25 && model.code(coder, bits as usize, to_encode > bits) {
         bits += 1;
     }
     (1 << (bits - 1) | code_bits(coder, bits - 1, number + 1)) - 1

@@ -147,7 +147,8 @@ impl Repair {
     /// Computes the display strips of one level directly from the strips of the full mesh.
     ///
     /// # Errors
-    /// As [`Repair::new`], or the level does not exist.
+    /// The strips do not draw every triangle of the full mesh exactly once with its winding; there are too many triangles; the level does not
+    /// exist.
     ///
     /// ```
     /// # use tristrip::{CollapseSequence, Rename, Strips, lod::{LevelCursor, Repair, RepairOptions}};

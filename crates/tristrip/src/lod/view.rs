@@ -51,7 +51,8 @@ impl View {
     /// and its rows. A usual view has [`View::FIELD_OF_VIEW`] and [`View::ROWS`].
     ///
     /// # Errors
-    /// As [`View::perspective`], or the angle is not between 0 and 180 degrees.
+    /// The angle is not between 0 and 180 degrees; the distance or the rows are not positive; the pixels per mesh unit at this distance are too
+    /// many or too few for a number.
     ///
     /// ```
     /// use tristrip::lod::View;

@@ -9,8 +9,8 @@
 //! # Complexity
 //! O(n) time.
 
-use super::fans::Fan;
-use super::fans::{Place, square_distance};
+use super::fans::SurfaceFan;
+use super::fans::{GridPlace, square_distance};
 use super::refiner::Refiner;
 use super::surface::{NONE, next, previous};
 use crate::entropy::numbers::code_small;
@@ -19,9 +19,9 @@ use crate::entropy::slots::Simple;
 
 /// A base mesh to be encoded.
 #[derive(Debug, Default)]
-pub(super) struct WantedBase {
+pub(super) struct BaseToEncode {
     /// For each fan its position, an earlier fan of its point, and one of its vertex.
-    pub(super) places: Vec<Place>,
+    pub(super) places: Vec<GridPlace>,
     pub(super) twins: Vec<Option<u32>>,
     pub(super) same_vertex: Vec<Option<u32>>,
     pub(super) values: Vec<Vec<Vec<i32>>>,
@@ -44,14 +44,14 @@ struct BaseModel {
 
 impl BaseModel {
     /// `can_grow` says whether there are more triangles, `most` how many edges arose later.
-    fn code<C: BitCoder>(&mut self, coder: &mut C, can_grow: bool, most: u32, wanted: Beyond) -> Beyond {
-        if can_grow && self.kinds.code(coder, 0, wanted == Beyond::Triangle) {
+    fn code<C: BitCoder>(&mut self, coder: &mut C, can_grow: bool, most: u32, to_encode: Beyond) -> Beyond {
+        if can_grow && self.kinds.code(coder, 0, to_encode == Beyond::Triangle) {
             return Beyond::Triangle;
         }
-        if most == 0 || self.kinds.code(coder, 1, wanted == Beyond::Border) {
+        if most == 0 || self.kinds.code(coder, 1, to_encode == Beyond::Border) {
             return Beyond::Border;
         }
-        let distance = if let Beyond::Edge(distance) = wanted { distance - 1 } else { 0 };
+        let distance = if let Beyond::Edge(distance) = to_encode { distance - 1 } else { 0 };
         Beyond::Edge(code_small(coder, &mut self.distances, distance) + 1)
     }
 }
@@ -70,13 +70,13 @@ pub(super) enum BaseFault {
 pub(super) fn code_triangles<C: BitCoder>(
     coder: &mut C,
     triangle_count: usize,
-    wanted: &[u32],
+    to_encode: &[u32],
 ) -> Result<(Vec<u32>, Vec<u32>), BaseFault> {
     let mut model = BaseModel { kinds: Simple::new(2), distances: Simple::new(32) };
     let mut opposite: Vec<u32> = Vec::new();
     // The corner in the table to be encoded for each corner, and the other way round.
     let mut sources: Vec<u32> = Vec::new();
-    let mut numbers = vec![NONE; wanted.len()];
+    let mut numbers = vec![NONE; to_encode.len()];
     let mut next_seed = 0;
     let mut at = 0;
     while opposite.len() < 3 * triangle_count {
@@ -96,7 +96,7 @@ pub(super) fn code_triangles<C: BitCoder>(
             if opposite[corner as usize] != NONE {
                 continue;
             }
-            let beyond = match wanted.get(sources[corner as usize] as usize) {
+            let beyond = match to_encode.get(sources[corner as usize] as usize) {
                 None | Some(&NONE) => Beyond::Border,
                 Some(&other) => match numbers[other as usize] {
                     NONE => Beyond::Triangle,
@@ -113,7 +113,7 @@ pub(super) fn code_triangles<C: BitCoder>(
                         return Err(BaseFault::TooShort);
                     }
                     let new = opposite.len() as u32;
-                    let source = wanted.get(sources[corner as usize] as usize).copied().unwrap_or(0);
+                    let source = to_encode.get(sources[corner as usize] as usize).copied().unwrap_or(0);
                     add_triangle(source, &mut sources, &mut numbers);
                     opposite.extend([NONE; 3]);
                     (opposite[corner as usize], opposite[new as usize]) = (new, corner);
@@ -144,7 +144,7 @@ fn add_triangle(first: u32, sources: &mut Vec<u32>, numbers: &mut [u32]) {
 
 impl Refiner {
     /// Codes the fans, vertices and points of the base mesh, whose triangles are there. Not all are there if the coder is past its end.
-    pub(super) fn code_base<C: BitCoder>(&mut self, coder: &mut C, wanted: Option<&WantedBase>) {
+    pub(super) fn code_base<C: BitCoder>(&mut self, coder: &mut C, to_encode: Option<&BaseToEncode>) {
         let mut flags = Simple::new(2);
         let fan_count = self.surface.first.len();
         let mut lowest = vec![NONE; fan_count];
@@ -159,14 +159,14 @@ impl Refiner {
             }
             let index = fan as usize;
             let bits = u32::BITS - fan.leading_zeros();
-            let mut earlier = |coder: &mut C, context: usize, wanted: Option<u32>| {
-                let is_earlier = fan > 0 && flags.code(coder, context, wanted.is_some());
-                is_earlier.then(|| code_bits(coder, bits, wanted.unwrap_or(0)) % fan.max(1))
+            let mut earlier = |coder: &mut C, context: usize, to_encode: Option<u32>| {
+                let is_earlier = fan > 0 && flags.code(coder, context, to_encode.is_some());
+                is_earlier.then(|| code_bits(coder, bits, to_encode.unwrap_or(0)) % fan.max(1))
             };
             // 1. The vertex, then the point.
-            let same_vertex = earlier(coder, 0, wanted.and_then(|wanted| wanted.same_vertex[index]));
-            let twin =
-                same_vertex.or_else(|| earlier(coder, 1, wanted.and_then(|wanted| wanted.twins[index])));
+            let same_vertex = earlier(coder, 0, to_encode.and_then(|to_encode| to_encode.same_vertex[index]));
+            let twin = same_vertex
+                .or_else(|| earlier(coder, 1, to_encode.and_then(|to_encode| to_encode.twins[index])));
             // 2. The fans beyond the edge at which the first triangle of the fan was added.
             let corner = lowest[index];
             let opposite = self.surface.opposite(corner);
@@ -178,22 +178,22 @@ impl Refiner {
             let place = if let Some(twin) = twin {
                 self.fans[twin as usize].place()
             } else {
-                let at = |fan: u32| self.fans.get(fan as usize).map_or([0; 3], Fan::place);
+                let at = |fan: u32| self.fans.get(fan as usize).map_or([0; 3], SurfaceFan::place);
                 let (near, square) = if is_known {
                     let [a, b, c] = around.map(at);
                     ([0, 1, 2].map(|j| a[j].wrapping_add(b[j]).wrapping_sub(c[j])), square_distance(a, b) + 1)
                 } else {
                     (at(fan.wrapping_sub(1)), 1 << 24)
                 };
-                let place =
-                    wanted.map_or([0; 3], |wanted| wanted.places[index].map(|x| x >> self.unknown_bits));
+                let place = to_encode
+                    .map_or([0; 3], |to_encode| to_encode.places[index].map(|x| x >> self.unknown_bits));
                 self.place_model.code_base(coder, near, square, place)
             };
             // 4. The attributes.
             let vertex = if let Some(other) = same_vertex {
                 self.vertices[other as usize]
             } else {
-                let values = wanted.map(|wanted| &wanted.values[index][..]);
+                let values = to_encode.map(|to_encode| &to_encode.values[index][..]);
                 let near =
                     if is_known { &around[..2] } else { &[fan.wrapping_sub(1)][..usize::from(fan > 0)] };
                 self.code_values(coder, near, values);

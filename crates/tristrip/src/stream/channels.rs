@@ -3,7 +3,7 @@
 //! Each component of a new vertex is expected to be the mean of those of the vertices around it, and coded as the difference; indices of joints are expected to be those of the
 //! kept vertex.
 
-use crate::entropy::numbers::{Level, NumberModel, logarithm};
+use crate::entropy::numbers::{NumberLevel, NumberModel, logarithm};
 use crate::entropy::range_coder::{BitCoder, code_bits};
 use crate::entropy::slots::Simple;
 
@@ -32,14 +32,14 @@ pub(super) struct ChannelModel {
     /// The bits of an integer at most.
     bits: u32,
     numbers: NumberModel,
-    levels: Vec<Level<3>>,
+    levels: Vec<NumberLevel<3>>,
     is_kept: Simple,
 }
 
 impl ChannelModel {
     pub(super) fn new(kind: ChannelKind, width: usize, bits: u32) -> Self {
         let axes = width.min(4);
-        let levels = vec![Level::new(LEVEL); axes];
+        let levels = vec![NumberLevel::new(LEVEL); axes];
         Self { kind, width, bits, numbers: NumberModel::new(axes), levels, is_kept: Simple::new(axes) }
     }
 
@@ -48,21 +48,21 @@ impl ChannelModel {
         &mut self,
         coder: &mut C,
         around: &[&[i32]],
-        wanted: &[i32],
+        to_encode: &[i32],
         values: &mut Vec<i32>,
     ) {
         let most = (1_i64 << self.bits) - 1;
         for component in 0..self.width {
             let axis = component.min(3);
-            let wanted = wanted.get(component).copied().unwrap_or(0);
+            let to_encode = to_encode.get(component).copied().unwrap_or(0);
             let kept = around.first().map_or(0, |values| values[component]);
             let is_name =
                 self.kind == ChannelKind::Names || self.kind == ChannelKind::Tangent && component == 2;
             if is_name {
-                let value = if self.is_kept.code(coder, axis, wanted == kept) {
+                let value = if self.is_kept.code(coder, axis, to_encode == kept) {
                     kept
                 } else {
-                    code_bits(coder, self.bits, wanted.cast_unsigned()).cast_signed()
+                    code_bits(coder, self.bits, to_encode.cast_unsigned()).cast_signed()
                 };
                 values.push(value);
                 continue;
@@ -76,7 +76,7 @@ impl ChannelModel {
             let size = |x: u64| 2 * logarithm(2 * x + 1) - 16;
             let features = [32, size(spread), size(far) - size(spread)];
             let level = &mut self.levels[axis];
-            let difference = (i64::from(wanted) - expected) as i32;
+            let difference = (i64::from(to_encode) - expected) as i32;
             let (difference, error) = self.numbers.code(coder, axis, level.expect(features), difference);
             level.learn(features, error);
             values.push((expected + i64::from(difference)).clamp(0, most) as i32);

@@ -34,11 +34,11 @@ pub(super) fn push_number(bytes: &mut Vec<u8>, mut number: u32) {
 
 /// Reads from the start of bytes.
 #[derive(Debug, Clone)]
-pub(super) struct Reader<'a> {
+pub(super) struct ChunkReader<'a> {
     pub(super) bytes: &'a [u8],
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ChunkReader<'a> {
     /// Takes the next bytes; `None` if there are too few.
     pub(super) fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         let (taken, rest) = self.bytes.split_at_checked(count)?;
@@ -94,7 +94,7 @@ impl ChunkHead {
 
     /// Reads a head with its checksum; also returns the checksum and the length of both. `None` if the bytes end.
     pub(super) fn read(bytes: &[u8]) -> Option<Result<(Self, u32, usize), NotANumber>> {
-        let mut reader = Reader { bytes };
+        let mut reader = ChunkReader { bytes };
         let mut numbers = [0; 5];
         for number in &mut numbers {
             *number = match reader.number()? {

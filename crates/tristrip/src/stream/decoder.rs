@@ -1,7 +1,7 @@
 //! Decodes a stream as its bytes arrive.
 
 use super::chunk::{ChunkHead, MAX_HEAD_BYTES, checksum};
-use super::fault::{Fault, StreamError};
+use super::fault::{ChunkFault, StreamError};
 use super::part::StreamPart;
 
 /// What a stream may ask for at most; streams of more are refused.
@@ -89,7 +89,7 @@ pub struct Decoder {
     counts_bits: bool,
     keeps_strips: bool,
     /// What has arrived of the next chunk.
-    waiting: Vec<u8>,
+    incomplete_chunk: Vec<u8>,
     /// The bytes of all chunks before.
     offset: u64,
     chunk_count: usize,
@@ -109,7 +109,7 @@ impl Decoder {
             limits,
             counts_bits: false,
             keeps_strips: false,
-            waiting: Vec::new(),
+            incomplete_chunk: Vec::new(),
             offset: 0,
             chunk_count: 0,
             parts: Vec::new(),
@@ -187,35 +187,35 @@ impl Decoder {
             return Err(fault.clone());
         }
         let mut decoded = 0;
-        let mut waiting = std::mem::take(&mut self.waiting);
+        let mut incomplete = std::mem::take(&mut self.incomplete_chunk);
         loop {
             // Complete chunks are decoded where they lie, unless their first bytes have waited.
-            let taken = if waiting.is_empty() {
+            let taken = if incomplete.is_empty() {
                 self.next_chunk(bytes)
             } else {
                 let head = bytes.len().min(MAX_HEAD_BYTES);
-                let known = waiting.len();
-                waiting.extend(&bytes[..head]);
-                if let Some(Ok((chunk, _, length))) = ChunkHead::read(&waiting) {
-                    waiting.truncate(known);
+                let known = incomplete.len();
+                incomplete.extend(&bytes[..head]);
+                if let Some(Ok((chunk, _, length))) = ChunkHead::read(&incomplete) {
+                    incomplete.truncate(known);
                     let rest = (length + chunk.payload_bytes as usize).saturating_sub(known);
                     let is_allowed = chunk.payload_bytes as usize <= self.limits.chunk_bytes;
                     let rest = if is_allowed { rest.min(bytes.len()) } else { head };
-                    waiting.extend(&bytes[..rest]);
+                    incomplete.extend(&bytes[..rest]);
                 }
-                self.next_chunk(&waiting).map(|taken| taken.map(|taken| taken.saturating_sub(known)))
+                self.next_chunk(&incomplete).map(|taken| taken.map(|taken| taken.saturating_sub(known)))
             };
             match taken {
                 Ok(Some(taken)) => {
                     bytes = &bytes[taken..];
-                    waiting.clear();
+                    incomplete.clear();
                     decoded += 1;
                 }
                 Ok(None) => {
-                    if waiting.is_empty() {
-                        waiting.extend(bytes);
+                    if incomplete.is_empty() {
+                        incomplete.extend(bytes);
                     }
-                    self.waiting = waiting;
+                    self.incomplete_chunk = incomplete;
                     return Ok(decoded);
                 }
                 Err(fault) => {
@@ -228,17 +228,17 @@ impl Decoder {
 
     /// Decodes the chunk at the start of bytes; returns its length, or `None` if it is not complete.
     fn next_chunk(&mut self, bytes: &[u8]) -> Result<Option<usize>, StreamError> {
-        self.decode_chunk(bytes).map_err(|Fault { found, expected, exceeded }| {
+        self.decode_chunk(bytes).map_err(|ChunkFault { found, expected, exceeded }| {
             let at = format!("chunk {} at byte {}", self.chunk_count, self.offset);
             StreamError { at, found, expected, exceeded }
         })
     }
 
-    fn decode_chunk(&mut self, bytes: &[u8]) -> Result<Option<usize>, Fault> {
+    fn decode_chunk(&mut self, bytes: &[u8]) -> Result<Option<usize>, ChunkFault> {
         let (head, expected, head_bytes) = match ChunkHead::read(bytes) {
             None => return Ok(None),
             Some(Err(_)) => {
-                return Err(Fault::new("a number of more than 32 bits", "the head of a chunk"));
+                return Err(ChunkFault::new("a number of more than 32 bits", "the head of a chunk"));
             }
             Some(Ok(read)) => read,
         };
@@ -246,18 +246,18 @@ impl Decoder {
         if length > self.limits.chunk_bytes {
             let limit = self.limits.chunk_bytes;
             let words = (format!("{length} bytes"), format!("at most {limit}"));
-            return Err(Fault::limit(words, "bytes of a chunk", (length as u64, limit as u64)));
+            return Err(ChunkFault::limit(words, "bytes of a chunk", (length as u64, limit as u64)));
         }
         if head.stream as usize >= self.limits.meshes {
             let limit = self.limits.meshes;
             let words = (format!("mesh {}", head.stream), format!("a number below {limit}"));
-            return Err(Fault::limit(words, "meshes", (u64::from(head.stream) + 1, limit as u64)));
+            return Err(ChunkFault::limit(words, "meshes", (u64::from(head.stream) + 1, limit as u64)));
         }
         let Some(payload) = bytes.get(head_bytes..head_bytes + length) else { return Ok(None) };
         let found = checksum(&bytes[..head_bytes - 4], payload);
         if found != expected {
             let expected = format!("{expected:08x}: the chunk is damaged");
-            return Err(Fault::new(format!("checksum {found:08x}"), expected));
+            return Err(ChunkFault::new(format!("checksum {found:08x}"), expected));
         }
         let others: usize = self.parts().map(StreamPart::triangle_count).sum();
         let index = head.stream as usize;
@@ -272,7 +272,7 @@ impl Decoder {
         let most = self.limits.triangles.saturating_sub(others - own);
         if head.triangles as usize > most {
             let words = (format!("{} triangles", head.triangles), format!("at most {most}"));
-            return Err(Fault::limit(words, "triangles", (head.triangles.into(), most as u64)));
+            return Err(ChunkFault::limit(words, "triangles", (head.triangles.into(), most as u64)));
         }
         let result = match &mut self.parts[index] {
             Some(part) => part.refine(&head, payload, (most, most_corners)),

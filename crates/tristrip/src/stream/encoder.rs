@@ -17,8 +17,8 @@ use super::head::Head;
 use super::options::StreamOptions;
 use super::places::USUAL_WEIGHTS;
 use super::plan::Plan;
-use super::run::{Pass, Rehearsing, Run};
-use super::source::Source;
+use super::run::{EncodingRun, Pass, Rehearsing};
+use super::source::StreamSource;
 use crate::collapse::CollapseSequence;
 use crate::entropy::range_coder::RangeEncoder;
 use crate::error::Error;
@@ -118,17 +118,17 @@ pub fn encode(
     stream: u32,
     options: &StreamOptions,
 ) -> Result<EncodedStream, Error> {
-    let source = Source::new(mesh, sequence, level_ends, options)?;
+    let source = StreamSource::new(mesh, sequence, level_ends, options)?;
     let mut weights = USUAL_WEIGHTS;
     for _ in 0..REHEARSALS {
-        let mut run = Run::new(&source, &weights);
+        let mut run = EncodingRun::new(&source, &weights);
         run.refiner.fit = Some(Fit::new(&weights));
         run.all(&mut Rehearsing::default(), options)?;
         if let Some(fit) = run.refiner.fit.take() {
             weights = fit.solve(&weights);
         }
     }
-    let mut run = Run::new(&source, &weights);
+    let mut run = EncodingRun::new(&source, &weights);
     let mut writing = Writing { stream, coder: RangeEncoder::new(), chunks: Vec::new(), head: Vec::new() };
     run.all(&mut writing, options)?;
     run.check()?;

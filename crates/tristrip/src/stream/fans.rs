@@ -3,11 +3,11 @@
 use super::surface::NONE;
 
 /// A position on the grid of the stream.
-pub(super) type Place = [i32; 3];
+pub(super) type GridPlace = [i32; 3];
 
 /// Returns the square of the distance of two positions.
 #[inline]
-pub(super) fn square_distance(a: Place, b: Place) -> u64 {
+pub(super) fn square_distance(a: GridPlace, b: GridPlace) -> u64 {
     let square = |j: usize| {
         let difference = i64::from(a[j] - b[j]);
         (difference * difference).cast_unsigned()
@@ -18,7 +18,7 @@ pub(super) fn square_distance(a: Place, b: Place) -> u64 {
 /// What is known of a fan. Two of them have room in a cache line: most of the time of decoding goes by while they are fetched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(align(32))]
-pub(super) struct Fan {
+pub(super) struct SurfaceFan {
     /// Its position, in steps of the current precision.
     place: [u16; 3],
     /// The number of fans around, modulo 2¹⁶, and the sum of their positions, modulo 2³².
@@ -34,10 +34,10 @@ pub(super) struct Fan {
     pub(super) is_open: bool,
 }
 
-impl Fan {
+impl SurfaceFan {
     /// Creates a fan of a batch with none around.
     #[inline]
-    pub(super) fn new(place: Place, batch: u32, is_open: bool) -> Self {
+    pub(super) fn new(place: GridPlace, batch: u32, is_open: bool) -> Self {
         let mut fan = Self {
             place: [0; 3],
             count: 0,
@@ -53,13 +53,13 @@ impl Fan {
     }
 
     #[inline]
-    pub(super) fn place(&self) -> Place {
+    pub(super) fn place(&self) -> GridPlace {
         let [x, y, z] = self.place;
         [x.into(), y.into(), z.into()]
     }
 
     #[inline]
-    pub(super) fn set_place(&mut self, place: Place) {
+    pub(super) fn set_place(&mut self, place: GridPlace) {
         for j in 0..3 {
             self.place[j] = place[j].cast_unsigned() as u16;
         }
@@ -72,7 +72,7 @@ impl Fan {
 
     /// Adds the positions of a number of fans around.
     #[inline]
-    pub(super) fn add(&mut self, places: Place, count: u32) {
+    pub(super) fn add(&mut self, places: GridPlace, count: u32) {
         for j in 0..3 {
             self.sum[j] = self.sum[j].wrapping_add(places[j]);
         }
@@ -94,7 +94,7 @@ impl Fan {
 
     /// Returns how far the position is from the mean of those around, times their number.
     #[inline]
-    pub(super) fn laplacian(&self) -> Place {
+    pub(super) fn laplacian(&self) -> GridPlace {
         let mut laplacian = [0; 3];
         for j in 0..3 {
             laplacian[j] = i32::from(self.place[j]).wrapping_mul(self.count.into()).wrapping_sub(self.sum[j]);

@@ -29,13 +29,13 @@ pub struct ExceededLimit {
 
 /// What is wrong with a chunk.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(super) struct ChunkFault {
     pub(super) found: String,
     pub(super) expected: String,
     pub(super) exceeded: Option<ExceededLimit>,
 }
 
-impl Fault {
+impl ChunkFault {
     pub(super) fn new(found: impl Into<String>, expected: impl Into<String>) -> Self {
         Self { found: found.into(), expected: expected.into(), exceeded: None }
     }

@@ -3,8 +3,8 @@
 //! The bits of a coordinate grow with the logarithm of how far it is from what was expected. Squares are therefore divided by those under the weights before: a few
 //! such fits minimize the sum of the logarithms. They need not be repeated by a decoder, which reads the weights.
 
-use super::fans::Place;
-use super::places::{ESTIMATES, Estimates, WEIGHT_ONE, Weights};
+use super::fans::GridPlace;
+use super::places::{ESTIMATES, EstimateWeights, Estimates, WEIGHT_ONE};
 
 /// A row of the normal equations: the estimates, and the point.
 type Row = [f64; ESTIMATES + 1];
@@ -21,12 +21,12 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    pub(super) fn new(weights: &Weights) -> Self {
+    pub(super) fn new(weights: &EstimateWeights) -> Self {
         Self { sums: vec![[[[0.0; ESTIMATES + 1]; ESTIMATES]; 2]; weights.len()] }
     }
 
     /// Adds a point.
-    pub(super) fn add(&mut self, estimates: &Estimates, weights: &Weights, place: Place) {
+    pub(super) fn add(&mut self, estimates: &Estimates, weights: &EstimateWeights, place: GridPlace) {
         let class = estimates.class;
         let normal = estimates.normal.map(|x| x as f64);
         let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -61,7 +61,7 @@ impl Fit {
     }
 
     /// Returns the weights with the least squares; those of too few points stay as they are.
-    pub(super) fn solve(&self, weights: &Weights) -> Weights {
+    pub(super) fn solve(&self, weights: &EstimateWeights) -> EstimateWeights {
         let mut solved = *weights;
         for (sums, weights) in self.sums.iter().zip(&mut solved) {
             for side in 0..2 {

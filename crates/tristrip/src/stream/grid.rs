@@ -1,7 +1,7 @@
 //! Positions and attributes on grids.
 
 use super::channels::ChannelKind;
-use super::fans::Place;
+use super::fans::GridPlace;
 use crate::error::Error;
 use crate::mesh::{Attribute, AttributeData};
 
@@ -44,14 +44,14 @@ impl Grid {
         self.step >= 0.0 && self.origin.iter().all(is_finite)
     }
 
-    pub(super) fn place(&self, position: [f32; 3], bits: u32) -> Place {
+    pub(super) fn place(&self, position: [f32; 3], bits: u32) -> GridPlace {
         let most = f64::from((1_u32 << bits) - 1);
         let steps = |j: usize| (f64::from(position[j]) - f64::from(self.origin[j])) / f64::from(self.step);
         [0, 1, 2].map(|j| if self.step > 0.0 { (steps(j) + 0.5).floor().clamp(0.0, most) as i32 } else { 0 })
     }
 
     /// Returns the middle of what a place with unknown bits may be.
-    pub(super) fn position(&self, place: Place, unknown_bits: u32) -> [f32; 3] {
+    pub(super) fn position(&self, place: GridPlace, unknown_bits: u32) -> [f32; 3] {
         let half = f64::from((1_u32 << unknown_bits) - 1) / 2.0;
         let steps = |j: usize| f64::from(place[j]) * f64::from(1_u32 << unknown_bits) + half;
         [0, 1, 2].map(|j| (f64::from(self.origin[j]) + steps(j) * f64::from(self.step)) as f32)
@@ -69,7 +69,7 @@ fn finite(x: f32) -> f32 {
 
 /// The type of the values of an attribute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum ValueType {
+pub(super) enum AttributeType {
     F32,
     F64,
     U8,
@@ -80,7 +80,7 @@ pub(super) enum ValueType {
     I32,
 }
 
-impl ValueType {
+impl AttributeType {
     pub(super) const ALL: [Self; 8] =
         [Self::F32, Self::F64, Self::U8, Self::I8, Self::U16, Self::I16, Self::U32, Self::I32];
 
@@ -118,7 +118,7 @@ pub(super) struct Channel {
     pub(super) name: String,
     pub(super) components: u8,
     pub(super) normalized: bool,
-    pub(super) value_type: ValueType,
+    pub(super) value_type: AttributeType,
     pub(super) kind: ChannelKind,
     pub(super) bits: u32,
     /// The least value of each component, and the step of a linear channel.
@@ -149,7 +149,7 @@ impl Channel {
             name: attribute.name.clone(),
             components: attribute.components,
             normalized: attribute.normalized,
-            value_type: ValueType::of(&attribute.data),
+            value_type: AttributeType::of(&attribute.data),
             kind: ChannelKind::Linear,
             bits: 0,
             origins: Vec::new(),
@@ -161,7 +161,7 @@ impl Channel {
                 format!("{} of vertex {} in attribute `{}`", value(i), i / components, attribute.name);
             return Err(Error::Parameter { name: "attributes", found, expected: "finite numbers" });
         }
-        let is_float = matches!(channel.value_type, ValueType::F32 | ValueType::F64);
+        let is_float = matches!(channel.value_type, AttributeType::F32 | AttributeType::F64);
         let is = |name: &str| attribute.name == name || attribute.name.starts_with(&format!("{name}_"));
         if is_float && is("NORMAL") && components == 3 || is_float && is("TANGENT") && components == 4 {
             let is_unit = |i: usize| {
@@ -247,7 +247,7 @@ impl Channel {
         let mut integers: Vec<i32> = (0..components).map(|j| steps(j) as i32).collect();
         let is_of_shares =
             self.step.to_bits() == (1.0 / most).to_bits() && self.origins.iter().all(|&origin| origin == 0.0);
-        if self.name.starts_with("WEIGHTS_") && self.value_type == ValueType::F32 && is_of_shares {
+        if self.name.starts_with("WEIGHTS_") && self.value_type == AttributeType::F32 && is_of_shares {
             let sum: f64 = (0..components).map(value).sum();
             if (sum - 1.0).abs() < 1e-3 {
                 // The largest takes what rounding has changed.

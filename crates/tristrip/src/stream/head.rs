@@ -1,9 +1,9 @@
 //! The first chunk of a stream: grids, counts, weights, and the base mesh.
 
 use super::channels::{ChannelKind, ChannelModel};
-use super::chunk::{Reader, push_number};
-use super::grid::{Channel, Grid, ValueType};
-use super::places::{ESTIMATES, MAX_BITS, USUAL_WEIGHTS, Weights};
+use super::chunk::{ChunkReader, push_number};
+use super::grid::{AttributeType, Channel, Grid};
+use super::places::{ESTIMATES, EstimateWeights, MAX_BITS, USUAL_WEIGHTS};
 use crate::entropy::numbers::code_small;
 use crate::entropy::range_coder::BitCoder;
 use crate::entropy::slots::Simple;
@@ -55,7 +55,7 @@ impl Head {
             push_number(bytes, channel.name.len() as u32);
             bytes.extend(channel.name.as_bytes());
             let place = |index: Option<usize>| index.unwrap_or(0) as u8;
-            let value_type = place(ValueType::ALL.iter().position(|&kind| kind == channel.value_type));
+            let value_type = place(AttributeType::ALL.iter().position(|&kind| kind == channel.value_type));
             let kind = place(KINDS.iter().position(|&kind| kind == channel.kind));
             let normalized = u8::from(channel.normalized);
             bytes.extend([value_type, channel.components, normalized, kind, channel.bits as u8]);
@@ -65,14 +65,14 @@ impl Head {
         }
     }
 
-    pub(super) fn read(reader: &mut Reader<'_>) -> Result<Self, HeadFault> {
+    pub(super) fn read(reader: &mut ChunkReader<'_>) -> Result<Self, HeadFault> {
         let short = HeadFault { found: "the end of the chunk".into(), expected: "the head of a base mesh" };
-        let number = |reader: &mut Reader<'_>| match reader.number() {
+        let number = |reader: &mut ChunkReader<'_>| match reader.number() {
             Some(Ok(number)) => Ok(number),
             Some(Err(_)) => fault("a number of more than 32 bits".into(), "a count"),
             None => Err(short.clone()),
         };
-        let byte = |reader: &mut Reader<'_>| reader.byte().ok_or_else(|| short.clone());
+        let byte = |reader: &mut ChunkReader<'_>| reader.byte().ok_or_else(|| short.clone());
         let [position_bits, unknown_bits] = [u32::from(byte(reader)?), u32::from(byte(reader)?)];
         if position_bits == 0 || position_bits > MAX_BITS || unknown_bits >= position_bits {
             let found = format!("{position_bits} bits, {unknown_bits} of them unknown");
@@ -114,7 +114,7 @@ impl Head {
             }
             let [value_type, components, normalized, kind, bits] = fields;
             let (Some(&value_type), Some(&kind)) =
-                (ValueType::ALL.get(usize::from(value_type)), KINDS.get(usize::from(kind)))
+                (AttributeType::ALL.get(usize::from(value_type)), KINDS.get(usize::from(kind)))
             else {
                 return fault(
                     format!("values of type {value_type} and kind {kind}"),
@@ -126,7 +126,7 @@ impl Head {
                 ChannelKind::Tangent => components == 4,
                 ChannelKind::Linear | ChannelKind::Names => components > 0,
             };
-            let is_float = matches!(value_type, ValueType::F32 | ValueType::F64);
+            let is_float = matches!(value_type, AttributeType::F32 | AttributeType::F64);
             let is_vector = matches!(kind, ChannelKind::Octahedral | ChannelKind::Tangent);
             if !is_shaped || bits > 24 || normalized > 1 || is_vector && (bits == 0 || !is_float) {
                 let found = format!("{components} components of {bits} bits");
@@ -171,14 +171,14 @@ impl Head {
 }
 
 /// Codes the weights of the estimates, as differences from the usual ones.
-pub(super) fn code_weights<C: BitCoder>(coder: &mut C, wanted: &Weights) -> Weights {
+pub(super) fn code_weights<C: BitCoder>(coder: &mut C, to_encode: &EstimateWeights) -> EstimateWeights {
     let mut model = Simple::new(32);
     let mut weights = USUAL_WEIGHTS;
-    for (of_class, wanted) in weights.iter_mut().zip(wanted) {
+    for (of_class, to_encode) in weights.iter_mut().zip(to_encode) {
         for i in 0..ESTIMATES {
             for side in 0..2 {
                 // 0, −1, 1, −2, 2, …
-                let difference = wanted[i][side] - of_class[i][side];
+                let difference = to_encode[i][side] - of_class[i][side];
                 let folded = ((difference << 1) ^ (difference >> 31)).cast_unsigned();
                 let folded = code_small(coder, &mut model, folded) & 0x3FF;
                 of_class[i][side] += (folded >> 1).cast_signed() ^ -(folded & 1).cast_signed();

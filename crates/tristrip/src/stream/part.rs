@@ -3,14 +3,14 @@
 use std::sync::{Arc, OnceLock};
 
 use super::base::{BaseFault, code_triangles};
-use super::chunk::{ChunkHead, Reader};
+use super::chunk::{ChunkHead, ChunkReader};
 use super::costs::StreamCosts;
-use super::fault::Fault;
+use super::fault::ChunkFault;
 use super::head::{Head, code_weights};
 use super::places::USUAL_WEIGHTS;
 use super::refiner::{FOLLOWS, Refiner};
 use super::strips::KeptStrips;
-use super::surface::{NONE, Surface};
+use super::surface::{NONE, StreamSurface};
 use crate::collapse::{CollapseSequence, Rename};
 #[cfg(test)]
 use crate::cover::priced::PricedPaths;
@@ -39,16 +39,16 @@ const TRIANGLES_PER_BYTE: usize = 64;
 
 impl StreamPart {
     /// Decodes the base mesh.
-    pub(super) fn new(chunk: &ChunkHead, payload: &[u8], counts_bits: bool) -> Result<Self, Fault> {
-        let mut reader = Reader { bytes: payload };
-        let head = Head::read(&mut reader).map_err(|fault| Fault::new(fault.found, fault.expected))?;
+    pub(super) fn new(chunk: &ChunkHead, payload: &[u8], counts_bits: bool) -> Result<Self, ChunkFault> {
+        let mut reader = ChunkReader { bytes: payload };
+        let head = Head::read(&mut reader).map_err(|fault| ChunkFault::new(fault.found, fault.expected))?;
         if !(chunk.error >= 0.0 && chunk.error.is_finite()) {
             let found = format!("an error of {}", chunk.error);
-            return Err(Fault::new(found, "a finite number of at least 0"));
+            return Err(ChunkFault::new(found, "a finite number of at least 0"));
         }
         if head.base_triangles != chunk.triangles || chunk.visits != 0 || chunk.level != 0 {
             let found = format!("a base mesh of {} triangles at level {}", head.base_triangles, chunk.level);
-            return Err(Fault::new(found, format!("{} at level 0", chunk.triangles)));
+            return Err(ChunkFault::new(found, format!("{} at level 0", chunk.triangles)));
         }
         let mut coder = RangeDecoder::new(reader.bytes);
         let weights = code_weights(&mut coder, &USUAL_WEIGHTS);
@@ -56,20 +56,23 @@ impl StreamPart {
         refiner.know_bits(head.position_bits - head.unknown_bits, head.unknown_bits);
         let faults = |fault: BaseFault| match fault {
             BaseFault::NoSuchEdge => {
-                Fault::new("an edge of two triangles twice", "edges of at most two triangles")
+                ChunkFault::new("an edge of two triangles twice", "edges of at most two triangles")
             }
             BaseFault::TooShort => {
-                Fault::new("the end of the chunk", format!("{} triangles", head.base_triangles))
+                ChunkFault::new("the end of the chunk", format!("{} triangles", head.base_triangles))
             }
         };
         let (opposite, _) = code_triangles(&mut coder, head.base_triangles as usize, &[]).map_err(faults)?;
-        refiner.surface = Surface::new(&opposite);
+        refiner.surface = StreamSurface::new(&opposite);
         if !refiner.surface.has_distinct_fans() {
-            return Err(Fault::new("a triangle with two corners in one fan", "triangles of three points"));
+            return Err(ChunkFault::new(
+                "a triangle with two corners in one fan",
+                "triangles of three points",
+            ));
         }
         refiner.code_base(&mut coder, None);
         if coder.is_past_end() {
-            return Err(Fault::new("the end of the chunk", "all vertices of the base mesh"));
+            return Err(ChunkFault::new("the end of the chunk", "all vertices of the base mesh"));
         }
         let base = 8.0 * payload.len() as f64;
         refiner.costs = counts_bits.then(|| (StreamCosts { base, ..StreamCosts::default() }, 0.0));
@@ -90,10 +93,10 @@ impl StreamPart {
         chunk: &ChunkHead,
         payload: &[u8],
         (most_triangles, most_corners): (usize, u64),
-    ) -> Result<(), Fault> {
+    ) -> Result<(), ChunkFault> {
         if !(chunk.error >= 0.0 && chunk.error.is_finite()) {
             let found = format!("an error of {}", chunk.error);
-            return Err(Fault::new(found, "a finite number of at least 0"));
+            return Err(ChunkFault::new(found, "a finite number of at least 0"));
         }
         self.model = OnceLock::new();
         let mut coder = RangeDecoder::new(payload);
@@ -110,11 +113,11 @@ impl StreamPart {
                 refiner.begin_batch(&mut coder, 0, 0, |_| [0; 3]);
             }
             if refiner.next == NONE {
-                return Err(Fault::new("a refinement of nothing", "a base mesh with triangles"));
+                return Err(ChunkFault::new("a refinement of nothing", "a base mesh with triangles"));
             }
             refiner.visit(&mut coder, &[]);
             if refiner.corner_count > most_corners {
-                return Err(Fault::corners(refiner.corner_count, most_corners));
+                return Err(ChunkFault::corners(refiner.corner_count, most_corners));
             }
             if coder.is_past_end() || refiner.surface.triangle_count() > chunk.triangles as usize {
                 break;
@@ -123,7 +126,7 @@ impl StreamPart {
         let found = (refiner.group_count, refiner.surface.triangle_count() as u32);
         if coder.is_past_end() || found != (chunk.level, chunk.triangles) {
             let words = |(level, triangles): (u32, u32)| format!("level {level} of {triangles} triangles");
-            return Err(Fault::new(words(found), words((chunk.level, chunk.triangles))));
+            return Err(ChunkFault::new(words(found), words((chunk.level, chunk.triangles))));
         }
         self.errors.push((self.error, refiner.group_count));
         self.error = chunk.error;
@@ -476,7 +479,7 @@ impl StreamPart {
     }
 
     /// Returns the triangles with their neighbours.
-    pub(super) fn surface(&self) -> &Surface {
+    pub(super) fn surface(&self) -> &StreamSurface {
         &self.refiner.surface
     }
 }

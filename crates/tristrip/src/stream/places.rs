@@ -22,8 +22,8 @@
 //! Taubin, Guéziec, Horn, Lazarus: *Progressive Forest Split Compression*, 1998; Alliez, Desbrun: *Progressive Compression for Lossless Transmission of
 //! Triangle Meshes*, 2001 (barycentres, and the normal apart). The combination is ours.
 
-use super::fans::{Fan, Place};
-use crate::entropy::numbers::{Level, NumberModel, logarithm};
+use super::fans::{GridPlace, SurfaceFan};
+use crate::entropy::numbers::{NumberLevel, NumberModel, logarithm};
 use crate::entropy::range_coder::BitCoder;
 
 /// The estimates beside the mean of the polygon.
@@ -33,9 +33,10 @@ const POLYGONS: usize = 6;
 /// The batches that have weights of their own: the last, the last but one, and all before.
 pub(super) const REGIMES: usize = 3;
 /// Weights of the estimates along the normal and beside it, in 1/64.
-pub(super) type Weights = [[[i32; 2]; ESTIMATES]; POLYGONS * REGIMES];
+pub(super) type EstimateWeights = [[[i32; 2]; ESTIMATES]; POLYGONS * REGIMES];
 pub(super) const WEIGHT_ONE: i64 = 64;
-pub(super) const USUAL_WEIGHTS: Weights = [[[42, 13], [-6, -12], [12, 14], [32, 52]]; POLYGONS * REGIMES];
+pub(super) const USUAL_WEIGHTS: EstimateWeights =
+    [[[42, 13], [-6, -12], [12, 14], [32, 52]]; POLYGONS * REGIMES];
 /// Estimates are in 1/16 of a step, the expected point in 1/1024.
 const ONE: i64 = 16 * WEIGHT_ONE;
 
@@ -71,7 +72,7 @@ fn reciprocal(n: u32) -> i64 {
 /// The estimates of a point, relative to the kept point.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Estimates {
-    pub(super) kept: Place,
+    pub(super) kept: GridPlace,
     /// The points of the polygon without the kept one.
     points: Vec<[i64; 3]>,
     /// The mean of the polygon, in 1/16.
@@ -98,7 +99,7 @@ fn dot(a: &[i64; 3], b: &[i64; 3]) -> i64 {
 impl Estimates {
     /// Finds them for a point between a kept fan and others around it.
     #[inline]
-    pub(super) fn look_around(&mut self, fans: &[Fan], (kept, around): (u32, &[u32]), regime: usize) {
+    pub(super) fn look_around(&mut self, fans: &[SurfaceFan], (kept, around): (u32, &[u32]), regime: usize) {
         let of_kept = &fans[kept as usize];
         let kept = of_kept.place();
         // A triangle at the end of a border has no third point.
@@ -169,7 +170,7 @@ impl Estimates {
 
     /// Returns the expected point relative to the kept one, in 1/1024.
     #[inline]
-    fn expected(&self, weights: &Weights, square: i64) -> [i64; 3] {
+    fn expected(&self, weights: &EstimateWeights, square: i64) -> [i64; 3] {
         let mut expected = [0; 3];
         (0..3).for_each(|j| expected[j] = self.mean[j] * WEIGHT_ONE);
         let mut along = 0;
@@ -187,20 +188,25 @@ impl Estimates {
 #[derive(Debug, Clone)]
 pub(super) struct PlaceModel {
     numbers: NumberModel,
-    levels: [Level<5>; 3],
-    pub(super) weights: Weights,
+    levels: [NumberLevel<5>; 3],
+    pub(super) weights: EstimateWeights,
     /// The largest coordinate of the bits that are known: bytes that no encoder has written may lead beyond it.
     pub(super) most: i32,
 }
 
 impl PlaceModel {
-    pub(super) fn new(weights: &Weights) -> Self {
-        let levels = [BESIDE_LEVEL, BESIDE_LEVEL, ALONG_LEVEL].map(Level::new);
+    pub(super) fn new(weights: &EstimateWeights) -> Self {
+        let levels = [BESIDE_LEVEL, BESIDE_LEVEL, ALONG_LEVEL].map(NumberLevel::new);
         Self { numbers: NumberModel::new(3), levels, weights: *weights, most: 0 }
     }
 
     /// Codes the position of a new point.
-    pub(super) fn code<C: BitCoder>(&mut self, coder: &mut C, estimates: &Estimates, place: Place) -> Place {
+    pub(super) fn code<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        estimates: &Estimates,
+        place: GridPlace,
+    ) -> GridPlace {
         let normal = &estimates.normal;
         let square = dot(normal, normal);
         let expected = estimates.expected(&self.weights, square);
@@ -260,10 +266,10 @@ impl PlaceModel {
     pub(super) fn code_base<C: BitCoder>(
         &mut self,
         coder: &mut C,
-        near: Place,
+        near: GridPlace,
         square: u64,
-        place: Place,
-    ) -> Place {
+        place: GridPlace,
+    ) -> GridPlace {
         let mut found = near;
         for axis in 0..3 {
             let difference = place[axis].wrapping_sub(near[axis]);

@@ -13,7 +13,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::surface::{MAX_CORNERS, NONE, Ring, Surface, corners_of, next, previous, triangle_of};
+use super::surface::{MAX_CORNERS, NONE, Ring, StreamSurface, corners_of, next, previous, triangle_of};
 use crate::collapse::{Collapse, CollapseSequence, Rename};
 use crate::mesh::{is_degenerate, triangles_of};
 
@@ -34,7 +34,7 @@ pub(super) struct FanSplit {
 #[derive(Debug)]
 pub(super) struct Plan {
     /// The triangles of the full mesh, of which those that are drawn are the base mesh.
-    pub(super) surface: Surface,
+    pub(super) surface: StreamSurface,
     pub(super) is_drawn: Vec<bool>,
     /// The vertex of each fan.
     pub(super) vertices: Vec<u32>,
@@ -246,7 +246,7 @@ impl Plan {
 }
 
 /// Builds the corner table of triangles over vertices, and the vertex of each fan. Degenerate triangles have no neighbours.
-fn surface_of(triangles: &[u32]) -> (Surface, Vec<u32>) {
+fn surface_of(triangles: &[u32]) -> (StreamSurface, Vec<u32>) {
     // 1. Share the edges of two triangles. Corners are counted without marks here.
     let mut edges: FxHashMap<[u32; 2], (u32, u32)> = FxHashMap::default();
     let edge = |corner: usize| {
@@ -268,7 +268,7 @@ fn surface_of(triangles: &[u32]) -> (Surface, Vec<u32>) {
         }
     }
     // 2. Number the fans.
-    let surface = Surface::new(&opposite);
+    let surface = StreamSurface::new(&opposite);
     let mut vertices = vec![0; surface.first.len()];
     for (t, triangle) in (0..).zip(triangles_of(triangles)) {
         for (corner, vertex) in corners_of(t).zip(triangle) {

@@ -5,18 +5,18 @@
 
 use super::channels::ChannelModel;
 use super::costs::StreamCosts;
-use super::fans::{Fan, Place};
+use super::fans::{GridPlace, SurfaceFan};
 use super::fit::Fit;
-use super::places::{Estimates, PlaceModel, Weights};
+use super::places::{EstimateWeights, Estimates, PlaceModel};
 use super::splits::SplitModel;
 use super::strips::KeptStrips;
-use super::surface::{MAX_CORNERS, NONE, Ring, Split, Surface, triangle_of};
+use super::surface::{MAX_CORNERS, NONE, Ring, Split, StreamSurface, triangle_of};
 use crate::entropy::range_coder::{BitCoder, code_bits};
 use crate::entropy::slots::Simple;
 
 /// A split to be encoded.
 #[derive(Debug, Clone)]
-pub(super) struct Wanted {
+pub(super) struct SplitToEncode {
     /// The fan that is split: the kept fan, or another one of its point.
     pub(super) fan: u32,
     /// The first triangle that moves, or none.
@@ -24,7 +24,7 @@ pub(super) struct Wanted {
     pub(super) count: usize,
     pub(super) adds: [bool; 2],
     /// The position on the grid of the full mesh.
-    pub(super) place: Place,
+    pub(super) place: GridPlace,
     /// The attributes of the vertex; none if it is the vertex of an earlier fan of the group.
     pub(super) same_as: Option<usize>,
     pub(super) values: Vec<Vec<i32>>,
@@ -33,8 +33,8 @@ pub(super) struct Wanted {
 /// A mesh with what is known for the next split.
 #[derive(Debug, Clone)]
 pub(super) struct Refiner {
-    pub(super) surface: Surface,
-    pub(super) fans: Vec<Fan>,
+    pub(super) surface: StreamSurface,
+    pub(super) fans: Vec<SurfaceFan>,
     /// The vertex of each fan.
     pub(super) vertices: Vec<u32>,
     /// The next fan of the same point, and the first one, of all fans up to the last one that has others.
@@ -61,7 +61,7 @@ pub(super) struct Refiner {
     pub(super) place_model: PlaceModel,
     channels: Vec<ChannelModel>,
     flags: Simple,
-    /// Counts the bits of each component, if that is wanted, and those up to the last one.
+    /// Counts the bits of each component, if requested, and those up to the last one.
     pub(super) costs: Option<(StreamCosts, f64)>,
     /// Learns the weights, while encoding.
     pub(super) fit: Option<Fit>,
@@ -85,9 +85,9 @@ const SAME_VERTEX: usize = 5;
 const FLAGS: usize = 6;
 
 impl Refiner {
-    pub(super) fn new(weights: &Weights, channels: Vec<ChannelModel>) -> Self {
+    pub(super) fn new(weights: &EstimateWeights, channels: Vec<ChannelModel>) -> Self {
         Self {
-            surface: Surface::default(),
+            surface: StreamSurface::default(),
             fans: Vec::new(),
             vertices: Vec::new(),
             twins: Vec::new(),
@@ -115,9 +115,9 @@ impl Refiner {
     }
 
     /// Adds a fan that the surface has or will get. `twin` is another fan of its point, and `vertex` the next vertex or one of these fans.
-    pub(super) fn push_fan(&mut self, place: Place, twin: Option<u32>, vertex: u32, is_open: bool) {
+    pub(super) fn push_fan(&mut self, place: GridPlace, twin: Option<u32>, vertex: u32, is_open: bool) {
         let fan = self.fans.len() as u32;
-        self.fans.push(Fan::new(place, self.batch, is_open));
+        self.fans.push(SurfaceFan::new(place, self.batch, is_open));
         self.vertices.push(vertex);
         if let Some(twin) = twin {
             self.twins.extend((self.twins.len() as u32..=fan).map(|fan| [fan, fan]));
@@ -134,7 +134,7 @@ impl Refiner {
         coder: &mut C,
         regime: usize,
         unknown_bits: u32,
-        full: impl Fn(u32) -> Place,
+        full: impl Fn(u32) -> GridPlace,
     ) {
         self.batch += 1;
         self.account(coder, |_| None);
@@ -159,7 +159,7 @@ impl Refiner {
         &mut self,
         coder: &mut C,
         unknown_bits: u32,
-        full: impl Fn(u32) -> Place,
+        full: impl Fn(u32) -> GridPlace,
     ) {
         while self.unknown_bits > 0 && self.flags.code(coder, MORE_REFINING, self.unknown_bits > unknown_bits)
         {
@@ -183,14 +183,14 @@ impl Refiner {
         }
     }
 
-    /// Visits the next fan of the batch: codes all its splits. `wanted` are those to be encoded, in groups.
-    pub(super) fn visit<C: BitCoder>(&mut self, coder: &mut C, wanted: &[Vec<Wanted>]) {
+    /// Visits the next fan of the batch: codes all its splits. `to_encode` are those to be encoded, in groups.
+    pub(super) fn visit<C: BitCoder>(&mut self, coder: &mut C, to_encode: &[Vec<SplitToEncode>]) {
         let fan = self.next;
         // The fans of this batch come before it.
         self.next = self.fans[fan as usize].next;
         let mut done = 0;
         loop {
-            let group: Option<&[Wanted]> = wanted.get(done).map(Vec::as_slice);
+            let group: Option<&[SplitToEncode]> = to_encode.get(done).map(Vec::as_slice);
             self.corner_count += 1;
             let of = &self.fans[fan as usize];
             let is_split = self.splits.code_mark(coder, of, self.batch, done, group.is_some());
@@ -245,22 +245,22 @@ impl Refiner {
     }
 
     /// Codes the splits of one collapse: one, or on a seam one for each fan of the new point.
-    fn code_group<C: BitCoder>(&mut self, coder: &mut C, fan: u32, wanted: &[Wanted]) {
+    fn code_group<C: BitCoder>(&mut self, coder: &mut C, fan: u32, to_encode: &[SplitToEncode]) {
         let first_new = self.fans.len() as u32;
         let mut of = fan;
         let mut number = 0;
         loop {
-            self.code_split(coder, of, wanted.get(number), first_new);
+            self.code_split(coder, of, to_encode.get(number), first_new);
             number += 1;
             // Only where a surface has borders a point has several fans.
             if !self.ring.is_open {
                 break;
             }
             let has_twins = usize::from(self.twin_of(fan) != fan);
-            if !self.flags.code(coder, MORE_IN_GROUP + has_twins, wanted.len() > number) {
+            if !self.flags.code(coder, MORE_IN_GROUP + has_twins, to_encode.len() > number) {
                 break;
             }
-            of = self.code_twin(coder, fan, wanted.get(number).map_or(fan, |wanted| wanted.fan));
+            of = self.code_twin(coder, fan, to_encode.get(number).map_or(fan, |to_encode| to_encode.fan));
             self.surface.ring(of, self.batch, &mut self.ring);
             let n = self.ring.corners().len();
             if n == 0 || n > MAX_CORNERS || self.is_too_large(coder) {
@@ -282,10 +282,10 @@ impl Refiner {
     }
 
     /// Codes a fan of the point of another one, whose number is counted from it.
-    fn code_twin<C: BitCoder>(&self, coder: &mut C, fan: u32, wanted: u32) -> u32 {
+    fn code_twin<C: BitCoder>(&self, coder: &mut C, fan: u32, to_encode: u32) -> u32 {
         let (mut count, mut place, mut twin) = (1, 0, self.twin_of(fan));
         while twin != fan && count < MAX_TWINS {
-            if twin == wanted {
+            if twin == to_encode {
                 place = count;
             }
             count += 1;
@@ -296,18 +296,24 @@ impl Refiner {
         (0..steps).fold(fan, |fan, _| self.twin_of(fan))
     }
 
-    fn code_split<C: BitCoder>(&mut self, coder: &mut C, fan: u32, wanted: Option<&Wanted>, first_new: u32) {
+    fn code_split<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        fan: u32,
+        to_encode: Option<&SplitToEncode>,
+        first_new: u32,
+    ) {
         let new = self.fans.len() as u32;
         let (corners, is_open) = (self.ring.corners(), self.ring.is_open);
         self.corner_count += corners.len() as u64;
         // 1. The corners that move.
-        let wanted_split = wanted.map(|wanted| {
-            let start = corners.iter().position(|&corner| triangle_of(corner) == wanted.first);
-            let of_none = if wanted.adds[1] { 0 } else { corners.len() };
-            Split { start: start.unwrap_or(of_none), count: wanted.count, is_open, adds: wanted.adds }
+        let split_to_encode = to_encode.map(|to_encode| {
+            let start = corners.iter().position(|&corner| triangle_of(corner) == to_encode.first);
+            let of_none = if to_encode.adds[1] { 0 } else { corners.len() };
+            Split { start: start.unwrap_or(of_none), count: to_encode.count, is_open, adds: to_encode.adds }
         });
         let known = (&self.surface, &self.fans[..], self.batch);
-        let split = self.splits.code_split(coder, known, (fan, &self.ring), wanted_split);
+        let split = self.splits.code_split(coder, known, (fan, &self.ring), split_to_encode);
         self.account(coder, |costs| Some(&mut costs.corners));
         // 2. The point.
         self.ring.repeat(split);
@@ -315,7 +321,7 @@ impl Refiner {
         let is_first = new == first_new;
         let place = if is_first {
             self.estimates.look_around(&self.fans, (fan, around), self.regime);
-            let place = wanted.map_or([0; 3], |wanted| wanted.place.map(|x| x >> self.unknown_bits));
+            let place = to_encode.map_or([0; 3], |to_encode| to_encode.place.map(|x| x >> self.unknown_bits));
             if let Some(fit) = &mut self.fit {
                 fit.add(&self.estimates, &self.place_model.weights, place);
             }
@@ -325,7 +331,7 @@ impl Refiner {
         };
         self.account(coder, |costs| Some(&mut costs.positions));
         // 3. The vertex.
-        let same_as = wanted.and_then(|wanted| wanted.same_as);
+        let same_as = to_encode.and_then(|to_encode| to_encode.same_as);
         let is_same = !is_first && self.flags.code(coder, SAME_VERTEX, same_as.is_some());
         let vertex = if is_same {
             let count = new - first_new;
@@ -336,7 +342,7 @@ impl Refiner {
             if !self.channels.is_empty() {
                 let [_, around] = self.ring.run(split);
                 let around: Vec<u32> = std::iter::once(fan).chain(around.iter().copied()).collect();
-                self.code_values(coder, &around, wanted.map(|wanted| &wanted.values[..]));
+                self.code_values(coder, &around, to_encode.map(|to_encode| &to_encode.values[..]));
             }
             self.vertex_count
         };
@@ -356,7 +362,7 @@ impl Refiner {
         &mut self,
         coder: &mut C,
         around: &[u32],
-        wanted: Option<&[Vec<i32>]>,
+        to_encode: Option<&[Vec<i32>]>,
     ) {
         for (number, channel) in self.channels.iter_mut().enumerate() {
             let values = &mut self.values[number];
@@ -367,7 +373,7 @@ impl Refiner {
             };
             let around: Vec<&[i32]> = around.iter().map(of_fan).collect();
             let mut new = Vec::with_capacity(width);
-            channel.code(coder, &around, wanted.map_or(&[], |wanted| &wanted[number]), &mut new);
+            channel.code(coder, &around, to_encode.map_or(&[], |to_encode| &to_encode[number]), &mut new);
             values.extend(new);
         }
     }
@@ -383,7 +389,7 @@ impl Refiner {
 
     /// Counts the fans around all fans, and sums up their positions.
     fn sum_around(&mut self) {
-        self.fans.iter_mut().for_each(Fan::clear);
+        self.fans.iter_mut().for_each(SurfaceFan::clear);
         let mut add = |fan: u32, other: u32| {
             let place = self.fans[other as usize].place();
             self.fans[fan as usize].add(place, 1);
@@ -437,10 +443,10 @@ impl Refiner {
     }
 }
 
-fn sum(a: Place, b: Place) -> Place {
+fn sum(a: GridPlace, b: GridPlace) -> GridPlace {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-fn difference(a: Place, b: Place) -> Place {
+fn difference(a: GridPlace, b: GridPlace) -> GridPlace {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }

@@ -1,22 +1,22 @@
 //! A pass over the batches of a stream: every decision, from the base mesh on, rehearsed or written.
 
-use super::base::{WantedBase, code_triangles};
+use super::base::{BaseToEncode, code_triangles};
 use super::channels::ChannelModel;
 use super::chunk::ChunkHead;
 use super::head::{Head, code_weights};
 use super::options::StreamOptions;
-use super::places::{REGIMES, Weights};
+use super::places::{EstimateWeights, REGIMES};
 use super::plan::FanSplit;
-use super::refiner::{Refiner, Wanted};
-use super::source::Source;
-use super::surface::{NONE, Surface, corners_of, triangle_of};
+use super::refiner::{Refiner, SplitToEncode};
+use super::source::StreamSource;
+use super::surface::{NONE, StreamSurface, corners_of, triangle_of};
 use crate::entropy::range_coder::{BitCoder, Rehearsal};
 use crate::error::Error;
 use rustc_hash::FxHashMap;
 
 /// The collapses and splits of one group.
 #[derive(Debug, Clone, Copy)]
-struct Group {
+struct SplitGroup {
     /// The fan that is visited.
     fan: u32,
     /// The collapse, counted from the full mesh.
@@ -24,10 +24,10 @@ struct Group {
 }
 
 /// One pass over all batches.
-pub(super) struct Run<'a> {
-    source: &'a Source<'a>,
+pub(super) struct EncodingRun<'a> {
+    source: &'a StreamSource<'a>,
     pub(super) refiner: Refiner,
-    weights: Weights,
+    weights: EstimateWeights,
     /// The fan of the stream for each fan of the plan.
     fans: Vec<u32>,
     /// And the other way round.
@@ -62,8 +62,8 @@ impl Pass for Rehearsing {
     }
 }
 
-impl<'a> Run<'a> {
-    pub(super) fn new(source: &'a Source<'a>, weights: &Weights) -> Self {
+impl<'a> EncodingRun<'a> {
+    pub(super) fn new(source: &'a StreamSource<'a>, weights: &EstimateWeights) -> Self {
         let models = source.channels.iter();
         let models = models.map(|channel| ChannelModel::new(channel.kind, channel.width(), channel.bits));
         Self {
@@ -127,23 +127,23 @@ impl<'a> Run<'a> {
     }
 
     /// Sorts the groups of a batch by the fans that are visited.
-    fn groups(&self, start: usize, end: usize) -> Vec<Group> {
+    fn groups(&self, start: usize, end: usize) -> Vec<SplitGroup> {
         let plan = &self.source.plan;
         let group = |collapse: usize| {
             let splits = &plan.splits[plan.end(collapse)..plan.end(collapse + 1)];
             let fan = splits.iter().map(|split| self.fans[split.kept as usize]).min();
-            Group { fan: fan.unwrap_or(NONE), collapse }
+            SplitGroup { fan: fan.unwrap_or(NONE), collapse }
         };
         let is_done = |&collapse: &usize| plan.end(collapse) < plan.end(collapse + 1);
-        let mut groups: Vec<Group> = (start..end).filter(is_done).map(group).collect();
+        let mut groups: Vec<SplitGroup> = (start..end).filter(is_done).map(group).collect();
         groups.sort_unstable_by_key(|group| (group.fan, group.collapse));
         groups
     }
 
     /// Visits the next fan.
-    fn visit<P: Pass>(&mut self, pass: &mut P, groups: &[Group]) {
+    fn visit<P: Pass>(&mut self, pass: &mut P, groups: &[SplitGroup]) {
         let plan = &self.source.plan;
-        let mut wanted = Vec::with_capacity(groups.len());
+        let mut to_encode = Vec::with_capacity(groups.len());
         // The splits in the order of the stream.
         let mut order = Vec::new();
         for group in groups {
@@ -154,7 +154,7 @@ impl<'a> Run<'a> {
                 let split = &splits[number];
                 let vertex = |split: &FanSplit| plan.vertices[split.removed as usize];
                 let same_as = splits[..number].iter().position(|other| vertex(other) == vertex(split));
-                Wanted {
+                SplitToEncode {
                     fan: self.fans[split.kept as usize],
                     first: if split.first == NONE { NONE } else { self.numbers[split.first as usize] },
                     count: split.count as usize,
@@ -164,10 +164,10 @@ impl<'a> Run<'a> {
                     values: self.source.values(vertex(split)),
                 }
             };
-            wanted.push((0..splits.len()).map(of_split).collect::<Vec<_>>());
+            to_encode.push((0..splits.len()).map(of_split).collect::<Vec<_>>());
             order.extend(splits);
         }
-        self.refiner.visit(pass.coder(), &wanted);
+        self.refiner.visit(pass.coder(), &to_encode);
         for split in order {
             self.fans[split.removed as usize] = self.sources.len() as u32;
             self.sources.push(split.removed);
@@ -217,7 +217,7 @@ impl<'a> Run<'a> {
             expected: "triangles",
         };
         let (opposite, corners) = code_triangles(pass.coder(), drawn.len(), &opposite).map_err(wrong)?;
-        self.refiner.surface = Surface::new(&opposite);
+        self.refiner.surface = StreamSurface::new(&opposite);
         self.sources = vec![NONE; self.refiner.surface.first.len()];
         for (corner, &of_drawn) in self.refiner.surface.corners().zip(&corners) {
             let t = drawn[of_drawn as usize / 3];
@@ -233,19 +233,19 @@ impl<'a> Run<'a> {
         // 4. The vertices and points.
         let mut of_vertex: FxHashMap<u32, u32> = FxHashMap::default();
         let mut of_position: FxHashMap<[u32; 3], u32> = FxHashMap::default();
-        let mut wanted = WantedBase::default();
+        let mut to_encode = BaseToEncode::default();
         for (fan, &source_fan) in (0..).zip(&self.sources) {
             let vertex = plan.vertices[source_fan as usize];
             // −0 and 0 are one position.
             let bits = source.mesh.positions()[vertex as usize].map(|x| (x + 0.0).to_bits());
             let first = *of_vertex.entry(vertex).or_insert(fan);
             let twin = *of_position.entry(bits).or_insert(fan);
-            wanted.same_vertex.push((first != fan).then_some(first));
-            wanted.twins.push((twin != fan).then_some(twin));
-            wanted.places.push(source.place(source_fan));
-            wanted.values.push(source.values(vertex));
+            to_encode.same_vertex.push((first != fan).then_some(first));
+            to_encode.twins.push((twin != fan).then_some(twin));
+            to_encode.places.push(source.place(source_fan));
+            to_encode.values.push(source.values(vertex));
         }
-        self.refiner.code_base(pass.coder(), Some(&wanted));
+        self.refiner.code_base(pass.coder(), Some(&to_encode));
         let error = source.error(source.sequence.len());
         self.end_chunk(pass, 0, error);
         Ok(())

@@ -13,7 +13,7 @@ const EXACT_BATCHES: usize = 2;
 const PRECISION: f64 = 0.5;
 
 /// What is encoded.
-pub(super) struct Source<'a> {
+pub(super) struct StreamSource<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) sequence: &'a CollapseSequence,
     pub(super) plan: Plan,
@@ -26,7 +26,7 @@ pub(super) struct Source<'a> {
     pub(super) batches: Vec<[usize; 2]>,
 }
 
-impl<'a> Source<'a> {
+impl<'a> StreamSource<'a> {
     pub(super) fn new(
         mesh: &'a Mesh,
         sequence: &'a CollapseSequence,

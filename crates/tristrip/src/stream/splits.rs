@@ -18,8 +18,8 @@
 //! # References
 //! Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000 (batches of splits, and marks of what splits).
 
-use super::fans::{Fan, square_distance};
-use super::surface::{MAX_CORNERS, Ring, Split, Surface};
+use super::fans::{SurfaceFan, square_distance};
+use super::surface::{MAX_CORNERS, Ring, Split, StreamSurface};
 use crate::entropy::numbers::logarithm;
 use crate::entropy::range_coder::{BitCoder, WHOLE, code_bits};
 use crate::entropy::scores::{Scores, weight_of};
@@ -72,7 +72,7 @@ impl SplitModel {
     pub(super) fn code_mark<C: BitCoder>(
         &mut self,
         coder: &mut C,
-        fan: &Fan,
+        fan: &SurfaceFan,
         batch: u32,
         done: usize,
         bit: bool,
@@ -93,26 +93,26 @@ impl SplitModel {
         self.marks.code(coder, features, bit)
     }
 
-    /// Codes which corners of a fan move. `wanted` is the split to be encoded.
+    /// Codes which corners of a fan move. `to_encode` is the split to be encoded.
     pub(super) fn code_split<C: BitCoder>(
         &mut self,
         coder: &mut C,
-        (surface, fans, batch): (&Surface, &[Fan], u32),
+        (surface, fans, batch): (&StreamSurface, &[SurfaceFan], u32),
         (fan, ring): (u32, &Ring),
-        wanted: Option<Split>,
+        to_encode: Option<Split>,
     ) -> Split {
         let (n, is_open) = (ring.corners().len(), ring.is_open);
         let is_free = |i: usize| surface.mark(ring.corners()[i]) != batch;
         let can_move = if n > MAX_CHOICES { (0..n).any(is_free) } else { ring.free != 0 };
         if is_open {
-            let moves_none = wanted.is_some_and(|split| split.count == 0);
+            let moves_none = to_encode.is_some_and(|split| split.count == 0);
             if !can_move || self.sides.code(coder, 0, moves_none) {
-                let at_start = self.sides.code(coder, 1, wanted.is_some_and(|split| split.start == 0));
+                let at_start = self.sides.code(coder, 1, to_encode.is_some_and(|split| split.start == 0));
                 let start = if at_start { 0 } else { n };
                 return Split { start, count: 0, is_open, adds: [!at_start, at_start] };
             }
         }
-        let run = wanted.map_or([0, 1], |split| [split.start, split.count]);
+        let run = to_encode.map_or([0, 1], |split| [split.start, split.count]);
         let [start, count] = match () {
             () if !can_move => [0, 1],
             () if n > MAX_CHOICES => code_plain(coder, is_free, (n, is_open), run),
@@ -120,10 +120,10 @@ impl SplitModel {
         };
         let mut adds = [true; 2];
         if is_open && start == 0 {
-            adds[0] = self.sides.code(coder, 2, wanted.is_some_and(|split| split.adds[0]));
+            adds[0] = self.sides.code(coder, 2, to_encode.is_some_and(|split| split.adds[0]));
         }
         if is_open && start + count == n && adds[0] {
-            adds[1] = self.sides.code(coder, 3, wanted.is_some_and(|split| split.adds[1]));
+            adds[1] = self.sides.code(coder, 3, to_encode.is_some_and(|split| split.adds[1]));
         }
         Split { start, count, is_open, adds }
     }
@@ -133,9 +133,9 @@ impl SplitModel {
     fn code_run<C: BitCoder>(
         &mut self,
         coder: &mut C,
-        fans: &[Fan],
+        fans: &[SurfaceFan],
         (fan, ring): (u32, &Ring),
-        [wanted_start, wanted_count]: [usize; 2],
+        [start_to_encode, count_to_encode]: [usize; 2],
     ) -> [usize; 2] {
         // 1. Where so many free corners follow one another, as bits; around a closed fan not all.
         let (n, is_open) = (ring.corners().len().min(MAX_CHOICES), ring.is_open);
@@ -150,10 +150,10 @@ impl SplitModel {
         let mut count = 1;
         if longest > 1 {
             let (context, bits) = (16 * n + longest, if n <= 8 { 3 } else { 4 });
-            let wanted = wanted_count.saturating_sub(1).min(15);
-            count = (self.counts.code_number(coder, context, bits, wanted) + 1).min(longest);
+            let to_encode = count_to_encode.saturating_sub(1).min(15);
+            count = (self.counts.code_number(coder, context, bits, to_encode) + 1).min(longest);
         }
-        [self.code_start(coder, fans, (fan, ring), (starts[count], count), wanted_start), count]
+        [self.code_start(coder, fans, (fan, ring), (starts[count], count), start_to_encode), count]
     }
 
     /// Codes the first corner of a run, one of some that are given as bits.
@@ -161,10 +161,10 @@ impl SplitModel {
     fn code_start<C: BitCoder>(
         &mut self,
         coder: &mut C,
-        fans: &[Fan],
+        fans: &[SurfaceFan],
         (fan, ring): (u32, &Ring),
         (mut starts, count): (u32, usize),
-        wanted_start: usize,
+        start_to_encode: usize,
     ) -> usize {
         if starts.is_power_of_two() {
             return starts.trailing_zeros() as usize;
@@ -200,16 +200,16 @@ impl SplitModel {
         }
         let unit = u32::MAX / all;
         // A start that is not among them is another one, which the encoder notices.
-        let (mut wanted, mut sum) = (0, 0);
+        let (mut to_encode, mut sum) = (0, 0);
         for c in 0..number {
             shares[c] = (shares[c] * unit) >> 16;
-            if usize::from(choices[c]) == wanted_start {
-                wanted = sum;
+            if usize::from(choices[c]) == start_to_encode {
+                to_encode = sum;
             }
             sum += shares[c];
         }
         // 3. The choice. What rounding has left belongs to the last one.
-        let part = coder.seek(16, wanted);
+        let part = coder.seek(16, to_encode);
         let (mut choice, mut passed, mut sum) = (0, 0, 0);
         for c in 0..number - 1 {
             sum += shares[c];
@@ -254,7 +254,7 @@ impl SplitModel {
 
 /// Finds the features of the edges of a fan.
 #[inline]
-fn edge_features(fans: &[Fan], fan: u32, ring: &Ring, edge_count: usize) -> [[u8; 2]; EDGES] {
+fn edge_features(fans: &[SurfaceFan], fan: u32, ring: &Ring, edge_count: usize) -> [[u8; 2]; EDGES] {
     let (mut features, mut lengths, mut sum) = ([[0; 2]; EDGES], [0; EDGES], 1);
     let center = fans[fan as usize].place();
     for ((feature, length), &other) in features.iter_mut().zip(&mut lengths).zip(&ring.around()[..edge_count])
@@ -283,13 +283,13 @@ fn code_plain<C: BitCoder>(
     (n, is_open): (usize, bool),
     [start, count]: [usize; 2],
 ) -> [usize; 2] {
-    let choose = |coder: &mut C, number: usize, wanted: usize| {
+    let choose = |coder: &mut C, number: usize, to_encode: usize| {
         let bits = usize::BITS - (number - 1).leading_zeros();
-        code_bits(coder, bits, wanted as u32) as usize % number
+        code_bits(coder, bits, to_encode as u32) as usize % number
     };
     let free: Vec<usize> = (0..n).filter(|&i| is_free(i)).collect();
-    let wanted = free.iter().position(|&i| i == start).unwrap_or(0);
-    let start = free[choose(coder, free.len(), wanted)];
+    let to_encode = free.iter().position(|&i| i == start).unwrap_or(0);
+    let start = free[choose(coder, free.len(), to_encode)];
     let largest = if is_open { n - start } else { (n - 1).max(1) };
     let run = (1..largest).find(|&i| !is_free((start + i) % n)).unwrap_or(largest);
     [start, 1 + choose(coder, run, count.saturating_sub(1))]

@@ -36,7 +36,7 @@
 //! Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005 (strips that a stream carries). Porcu, Sanna, Scateni: *Efficiently Keeping an
 //! Optimal Stripification over a CLOD Mesh*, 2005 (repair next to each change).
 
-use super::surface::{NONE, Surface, corners_of, triangle_of};
+use super::surface::{NONE, StreamSurface, corners_of, triangle_of};
 #[cfg(test)]
 use crate::cover::priced::PricedPaths;
 use crate::lod::{RepairedPaths, walk_steps};
@@ -66,7 +66,7 @@ fn opposite_side(corner: u32) -> u32 {
 
 impl KeptStrips {
     /// Builds the strips of a base mesh.
-    pub(super) fn new(surface: &Surface) -> Self {
+    pub(super) fn new(surface: &StreamSurface) -> Self {
         let count = surface.triangle_count();
         let mut repaired = RepairedPaths::empty(count, Cost::OpenGl.prices(), 0);
         let paths = &mut repaired.paths;
@@ -81,7 +81,7 @@ impl KeptStrips {
     }
 
     /// Follows a split that has added triangles: S and E, by their first corners, or none.
-    pub(super) fn follow_split(&mut self, surface: &Surface, [start, end]: [u32; 2]) {
+    pub(super) fn follow_split(&mut self, surface: &StreamSurface, [start, end]: [u32; 2]) {
         self.repaired.grow(surface.triangle_count());
         if start != NONE {
             self.insert(surface, [start + 2, start]);
@@ -95,7 +95,7 @@ impl KeptStrips {
     }
 
     /// Inserts a triangle between the two sides of an edge; the corners of the triangle are opposite to its edges there.
-    fn insert(&mut self, surface: &Surface, corners: [u32; 2]) {
+    fn insert(&mut self, surface: &StreamSurface, corners: [u32; 2]) {
         self.repaired.paths.insert_triangle(triangle_of(corners[0]));
         let sides = corners.map(opposite_side);
         let beyond = corners.map(|corner| surface.opposite(corner));

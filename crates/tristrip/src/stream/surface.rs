@@ -46,7 +46,7 @@ pub(super) fn corners_of(triangle: u32) -> std::ops::Range<u32> {
 
 /// Triangles with neighbours.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Surface {
+pub(super) struct StreamSurface {
     /// Eight cells for each triangle: the fans of its three corners, a mark, what is opposite to its corners, and one that is not used. A corner is the
     /// place of its fan.
     cells: Vec<u32>,
@@ -57,7 +57,7 @@ pub(super) struct Surface {
 /// From the cell of a corner's fan to that of what is opposite.
 const OPPOSITE: u32 = 4;
 
-impl Surface {
+impl StreamSurface {
     /// Builds the table of triangles from what is opposite to each corner, where corners are counted three to a triangle. The fans get numbers in the order
     /// of their lowest corners.
     pub(super) fn new(opposite: &[u32]) -> Self {

@@ -90,8 +90,8 @@ fn check_stream(
     prop_assert_eq!(part.full_level(), count);
     let ends: Vec<usize> = batches.level_ends.iter().map(|&end| count - end as usize).collect();
     for level in ends.into_iter().chain([count]) {
-        let wanted = on_grid(&mut keys, &grid, mesh.positions(), batches.sequence.drawn(level).unwrap());
-        prop_assert_eq!(on_grid(&mut keys, &grid, &positions, sequence.drawn(level).unwrap()), wanted);
+        let to_encode = on_grid(&mut keys, &grid, mesh.positions(), batches.sequence.drawn(level).unwrap());
+        prop_assert_eq!(on_grid(&mut keys, &grid, &positions, sequence.drawn(level).unwrap()), to_encode);
     }
     // 4. The positions are within the error that the stream states.
     let most = f64::from(stream.position_error) * (1.0 + 1e-6) + 1e-5;
@@ -107,7 +107,7 @@ fn check_stream(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 2))]
 
     #[test]
     fn any_mesh_is_restored_level_by_level(mesh in meshes(), has_small_chunks in any::<bool>()) {

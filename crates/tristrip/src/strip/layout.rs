@@ -68,7 +68,8 @@ impl Strips {
     /// which [`Strips::index_count`] tells how many there will be.
     ///
     /// # Errors
-    /// As [`Strips::to_indices`], or the slice is too short; nothing is written then.
+    /// A vertex does not fit the type of the indices, or is the restart value in a buffer with restarts; the slice is too short. Nothing is
+    /// written then.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -100,7 +101,7 @@ impl Strips {
     /// only these have to be sent to a graphics processor. Ranges with fewer than 16 equal indices between them are one.
     ///
     /// # Errors
-    /// As [`Strips::to_indices`]; the buffer is unchanged then.
+    /// A vertex does not fit the type of the indices, or is the restart value in a buffer with restarts. The buffer is unchanged then.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};

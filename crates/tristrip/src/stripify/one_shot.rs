@@ -51,7 +51,8 @@ pub fn stripify_indices<I: Index>(indices: &[I], vertex_count: usize) -> Result<
 /// Computes triangle strips for the triangles of an index buffer as [`stripify_indices`] does, with options.
 ///
 /// # Errors
-/// As [`stripify_indices`]; or an option is invalid for the method, or vertices are to be welded, for which there are no positions.
+/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`; an option is invalid for the method;
+/// vertices are to be welded, for which there are no positions.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions, stripify_indices_with};
@@ -73,7 +74,8 @@ pub fn stripify_indices_with<I: Index>(
 /// which may be stopped.
 ///
 /// # Errors
-/// As [`stripify_indices_with`].
+/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`; an option is invalid for the method;
+/// vertices are to be welded, for which there are no positions.
 ///
 /// ```
 /// use tristrip::stripify::Progress;

@@ -36,7 +36,7 @@ impl RepairedStrips {
     /// Builds the model from the strips of the full mesh.
     ///
     /// # Errors
-    /// As [`Repair::new`].
+    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or there are too many triangles.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

@@ -53,7 +53,8 @@ impl JoinedSimplification {
 /// meshes together; vertices are locked by their numbers if those of all meshes are counted one after the other.
 ///
 /// # Errors
-/// As of [`SurfaceSimplifier::new`].
+/// The number of indices of a mesh is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option
+/// is invalid; the meshes together have too many vertices for 32-bit ids.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify_joined}};
@@ -109,7 +110,8 @@ impl<'a> SurfaceSimplifier<'a> {
     /// Joins meshes, each with triangles over its vertices, into one surface. Of the options the number of triangles does not count.
     ///
     /// # Errors
-    /// As [`simplify_triangles`](super::simplify_triangles), or the meshes together have too many vertices for 32-bit ids.
+    /// The number of indices of a mesh is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option
+    /// is invalid; the meshes together have too many vertices for 32-bit ids.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -184,7 +186,7 @@ impl<'a> SurfaceSimplifier<'a> {
     }
 
     /// Returns the greatest cost of the collapses so far: squared deviations of the surface and its attributes, times the square root of the
-    /// area that they concern, in mesh units to the third power; by [`Price::Quadric`](super::Price::Quadric) without the area, in square
+    /// area that they concern, in mesh units to the third power; by [`Price::Quadric`](crate::simplify::Price::Quadric) without the area, in square
     /// mesh units. The collapse that costs least comes next, so that costs of several surfaces tell
     /// which of them suffers least from the next collapse.
     ///

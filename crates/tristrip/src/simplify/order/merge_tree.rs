@@ -84,7 +84,8 @@ pub struct MergeTree {
 /// Builds the merge tree of triangles over the vertices of a mesh. The limits and weights of the options apply; their price does not.
 ///
 /// # Errors
-/// As [`simplify_triangles`](super::simplify_triangles).
+/// The number of indices is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option is
+/// invalid.
 ///
 /// ```
 #[doc = include_str!("../example.txt")]
@@ -110,7 +111,8 @@ pub fn merge_tree(
 /// surface is not manifold, its points stay.
 ///
 /// # Errors
-/// As [`simplify_triangles`](super::simplify_triangles).
+/// The number of indices is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option is
+/// invalid.
 ///
 /// ```
 #[doc = include_str!("../example.txt")]

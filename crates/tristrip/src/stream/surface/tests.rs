@@ -4,7 +4,7 @@ use super::*;
 use crate::entropy::range_coder::RangeDecoder;
 use crate::stream::base::code_triangles;
 
-impl Surface {
+impl StreamSurface {
     /// Checks that opposite corners name one edge, that each corner is in the ring of its fan, and that open fans start at their first corner.
     pub(in super::super) fn check(&self) -> Result<(), String> {
         for corner in self.corners() {
@@ -49,13 +49,13 @@ impl Surface {
 }
 
 /// A surface of triangles that any bytes glue together.
-fn surface() -> impl Strategy<Value = Surface> {
+fn surface() -> impl Strategy<Value = StreamSurface> {
     (1..40_usize, prop::collection::vec(any::<u8>(), 0..60)).prop_filter_map(
         "edges twice",
         |(count, bytes)| {
             let mut coder = RangeDecoder::new(&bytes);
             let (opposite, _) = code_triangles(&mut coder, count, &[]).ok()?;
-            Some(Surface::new(&opposite)).filter(Surface::has_distinct_fans)
+            Some(StreamSurface::new(&opposite)).filter(StreamSurface::has_distinct_fans)
         },
     )
 }
@@ -111,7 +111,7 @@ proptest! {
 #[test]
 fn a_fan_on_the_border_is_split_at_its_end() {
     // One triangle; a triangle is added at the end of the fan of corner 0, then before its start.
-    let mut surface = Surface::new(&[NONE; 3]);
+    let mut surface = StreamSurface::new(&[NONE; 3]);
     let mut ring = Ring::new();
     surface.ring(0, NONE, &mut ring);
     surface.split(0, &ring, Split { start: 0, count: 0, is_open: true, adds: [false, true] }, 0);

@@ -48,8 +48,8 @@ fn attributes_are_restored_on_both_sides_of_a_seam() {
         assert_eq!(part.vertex_count(), mesh.vertex_count());
         let found = part.mesh().unwrap();
         let (grid, mut keys) = (grid_of(&mesh, 14), Keys::default());
-        let wanted = with_values(&mut keys, &grid, &rounded(&mesh));
-        assert_eq!(with_values(&mut keys, &grid, &found), wanted);
+        let to_encode = with_values(&mut keys, &grid, &rounded(&mesh));
+        assert_eq!(with_values(&mut keys, &grid, &found), to_encode);
     }
 }
 

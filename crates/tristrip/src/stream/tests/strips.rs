@@ -113,7 +113,7 @@ fn insertions_cost_as_much_as_cuts_and_joins() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 2))]
 
     #[test]
     fn strips_of_any_mesh_draw_its_triangles(mesh in meshes(), has_small_chunks in any::<bool>()) {

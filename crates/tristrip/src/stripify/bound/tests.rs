@@ -117,8 +117,6 @@ fn least_ends_of_all(nodes: &[FrontierNode], arcs: &[(usize, usize)], free: &[u8
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
-
     #[test]
     fn no_cover_has_fewer_strips(graph in graph(1..13)) {
         let found = strips::bound(&graph);
@@ -247,8 +245,6 @@ fn a_fan_needs_a_vertex_more_than_a_row() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
-
     #[test]
     fn parts_of_a_block_bound_the_whole(graph in graph(10..70), at_once in 1..300_usize) {
         let exact = BoundLimits { steps: 100_000, whole: usize::MAX, states_at_once: 30_000, states: 1_000_000 };

@@ -78,7 +78,7 @@ fn fewest_by_brute_force(graph: &DualGraph) -> usize {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 4))]
 
     #[test]
     fn covers_and_proves(polygons in polygons(false, 1..6), seed: u64) {

@@ -129,7 +129,7 @@ fn each_collapse_is_the_cheapest_of_all_pairs() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 5))]
 
     /// With equal positions, triangles without area, edges of many triangles and windings of all kinds.
     #[test]

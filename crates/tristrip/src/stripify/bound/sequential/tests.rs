@@ -57,8 +57,6 @@ fn strip(vertices: &[u32]) -> DualGraph {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
-
     #[test]
     fn finds_the_best_of_all_starts(graph in graph(1..9)) {
         check(&graph)?;

@@ -75,7 +75,7 @@ fn change_at_random(paths: &mut SegmentedPaths<'_>, graph: &DualGraph, random: &
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 128, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 2))]
 
     #[test]
     fn segments_follow_the_links(graph in triangle_graph(), seed: u64) {

@@ -1,0 +1,24 @@
+//! Stands in for `tls` when the feature `tls` is off: there is never a certificate.
+
+use std::future::Ready;
+use std::io;
+
+use crate::error::Error;
+use crate::options::ServerOptions;
+
+/// The certificate in use; it has no values.
+#[derive(Debug, Clone)]
+pub(crate) enum Tls {}
+
+impl Tls {
+    /// Returns `None`: the options name no certificate.
+    #[expect(clippy::unnecessary_wraps, reason = "the signature with the feature")]
+    pub(crate) fn from_options(_: &ServerOptions) -> Result<Option<Self>, Error> {
+        Ok(None)
+    }
+
+    /// Is never called.
+    pub(crate) fn accept<S>(&self, _: S) -> Ready<io::Result<S>> {
+        match *self {}
+    }
+}
