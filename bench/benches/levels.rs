@@ -11,13 +11,14 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use tristrip::lod::Filter;
 use tristrip::lod::LevelCursor;
 use tristrip::lod::{Encoding, ProgressiveStrips, ProgressiveStripsCursor};
-use tristrip::lod::{Filter, traffic};
 use tristrip::simplify::{self, simplify_triangles};
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::models::{default_folder, find, load};
+use tristrip_lab::traffic;
 
 /// Measured if they are in the folder.
 const MODELS: [&str; 3] = ["cow", "hand", "bunny"];

@@ -12,10 +12,11 @@ use std::sync::Arc;
 use tristrip::Effort;
 use tristrip::lod::{Encoding, ProgressiveMesh, ProgressiveStrips};
 use tristrip::lod::{Filter, LevelCursor};
-use tristrip::lod::{ModelKind, Repair, RepairOptions};
+use tristrip::lod::{Repair, RepairOptions};
 use tristrip::random::Random;
 use tristrip::simplify::{self, simplify_triangles};
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
+use tristrip_lab::baselines::ComparedModel;
 
 use crate::failure::Failure;
 
@@ -170,7 +171,7 @@ impl LevelCheck<'_> {
             .map(|&level| Ok(DrawingSum::of(self.sequence.drawn(level)?.into_iter())))
             .collect::<Result<_, Failure>>()?;
         let sequence = Arc::new(self.sequence.clone());
-        for kind in ModelKind::ALL {
+        for kind in ComparedModel::ALL {
             let mut cursor = kind.build(self.strips, &sequence)?.start();
             for (&level, oracle) in jumps.iter().zip(&oracles) {
                 cursor.set_level(level)?;

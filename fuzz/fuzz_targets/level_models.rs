@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use tristrip::lod::ModelKind;
+use tristrip_lab::baselines::ComparedModel;
 use tristrip_fuzz::{Bytes, Model, model, sorted};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
@@ -15,7 +15,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let jumps = data.iter().take(16).map(|&byte| usize::from(byte) % (last + 1));
     let path: Vec<usize> = (0..=last).rev().chain(0..=last).chain(jumps).collect();
     let sequence = Arc::new(sequence);
-    for kind in ModelKind::ALL {
+    for kind in ComparedModel::ALL {
         let Ok(model) = kind.build(&strips, &sequence) else { continue };
         let mut cursor = model.start();
         assert_eq!(sorted(cursor.strips().triangles()), oracle[last], "{kind}");

@@ -3,7 +3,7 @@
 #![no_main]
 
 use tristrip::lod::Encoding;
-use tristrip::stream::paper::{Decoder, encode};
+use tristrip_lab::wire::{Decoder, encode};
 use tristrip_fuzz::{Bytes, Model, model, sorted};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

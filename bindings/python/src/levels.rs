@@ -33,7 +33,7 @@ use crate::strips::{Strips, index_bits, layout_of};
 /// Args:
 ///     vertices: positions of shape (n, 3).
 ///     faces: as of `stripify`.
-///     model: "progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips", "blocks" or "skip": how the levels are stored, as of the
+///     model: "progressive-mesh", "naive", "progressive", "sets", "blocks" or "skip": how the levels are stored, as of the
 ///         command's `lod --model`. "blocks" has the fewest indices at coarse levels, and takes the least memory.
 ///     base: the ratio of triangles of the base mesh; by default as few as possible.
 ///     price: what a collapse costs, as of `simplify`.
@@ -48,9 +48,8 @@ use crate::strips::{Strips, index_bits, layout_of};
 ///
 /// References:
 ///     "naive" and "progressive": Kim, Park, Yang, Neelamkavil: A Rendering-Efficient Progressive Transmission of 3D Meshes, 2005. "sets": Belmonte,
-///     Aguado, Sancho: Triangle Strip Multiresolution Modelling Using Sorted Edges, 2006. "mts": Belmonte, Remolar, Ribelles, Chover, Fernández:
-///     Efficiently Using Connectivity Information between Triangles in a Mesh for Real-Time Rendering, 2004. "lod-strips": Ramos, Chover: LodStrips:
-///     Level of Detail Strips, 2004. "progressive-mesh": Hoppe: Progressive Meshes, 1996. "skip": El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli:
+///     Aguado, Sancho: Triangle Strip Multiresolution Modelling Using Sorted Edges, 2006.
+///     "progressive-mesh": Hoppe: Progressive Meshes, 1996. "skip": El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli:
 ///     Efficiently Computing and Updating Triangle Strips for Real-Time Rendering, 2000. "blocks" is of this project.
 ///
 /// >>> import numpy, tristrip

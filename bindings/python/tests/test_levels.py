@@ -19,7 +19,7 @@ import oracle
 import tristrip
 
 Hand = tuple[meshes.Positions, meshes.Triangles]
-MODELS = ["progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips", "blocks", "skip"]
+MODELS = ["progressive-mesh", "naive", "progressive", "sets", "blocks", "skip"]
 
 
 def renamed(triangles: npt.ArrayLike, renaming: npt.NDArray[Any]) -> npt.NDArray[Any]:

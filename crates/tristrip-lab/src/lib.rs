@@ -11,11 +11,15 @@
 
 #![forbid(unsafe_code)]
 
+pub mod baselines;
 mod error;
 pub mod flight;
 pub mod pareto;
 pub mod recovery;
 pub mod repro;
+#[cfg(test)]
+mod samples;
 pub mod traffic;
+pub mod wire;
 
 pub use error::Error;

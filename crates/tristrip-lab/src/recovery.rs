@@ -18,10 +18,10 @@ mod sweep;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use tristrip::lod::ModelKind;
 use tristrip_pipeline::text::count;
 use tristrip_pipeline::{ModelCursor, ModelLevels, rounded};
 
+use crate::baselines::ComparedModel;
 use crate::error::Error;
 pub use chart::draw;
 pub use sweep::Sweep;
@@ -82,7 +82,7 @@ pub struct RecoveryTest {
 /// ```
 pub fn measure(levels: &ModelLevels, sweeps: &[Sweep], rounds: usize) -> Result<Vec<ModelRecovery>, Error> {
     let (mut measured, mut cursors) = (Vec::new(), Vec::new());
-    for kind in ModelKind::ALL {
+    for kind in ComparedModel::ALL {
         let (of_kind, cursor) = build(levels, kind);
         measured.push(of_kind);
         cursors.push(cursor);
@@ -115,9 +115,9 @@ pub fn measure(levels: &ModelLevels, sweeps: &[Sweep], rounds: usize) -> Result<
 }
 
 /// Builds a level model of each part, and draws the full mesh.
-fn build(levels: &ModelLevels, kind: ModelKind) -> (ModelRecovery, Option<ModelCursor>) {
+fn build(levels: &ModelLevels, kind: ComparedModel) -> (ModelRecovery, Option<ModelCursor>) {
     let start = Instant::now();
-    let built = levels.cursor(kind);
+    let built = levels.cursor_of(|strips, sequence| kind.build(strips, sequence));
     let mut measured = ModelRecovery {
         model: kind.name().into(),
         error: None,
@@ -182,6 +182,7 @@ mod tests {
     use super::*;
     use tristrip::Method;
     use tristrip::StripifyOptions;
+    use tristrip::lod::ModelKind;
     use tristrip_io::{Format, read};
     use tristrip_pipeline::{LevelsOptions, levels};
 
@@ -200,13 +201,13 @@ mod tests {
         let stripify = StripifyOptions::default().with_method(Method::Sequential);
         let levels = levels(&model, &LevelsOptions::default().with_stripify(stripify)).unwrap();
         let measured = measure(&levels, &[Sweep::Linear], 1).unwrap();
-        let of = |kind: ModelKind| measured.iter().find(|model| model.model == kind.name()).unwrap();
-        for kind in [ModelKind::Sets, ModelKind::Mts] {
+        let of = |kind: ComparedModel| measured.iter().find(|model| model.model == kind.name()).unwrap();
+        for kind in [ComparedModel::Library(ModelKind::Sets), ComparedModel::Mts] {
             let refused = of(kind);
             assert!(refused.error.as_ref().unwrap().contains("successors of all vertices"), "{kind}");
             assert!(refused.tests.is_empty());
         }
-        for kind in [ModelKind::Progressive, ModelKind::LodStrips] {
+        for kind in [ComparedModel::Library(ModelKind::Progressive), ComparedModel::LodStrips] {
             assert!(of(kind).error.is_none() && of(kind).tests.len() == SHARES.len(), "{kind}");
         }
         assert!(as_text(&measured).contains("sets not measured: "));

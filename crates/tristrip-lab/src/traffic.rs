@@ -6,12 +6,16 @@
 //! ```
 
 mod chart;
+mod levels;
 mod measure;
 mod rows;
 mod totals;
 mod updates;
 
 pub use chart::draw;
+pub use levels::{
+    BIN_COUNT, LevelTraffic, SplitTraffic, TrafficBin, TrafficTotals, VERTEX_BITS, gigabits, walk,
+};
 pub use measure::{as_text, measure_levels};
 pub use rows::{FilterTotal, LevelRow, Refinement, SINGLE_TRIANGLES, VerticesSent};
 pub use totals::{as_text as totals_as_text, totals};

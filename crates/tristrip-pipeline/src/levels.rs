@@ -15,8 +15,8 @@ mod written;
 
 use std::sync::Arc;
 
-use tristrip::lod::{Camera, ModelKind, RepairOptions, ViewCriteria};
-use tristrip::{Mesh, Strips};
+use tristrip::lod::{Camera, LevelModel, ModelKind, RepairOptions, ViewCriteria};
+use tristrip::{CollapseSequence, Mesh, Strips};
 use tristrip_io::Model;
 
 use crate::collapses::{Collapses, percent_of};
@@ -364,11 +364,35 @@ impl ModelLevels {
     /// use tristrip::lod::ModelKind;
     /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
     /// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
-    /// assert_eq!(levels.cursor(ModelKind::Mts)?.level(), levels.collapse_count());
+    /// assert_eq!(levels.cursor(ModelKind::Sets)?.level(), levels.collapse_count());
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     pub fn cursor(&self, kind: ModelKind) -> Result<ModelCursor, Error> {
-        ModelCursor::new(&self.order, &self.parts, kind)
+        self.cursor_of(|strips, sequence| kind.build(strips, sequence))
+    }
+
+    /// Returns level models that a function builds from the strips and the collapses of each part, at the full mesh.
+    ///
+    /// # Errors
+    /// The function fails.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use tristrip::lod::{LevelModel, Sets};
+    /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
+    /// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+    /// let cursor = levels.cursor_of(|strips, sequence| {
+    ///     let model: Arc<dyn LevelModel> = Arc::new(Sets::new(strips, sequence)?);
+    ///     Ok(model)
+    /// })?;
+    /// assert_eq!(cursor.level(), levels.collapse_count());
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn cursor_of(
+        &self,
+        build: impl Fn(&Strips, &Arc<CollapseSequence>) -> Result<Arc<dyn LevelModel>, tristrip::Error> + Sync,
+    ) -> Result<ModelCursor, Error> {
+        ModelCursor::new(&self.order, &self.parts, build)
     }
 
     /// Measures and proves the display strips of a level.

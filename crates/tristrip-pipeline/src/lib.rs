@@ -46,7 +46,6 @@ mod pack;
 mod parts;
 mod places;
 mod prepared;
-mod published;
 mod simplify;
 mod stream;
 mod strip;
@@ -87,7 +86,6 @@ pub use observer::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
 pub use pack::{PackOptions, Packed, PackedReport, pack};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
-pub use published::{Published, is_published, pack_as_published, unpack_published};
 pub use simplify::{
     CollapseRules, LevelOrder, NormalCounts, Normals, Simplified, SimplifyFigures, SimplifyOptions,
     StoppedReport, simplify, simplify_observed, simplify_parts,

@@ -36,7 +36,6 @@ use self::eye::error_factors;
 use self::group::{Group, groups, touching_vertices};
 use self::order::{Queue, in_order};
 pub use self::report::PackedReport;
-pub(crate) use self::report::bits_per_vertex;
 use crate::encode::{EncodeOptions, encode, kept_vertices};
 use crate::error::Error;
 use crate::observer::{Observer, Stage, begin};

@@ -9,7 +9,7 @@
 
 /// Items grouped by key, in their order within a group.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Csr<T = u32> {
+pub struct Csr<T = u32> {
     ends: Vec<u32>,
     items: Vec<T>,
 }
@@ -37,7 +37,7 @@ impl Csr {
 
 impl<T: Copy + Default> Csr<T> {
     /// Groups items by their keys, which are below `key_count`.
-    pub(crate) fn group_items(keyed: impl Iterator<Item = (u32, T)> + Clone, key_count: usize) -> Self {
+    pub fn group_items(keyed: impl Iterator<Item = (u32, T)> + Clone, key_count: usize) -> Self {
         // `ends[key]` moves from the start of the key's row to its end.
         let mut ends = vec![0_u32; key_count];
         keyed.clone().for_each(|(key, _)| ends[key as usize] += 1);
@@ -68,13 +68,13 @@ impl<T: Copy + Default> Csr<T> {
     }
 
     /// Counts the items of all rows.
-    pub(crate) fn item_count(&self) -> usize {
+    pub fn item_count(&self) -> usize {
         self.items.len()
     }
 
     /// Returns the items of a key in their order.
     #[inline]
-    pub(crate) fn row(&self, key: u32) -> &[T] {
+    pub fn row(&self, key: u32) -> &[T] {
         &self.items[self.range(key)]
     }
 
@@ -87,7 +87,7 @@ impl<T: Copy + Default> Csr<T> {
 
     /// Iterates over the rows in the order of their keys.
     #[inline]
-    pub(crate) fn rows(&self) -> impl ExactSizeIterator<Item = &[T]> + Clone {
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[T]> + Clone {
         let mut start = 0;
         self.ends
             .iter()

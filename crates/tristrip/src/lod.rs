@@ -41,9 +41,7 @@ mod index_map;
 mod level_mesh;
 mod level_model;
 mod level_table;
-mod lod_strips;
 mod model_kind;
-mod mts;
 mod multiresolution;
 mod progressive;
 mod repair;
@@ -55,31 +53,40 @@ mod shortened;
 mod skip;
 mod strip_graph;
 mod strip_states;
-pub mod traffic;
 mod vertex_ranges;
 mod view;
 
 pub use blocks::{BlockOptions, Blocks, BlocksCursor};
-pub use filter::{DrawCost, Filter};
+pub use filter::{DrawCost, Filter, FilterCosts};
 pub use geomorph::{Geomorph, Transit};
 pub use hysteresis::Hysteresis;
 pub use index_map::RESTART;
 pub use level_model::{LevelCursor, LevelModel};
 pub use level_table::LevelTable;
-pub use lod_strips::LodStrips;
 pub use model_kind::ModelKind;
-pub use mts::Mts;
-pub(crate) use progressive::decode_entries;
 pub use progressive::{
     Encoding, ProgressiveMesh, ProgressiveMeshCursor, ProgressiveStrips, ProgressiveStripsCursor, SlotUpdate,
-    VertexSplit, encoded_offset,
+    VertexSplit, decode_entries, encoded_offset,
 };
 pub use repair::{Repair, RepairOptions, RepairedStrips};
 pub(crate) use repair::{RepairedPaths, walk_steps};
-pub(crate) use replay::Records;
 pub use sets::Sets;
 pub use skip::{
     Camera, Foveation, RepairedView, SkipLevelCursor, SkipStrips, SkipView, ViewCriteria, ViewGeomorphs,
     ViewSnapshot, ViewUpdate,
 };
 pub use view::View;
+
+/// What the models of strips by states share, for models outside this crate: the baselines of `tristrip-lab`. It may change with any
+/// version.
+#[doc(hidden)]
+pub mod strip_graphs {
+    pub use super::multiresolution::{
+        Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists,
+    };
+    pub use super::shortened::{NONE, SlotEdit, edits_of};
+    pub use super::strip_graph::StripGraph;
+    pub use super::strip_states::StripState;
+    pub use crate::csr::Csr;
+    pub use crate::packed::{Packed, PackedRow, bits_for};
+}

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 /// Returns the bits that numbers from 0 to `largest` need.
-pub(crate) fn bits_for(largest: u32) -> u32 {
+pub fn bits_for(largest: u32) -> u32 {
     u32::BITS - largest.leading_zeros()
 }
 
@@ -15,7 +15,7 @@ const READ: usize = size_of::<u64>();
 
 /// Packed numbers of any widths, one after the other.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Packed {
+pub struct Packed {
     /// Those of the numbers, and as many that reading the last number may reach.
     bytes: Vec<u8>,
     bit_count: usize,
@@ -23,7 +23,7 @@ pub(crate) struct Packed {
 
 impl Packed {
     /// Appends a number of at most `bits` bits.
-    pub(crate) fn push(&mut self, number: u32, bits: u32) {
+    pub fn push(&mut self, number: u32, bits: u32) {
         debug_assert!(bits == 32 || number >> bits == 0, "{number} does not fit {bits} bits");
         let (byte, shift) = (self.bit_count / 8, self.bit_count % 8);
         self.bit_count += bits as usize;
@@ -41,7 +41,7 @@ impl Packed {
 
     /// Returns the number of `bits` bits that begins at a bit.
     #[inline]
-    pub(crate) fn get(&self, bit: usize, bits: u32) -> u32 {
+    pub fn get(&self, bit: usize, bits: u32) -> u32 {
         low_bits(self.word_at(bit), bits)
     }
 
@@ -90,7 +90,7 @@ impl Packed {
 
     /// Returns two numbers that follow each other.
     #[inline]
-    pub(crate) fn get_pair(&self, bit: usize, bits: [u32; 2]) -> [u32; 2] {
+    pub fn get_pair(&self, bit: usize, bits: [u32; 2]) -> [u32; 2] {
         [self.get(bit, bits[0]), self.get(bit + bits[0] as usize, bits[1])]
     }
 
@@ -107,7 +107,7 @@ fn low_bits(word: u64, bits: u32) -> u32 {
 
 /// Numbers of one width among packed ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct PackedRow<'a> {
+pub struct PackedRow<'a> {
     packed: &'a Packed,
     start: usize,
     bits: u32,
@@ -115,13 +115,13 @@ pub(crate) struct PackedRow<'a> {
 
 impl<'a> PackedRow<'a> {
     /// Returns the numbers of `bits` bits from a bit on.
-    pub(crate) fn new(packed: &'a Packed, start: usize, bits: u32) -> Self {
+    pub fn new(packed: &'a Packed, start: usize, bits: u32) -> Self {
         Self { packed, start, bits }
     }
 
     /// Returns a number by its position.
     #[inline]
-    pub(crate) fn get(&self, i: u32) -> u32 {
+    pub fn get(&self, i: u32) -> u32 {
         self.packed.get(self.start + i as usize * self.bits as usize, self.bits)
     }
 

@@ -58,8 +58,6 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-pub mod paper;
-
 pub use costs::StreamCosts;
 pub use decoder::{ChunkView, Decoder, StreamLimits, chunks};
 pub use encoder::{EncodedStream, StreamChunk, encode, unsplittable};

@@ -12,11 +12,13 @@ use tristrip_bench::models::Source;
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::Table;
 use tristrip_io::read_path;
+use tristrip_lab::baselines::ComparedModel;
 use tristrip_lab::recovery::ModelRecovery;
 use tristrip_pipeline::{LevelPart, LevelsOptions, Ratio, levels};
 
 /// The models that `blocks` is compared with.
-const PUBLISHED: [ModelKind; 3] = [ModelKind::Sets, ModelKind::Mts, ModelKind::LodStrips];
+const PUBLISHED: [ComparedModel; 3] =
+    [ComparedModel::Library(ModelKind::Sets), ComparedModel::Mts, ComparedModel::LodStrips];
 /// Models whose moves are measured.
 const MOVED: [&str; 3] = ["cow", "bunny", "dragon"];
 /// Models whose vertices over all levels have a target.
@@ -71,7 +73,7 @@ pub(super) fn measure_all(sources: &[Source]) -> Result<Vec<BlockFigures>, Failu
 pub(super) fn build_all(sources: &[Source]) -> Result<Option<BuildFigures>, Failure> {
     let Some(source) = sources.iter().find(|source| source.name == "dragon") else { return Ok(None) };
     let part = part_of(source, Method::STRIPE)?;
-    let kinds = [&PUBLISHED[..], &[ModelKind::Blocks]].concat();
+    let kinds = [&PUBLISHED[..], &[ComparedModel::Library(ModelKind::Blocks)]].concat();
     let start = Instant::now();
     // All of them are in memory at the end, and dropped before the bytes that are left are counted.
     let (built, bytes) = extra_bytes(|| {
@@ -170,8 +172,11 @@ fn of_type<I: Index>(
 
 /// Compares the times and the memory of a model's recovery with those of the published models.
 pub(super) fn compare_recovery(model: &str, measured: &[ModelRecovery]) -> Vec<Target> {
-    let of = |kind: ModelKind| measured.iter().find(|model| model.model == kind.name());
-    let (Some(blocks), Some(mts)) = (of(ModelKind::Blocks), of(ModelKind::Mts)) else { return Vec::new() };
+    let of = |kind: ComparedModel| measured.iter().find(|model| model.model == kind.name());
+    let (Some(blocks), Some(mts)) = (of(ComparedModel::Library(ModelKind::Blocks)), of(ComparedModel::Mts))
+    else {
+        return Vec::new();
+    };
     let ratio = |(i, test): (usize, &tristrip_lab::recovery::RecoveryTest)| {
         let of_others = PUBLISHED.iter().filter_map(|&kind| Some(of(kind)?.tests.get(i)?.microseconds));
         Some(test.microseconds / of_others.min_by(f64::total_cmp)?)

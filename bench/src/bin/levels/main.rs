@@ -24,8 +24,8 @@ use simplification::{
     POINTS, SimplificationFigures, SimplificationGoal, measure, simplification_table, summary,
 };
 use tristrip::Effort;
+use tristrip::lod::Filter;
 use tristrip::lod::{Encoding, ProgressiveStrips};
-use tristrip::lod::{Filter, traffic};
 use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 use tristrip::simplify::{self, Price, simplify_triangles};
 use tristrip::{CollapseSequence, Method, StripifyOptions, Strips, stripify};
@@ -36,6 +36,7 @@ use tristrip_bench::memory::CountingAllocator;
 use tristrip_bench::models::{ModelArgs, Source, load};
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::{self, Table};
+use tristrip_lab::traffic;
 
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;

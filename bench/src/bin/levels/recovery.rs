@@ -7,8 +7,12 @@ use tristrip_bench::models::Source;
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::Table;
 use tristrip_io::{Model, read_path};
+use tristrip_lab::baselines::ComparedModel;
 use tristrip_lab::recovery::{ModelRecovery, SHARES, Sweep, measure};
 use tristrip_pipeline::{Amount, Deviation, Goal, LevelsOptions, Ratio, SimplifyOptions, levels, simplify};
+
+/// The model of the paper.
+const SETS: ComparedModel = ComparedModel::Library(ModelKind::Sets);
 
 /// What the paper prints of a model, in its table 2: strips, and megabytes of SETS and of MTS.
 const PUBLISHED: [(&str, usize, [f64; 2]); 2] =
@@ -58,7 +62,7 @@ fn of_model(name: &str, model: &Model, rounds: usize) -> Result<RecoveryFigures,
 }
 
 impl RecoveryFigures {
-    fn of(&self, kind: ModelKind) -> Option<&ModelRecovery> {
+    fn of(&self, kind: ComparedModel) -> Option<&ModelRecovery> {
         self.models.iter().find(|model| model.model == kind.name())
     }
 
@@ -68,7 +72,7 @@ impl RecoveryFigures {
             let tests = &self.of(kind)?.tests;
             tests.iter().find(|test| test.sweep == sweep && test.share == share).map(|test| test.microseconds)
         };
-        Some(time(ModelKind::Sets)? / time(ModelKind::Mts)?)
+        Some(time(SETS)? / time(ComparedModel::Mts)?)
     }
 }
 
@@ -85,7 +89,7 @@ pub(super) fn compare(figures: &[RecoveryFigures]) -> Vec<Target> {
             found: figures.strips.to_string(),
             met: (figures.strips as f64 - strips as f64).abs() <= within,
         });
-        let kinds = [ModelKind::Sets, ModelKind::Mts];
+        let kinds = [SETS, ComparedModel::Mts];
         let [Some(sets), Some(mts)] = kinds.map(|kind| figures.of(kind)) else { continue };
         let ratio = sets.memory as f64 / mts.memory as f64;
         targets.push(Target::at_most(of("memory of sets relative to mts"), 1.4, ratio, 2));

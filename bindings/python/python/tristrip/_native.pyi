@@ -190,7 +190,7 @@ def simplify(
 # --- levels of detail
 
 LevelModel: TypeAlias = Literal[
-    "progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips", "blocks", "skip"
+    "progressive-mesh", "naive", "progressive", "sets", "blocks", "skip"
 ]
 
 class LevelRow(TypedDict):

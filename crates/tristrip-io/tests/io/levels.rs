@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use tristrip::lod::{Encoding, ProgressiveMesh, ProgressiveStrips};
-use tristrip::lod::{Filter, LevelCursor, traffic};
+use tristrip::lod::{Filter, LevelCursor};
 use tristrip::simplify::{self, simplify_triangles};
 use tristrip::{CollapseSequence, Mesh, Method, Strips, stripify};
 
@@ -73,11 +73,6 @@ fn models_draw_what_the_oracle_draws() {
             let options = simplify::SimplifyOptions::default();
             let sequence = simplify_triangles(&mesh, strips.to_list(), &options).unwrap().sequence;
             check(&name, &strips, &sequence);
-            let totals = traffic::walk(&strips, &sequence, |_| ()).unwrap();
-            let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| totals.vertices(filter));
-            assert!(none >= stss && stss >= dtfs && dtfs >= linked, "{name}");
-            let splits = totals.splits();
-            assert!(splits.encoded_slots <= splits.naive_slots, "{name}");
         }
     }
 }

@@ -18,12 +18,11 @@ use std::collections::BTreeMap;
 
 use tristrip::Strips;
 use tristrip::lod::RepairOptions;
-use tristrip::lod::traffic::gigabits;
 use tristrip_pipeline::{LevelPart, LevelsOptions, ModelLevels, PreparedModel, Ratio};
 
 use super::wire_figures;
 use crate::error::Error;
-use crate::traffic::{LevelRow, TrafficModel, measure_levels, totals};
+use crate::traffic::{LevelRow, TrafficModel, gigabits, measure_levels, totals};
 
 /// The size of the paper's base meshes, as a ratio of the triangles.
 const BASE: &str = "5%";

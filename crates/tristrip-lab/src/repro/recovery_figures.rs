@@ -15,10 +15,11 @@
 
 use std::collections::BTreeMap;
 
-use tristrip::lod::{ModelKind, Mts, Sets};
+use tristrip::lod::Sets;
 use tristrip::{Error as CoreError, Strips};
 use tristrip_pipeline::{LevelsOptions, ModelLevels, PreparedModel, Ratio};
 
+use crate::baselines::{ComparedModel, Mts};
 use crate::error::Error;
 use crate::recovery::{SHARES, Sweep};
 
@@ -38,7 +39,7 @@ pub(super) fn measure(
     let mut figures = BTreeMap::new();
 
     // 1. Memory.
-    for kind in ModelKind::ALL {
+    for kind in ComparedModel::ALL {
         let built = levels.parts.iter().map(|part| kind.build(part.strips(), part.sequence()));
         let built = built.collect::<Result<Vec<_>, _>>().map_err(tristrip_pipeline::Error::from)?;
         let bytes: usize = built.iter().map(|model| model.memory()).sum();

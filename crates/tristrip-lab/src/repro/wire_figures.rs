@@ -7,10 +7,10 @@
 
 use tristrip::Strips;
 use tristrip::lod::Encoding;
-use tristrip::stream::paper::{Decoder, Encoded, Sizes};
 use tristrip_pipeline::{Error as PipelineError, LevelPart, ModelLevels, PreparedModel};
 
 use crate::error::Error;
+use crate::wire::{Decoder, Encoded, Sizes, encode_part};
 
 /// Levels of each part that are proven, in equal steps.
 const PROVEN_STEPS: usize = 8;
@@ -26,7 +26,7 @@ pub(super) fn measure(
     let sizes = |encoding| {
         let parts = levels.parts.iter().zip(prepared.parts());
         let sizes = parts.map(|(part, prepared)| {
-            let encoded = part.encode_as_published(prepared.mesh.positions(), encoding)?;
+            let encoded = encode_part(part, prepared.mesh.positions(), encoding)?;
             prove(part, &encoded)?;
             Ok(encoded.sizes)
         });

@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use tristrip::Error as MeshError;
-use tristrip::lod::traffic;
 use tristrip::lod::{Filter, Repair, RepairOptions};
 use tristrip_pipeline::text::grouped;
 use tristrip_pipeline::{DisplayFilter, LevelPart, ModelLevels, rounded};
 
+use super::levels::walk;
 use super::rows::{FilterTotal, SINGLE_TRIANGLES};
 use crate::error::Error;
 use tristrip_render::text::table;
@@ -22,7 +22,7 @@ fn sent_by_level(part: &LevelPart, options: RepairOptions) -> Result<Vec<Vec<usi
     let (strips, sequence) = (part.strips(), part.sequence());
     let mut counts: Vec<Vec<usize>> = Vec::with_capacity(sequence.len() + 1);
     let scanners = || DisplayFilter::ALL.iter().map(|filter| filter.scanner());
-    traffic::walk(strips, sequence, |level| {
+    walk(strips, sequence, |level| {
         let sent = |filter: Option<Filter>| filter.map_or(0, |filter| level.sent(filter).vertices);
         counts.push(scanners().map(sent).collect());
     })?;

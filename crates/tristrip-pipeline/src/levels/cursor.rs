@@ -3,7 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use tristrip::lod::{LevelCursor, LevelModel, ModelKind};
+use tristrip::lod::{LevelCursor, LevelModel};
+use tristrip::{CollapseSequence, Strips};
 
 use super::part::LevelPart;
 use crate::error::Error;
@@ -36,8 +37,12 @@ pub struct ModelCursor {
 
 impl ModelCursor {
     /// Builds a level model of each part, and stands at the full mesh.
-    pub(super) fn new(order: &Arc<LevelOrder>, parts: &[LevelPart], kind: ModelKind) -> Result<Self, Error> {
-        let built = map(parts, |part| kind.build(part.strips(), part.sequence()));
+    pub(super) fn new(
+        order: &Arc<LevelOrder>,
+        parts: &[LevelPart],
+        build: impl Fn(&Strips, &Arc<CollapseSequence>) -> Result<Arc<dyn LevelModel>, tristrip::Error> + Sync,
+    ) -> Result<Self, Error> {
+        let built = map(parts, |part| build(part.strips(), part.sequence()));
         Self::start(Arc::clone(order), built.into_iter().collect::<Result<_, _>>()?)
     }
 

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use tristrip::lod::{Encoding, Filter, LevelCursor, RESTART, Repair, RepairOptions, SkipStrips, SkipView};
-use tristrip::stream::paper::{self, Encoded};
+use tristrip::lod::{Filter, LevelCursor, RESTART, Repair, RepairOptions, SkipStrips, SkipView};
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Strips};
 
@@ -158,17 +157,11 @@ impl LevelPart {
         Ok(if is_full { model.full_view() } else { model.view_by(Filter::Linked) })
     }
 
-    /// Encodes the part as paper 001 transmits it. The vertices of the result are those of the collapses.
+    /// Returns the positions of the vertices of the collapses, out of those of the part.
     ///
     /// # Errors
-    /// The positions are not those of the part, or one is not finite; a number is too large for the bytes.
-    pub fn encode_as_published(&self, positions: &[[f32; 3]], encoding: Encoding) -> Result<Encoded, Error> {
-        let positions = self.positions_of_collapses(positions)?;
-        Ok(paper::encode(&self.strips, &self.sequence, &positions, encoding)?)
-    }
-
-    /// Returns the positions of the vertices of the collapses, out of those of the part.
-    fn positions_of_collapses(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Error> {
+    /// The positions are not those of the part.
+    pub fn positions_of_collapses(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Error> {
         if positions.len() != self.vertex_count {
             let (found, expected) = (positions.len(), self.vertex_count);
             return Err(Error::Unproven(format!("found a part of {found} vertices, expected {expected}")));
@@ -218,7 +211,6 @@ fn mapped(strips: &Strips, map: impl Fn(&mut [u32])) -> Strips {
 mod tests {
     use super::*;
     use tristrip::Rename;
-    use tristrip::stream::paper::Decoder;
 
     #[test]
     fn vertices_of_degenerate_triangles_only_are_replaced() {
@@ -252,19 +244,14 @@ mod tests {
     }
 
     #[test]
-    fn a_part_is_encoded_with_the_positions_of_its_vertices() {
+    fn positions_are_those_of_the_part() {
         let mut strips = Strips::default();
         strips.push(&[0, 1, 2, 3, 4, 5]);
         let rename = [Rename { removed: 3, kept: 2 }];
         let sequence = CollapseSequence::from_collapses(6, strips.to_list(), [(&rename[..], 1.0)]).unwrap();
         let part = LevelPart::new(UsedVertices::default(), 6, &strips, sequence);
         let positions: Vec<[f32; 3]> = (0..6).map(|x| [x as f32, 0.0, 0.0]).collect();
-        let encoded = part.encode_as_published(&positions, Encoding::Offsets).unwrap();
-        let mut decoder = Decoder::default();
-        decoder.update(&encoded.bytes).unwrap();
-        assert_eq!((&encoded.vertices[..], decoder.level()), (&[0, 1, 2, 4, 5, 3][..], Some(1)));
-        let sent: Vec<f32> = decoder.positions().iter().map(|position| position[0]).collect();
-        assert_eq!(sent, [0.0, 1.0, 2.0, 4.0, 5.0, 3.0]);
-        assert!(part.encode_as_published(&positions[1..], Encoding::Offsets).is_err());
+        assert_eq!(part.positions_of_collapses(&positions).unwrap(), positions);
+        assert!(part.positions_of_collapses(&positions[1..]).is_err());
     }
 }

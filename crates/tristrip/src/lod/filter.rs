@@ -21,6 +21,7 @@
 //! O(n) time, and no memory but the result, at most four vertices per triangle. For the strips of the bunny at 21 levels, on a core of their own,
 //! `Dtfs` reads 360 million entries per second, `Stss` and `Linked` 260 million.
 
+mod costs;
 mod dtfs;
 mod linked;
 mod scanner;
@@ -33,6 +34,7 @@ mod tests;
 use super::index_map::RESTART;
 use crate::names::names;
 use crate::strip::Strips;
+pub use costs::FilterCosts;
 pub(crate) use dtfs::Dtfs;
 pub(crate) use linked::Linked;
 pub use scanner::DrawCost;

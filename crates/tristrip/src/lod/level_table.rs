@@ -114,7 +114,16 @@ impl LevelTable {
     }
 
     /// Checks that there is a level.
-    pub(super) fn check(&self, level: usize) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// There is none of this number.
+    ///
+    /// ```
+    /// use tristrip::lod::LevelTable;
+    /// let levels = LevelTable::of(&tristrip::CollapseSequence::default());
+    /// assert!(levels.check(0).is_ok() && levels.check(1).is_err());
+    /// ```
+    pub fn check(&self, level: usize) -> Result<(), Error> {
         check_level(level, self.collapse_count())
     }
 
@@ -124,7 +133,12 @@ impl LevelTable {
     }
 
     /// Returns the memory of the table in bytes.
-    pub(super) fn memory(&self) -> usize {
+    ///
+    /// ```
+    /// use tristrip::lod::LevelTable;
+    /// assert!(LevelTable::of(&tristrip::CollapseSequence::default()).memory() < 100);
+    /// ```
+    pub fn memory(&self) -> usize {
         size_of_val(&self.triangle_counts[..]) + size_of_val(&self.errors[..])
     }
 }

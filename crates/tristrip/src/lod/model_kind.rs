@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use super::level_model::LevelModel;
-use super::{
-    BlockOptions, Blocks, Encoding, LodStrips, Mts, ProgressiveMesh, ProgressiveStrips, Sets, SkipStrips,
-};
+use super::{BlockOptions, Blocks, Encoding, ProgressiveMesh, ProgressiveStrips, Sets, SkipStrips};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::names::names;
@@ -21,12 +19,8 @@ pub enum ModelKind {
     Naive,
     /// [`ProgressiveStrips`] with [`Encoding::Offsets`].
     Progressive,
-    /// [`Mts`].
-    Mts,
     /// [`Sets`].
     Sets,
-    /// [`LodStrips`].
-    LodStrips,
     /// [`Blocks`] with [`BlockOptions::default`].
     #[default]
     Blocks,
@@ -39,9 +33,7 @@ names! {
     ProgressiveMesh => "progressive-mesh", "Single triangles, and the corners that each collapse renames (Hoppe 1996)";
     Naive => "naive", "Progressive strips that hold every vertex (Kim et al. 2005, section 3.2)";
     Progressive => "progressive", "Progressive strips that refer to nearby vertices by offsets (Kim et al. 2005)";
-    Mts => "mts", "For each vertex of a strip, all edges to its successors, not sorted (after Belmonte et al. 2004)";
     Sets => "sets", "For each vertex of a strip, its successors sorted by level (Belmonte et al. 2006)";
-    LodStrips => "lod-strips", "Strips as vectors, and the changes of each level (after Ramos and Chover 2004)";
     Blocks => "blocks", "Index buffers of key levels, and the slots that change between them (ours)";
     Skip => "skip", "Skip Strips: vertices drawn as their first active ancestor (El-Sana et al. 2000)";
 }
@@ -71,9 +63,7 @@ impl ModelKind {
             Self::ProgressiveMesh => Arc::new(ProgressiveMesh::new(sequence)?),
             Self::Naive => Arc::new(ProgressiveStrips::new(strips, sequence, Encoding::Naive)?),
             Self::Progressive => Arc::new(ProgressiveStrips::new(strips, sequence, Encoding::Offsets)?),
-            Self::Mts => Arc::new(Mts::new(strips, sequence)?),
             Self::Sets => Arc::new(Sets::new(strips, sequence)?),
-            Self::LodStrips => Arc::new(LodStrips::new(strips, sequence)?),
             Self::Blocks => Arc::new(Blocks::new(strips, Arc::clone(sequence), &BlockOptions::default())?),
             Self::Skip => Arc::new(SkipStrips::of_levels(strips, sequence)?),
         })

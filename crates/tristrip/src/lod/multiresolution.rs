@@ -1,4 +1,4 @@
-//! What SETS and MTS share: each strip is a graph, a strip at any of its states is recovered by a walk through it, and only the strips whose state
+//! What SETS and models like it share (MTS, in `tristrip-lab`): each strip is a graph, a strip at any of its states is recovered by a walk through it, and only the strips whose state
 //! changed are walked.
 //!
 //! State 0 of a strip is that of the full mesh, and each collapse that changes it leads to the next one. The collapses at which the states begin are
@@ -21,8 +21,10 @@ use crate::packed::{Packed, PackedRow, bits_for};
 use crate::strip::Strips;
 
 /// How the successors of the nodes are stored and found.
-pub(super) trait SuccessorLists: Send + Sync + 'static {
+pub trait SuccessorLists: Send + Sync + 'static {
+    /// Collects the lists of a strip.
     type Builder: ListBuilder;
+    /// Reads the lists of a strip.
     type Reader<'a>;
 
     /// Returns the lists of a strip, which begin at a bit.
@@ -39,7 +41,8 @@ pub(super) trait SuccessorLists: Send + Sync + 'static {
 }
 
 /// Counts the entries of lists that are read, or nothing.
-pub(super) trait Accesses {
+pub trait Accesses {
+    /// Counts one.
     fn add_one(&mut self);
 }
 
@@ -55,7 +58,7 @@ impl Accesses for u64 {
 }
 
 /// The lists of one strip while its states are enumerated.
-pub(super) trait ListBuilder: Default {
+pub trait ListBuilder: Default {
     /// Removes everything.
     fn clear(&mut self);
 
@@ -80,31 +83,35 @@ pub(super) trait ListBuilder: Default {
 
 /// The graph of one strip, packed: its beginnings, each the last state of which it is one and a node; the vertex of each node; the lists of successors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Graph {
+pub struct Graph {
     start: usize,
     state_count: u32,
     beginning_count: u32,
-    pub(super) node_count: u32,
-    pub(super) arc_count: u32,
-    pub(super) successor_count: u32,
+    /// The nodes.
+    pub node_count: u32,
+    /// The arcs or edges.
+    pub arc_count: u32,
+    /// The successors that the arcs list.
+    pub successor_count: u32,
 }
 
 impl Graph {
     /// Returns the bits of a state.
-    pub(super) fn state_bits(&self) -> u32 {
+    pub fn state_bits(&self) -> u32 {
         bits_for(self.state_count - 1)
     }
 
     /// Returns the bits of a node or the end of the strip.
-    pub(super) fn node_bits(&self) -> u32 {
+    pub fn node_bits(&self) -> u32 {
         bits_for(self.node_count)
     }
 }
 
 /// The strips of a mesh at all levels, as one graph each.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct StripGraphs<L> {
-    pub(super) levels: LevelTable,
+pub struct StripGraphs<L> {
+    /// The levels.
+    pub levels: LevelTable,
     states: StripStates,
     graphs: Vec<Graph>,
     packed: Packed,
@@ -117,7 +124,7 @@ impl<L: SuccessorLists> StripGraphs<L> {
     ///
     /// # Errors
     /// A strip has a vertex that the sequence does not have, or there are too many renamed slots or successors.
-    pub(super) fn new(strips: &Strips, sequence: &CollapseSequence) -> Result<Self, Error> {
+    pub fn new(strips: &Strips, sequence: &CollapseSequence) -> Result<Self, Error> {
         strips.check_vertices(sequence.vertex_count())?;
         let edits = edits_of(strips, sequence)?;
         let mut model = Self {
@@ -184,13 +191,14 @@ impl<L: SuccessorLists> StripGraphs<L> {
         self.graphs.push(graph);
     }
 
-    pub(super) fn memory(&self) -> usize {
+    /// Returns the memory in bytes.
+    pub fn memory(&self) -> usize {
         let graphs = size_of_val(&self.graphs[..]);
         self.levels.memory() + self.states.memory() + graphs + self.packed.memory()
     }
 
     /// Writes the vertices of a strip at a state, and returns their number. `walk` is memory.
-    pub(super) fn recover(
+    pub fn recover(
         &self,
         strip: usize,
         state: u32,
@@ -230,7 +238,7 @@ impl<L: SuccessorLists> StripGraphs<L> {
 
 impl<L: SuccessorLists> StripGraphs<L> {
     /// Counts the entries that a move reads: those of the strips that differ between two levels.
-    pub(super) fn accesses(&self, from: usize, to: usize) -> Result<u64, Error> {
+    pub fn accesses(&self, from: usize, to: usize) -> Result<u64, Error> {
         for level in [from, to] {
             self.levels.check(level)?;
         }
@@ -247,45 +255,6 @@ impl<L: SuccessorLists> StripGraphs<L> {
         Ok(accesses)
     }
 }
-
-/// Implements the level model of a type over graphs.
-macro_rules! graph_model {
-    ($model:ident) => {
-        impl $model {
-            /// Counts the entries of lists that a move between two levels reads: beginnings, labels and successors of the strips that
-            /// differ between them. They take most of the time of the move, and are the same on every machine.
-            ///
-            /// # Errors
-            /// There is no such level.
-            ///
-            /// ```
-            #[doc = include_str!("example.txt")]
-            #[doc = concat!("let model = ", stringify!($model), "::new(&strips, &sequence)?;")]
-            /// assert_eq!(model.accesses(1, 1)?, 0);
-            /// assert!(model.accesses(2, 0)? > 0 && model.accesses(0, 3).is_err());
-            /// # Ok::<(), tristrip::Error>(())
-            /// ```
-            pub fn accesses(&self, from: usize, to: usize) -> Result<u64, Error> {
-                self.0.accesses(from, to)
-            }
-        }
-
-        impl LevelModel for $model {
-            fn levels(&self) -> &LevelTable {
-                &self.0.levels
-            }
-
-            fn memory(&self) -> usize {
-                self.0.memory()
-            }
-
-            fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
-                Box::new(RecoveredStrips::new(Arc::clone(&self.0)))
-            }
-        }
-    };
-}
-pub(super) use graph_model;
 
 /// The slots of each strip at the full mesh, and the collapses at which its states begin.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -341,7 +310,7 @@ impl StripStates {
 
 /// The strips of a model at one level.
 #[derive(Debug, Clone)]
-pub(super) struct RecoveredStrips<L> {
+pub struct RecoveredStrips<L> {
     model: Arc<StripGraphs<L>>,
     level: usize,
     /// The vertices of each strip, at the beginning of its slots, and their number.
@@ -356,7 +325,7 @@ pub(super) struct RecoveredStrips<L> {
 
 impl<L: SuccessorLists> RecoveredStrips<L> {
     /// Recovers the full mesh.
-    pub(super) fn new(model: Arc<StripGraphs<L>>) -> Self {
+    pub fn new(model: Arc<StripGraphs<L>>) -> Self {
         let states = &model.states;
         let strip_count = states.strip_count();
         let slot_count = states.ends.last().map_or(0, |end| end[0] as usize);

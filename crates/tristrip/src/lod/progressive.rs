@@ -26,7 +26,7 @@ mod pm;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use encoded::decode as decode_entries;
+pub use encoded::decode as decode_entries;
 pub use encoded::encoded_offset;
 pub use pm::{ProgressiveMesh, ProgressiveMeshCursor, VertexSplit};
 

@@ -49,10 +49,9 @@ impl Replay {
     }
 }
 
-/// What the collapses write and where. The models add them in the order from the full mesh to the base mesh, and find them by level; a decoder of a
-/// stream adds them in the opposite order, in which they arrive, and finds them by number.
+/// What the collapses write and where. The models add them in the order from the full mesh to the base mesh, and find them by level.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Records {
+pub(super) struct Records {
     /// The end of each collapse among the vertices.
     vertex_ends: Vec<u32>,
     /// The removed vertices.
@@ -65,12 +64,12 @@ pub(crate) struct Records {
 }
 
 impl Records {
-    pub(crate) fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.vertex_ends.len()
     }
 
     /// Returns the memory of the records in bytes.
-    pub(crate) fn memory(&self) -> usize {
+    pub(super) fn memory(&self) -> usize {
         let lists = [&self.vertex_ends, &self.vertices, &self.slot_ends, &self.slots, &self.coarse];
         lists.map(|list| size_of_val(&list[..])).iter().sum()
     }
@@ -84,13 +83,8 @@ impl Records {
         range(&self.vertex_ends, self.number(level))
     }
 
-    /// Returns the number of vertices of the first collapses.
-    pub(crate) fn vertex_count_of(&self, collapse_count: usize) -> usize {
-        if collapse_count == 0 { 0 } else { self.vertex_ends[collapse_count - 1] as usize }
-    }
-
     /// Writes the vertices of a collapse into their slots; collapses have the numbers from 0 in the order in which they were added.
-    pub(crate) fn split(&self, number: usize, entries: &mut [u32]) {
+    pub(super) fn split(&self, number: usize, entries: &mut [u32]) {
         for i in range(&self.vertex_ends, number) {
             let slots = &self.slots[range(&self.slot_ends, i)];
             slots.iter().for_each(|&slot| entries[slot as usize] = self.vertices[i]);
@@ -98,7 +92,7 @@ impl Records {
     }
 
     /// Writes what the slots of a collapse had before [`Records::split`].
-    pub(crate) fn collapse(&self, number: usize, entries: &mut [u32]) {
+    pub(super) fn collapse(&self, number: usize, entries: &mut [u32]) {
         // From the last one back, so that a slot that is written twice gets its first entry.
         for i in range(&self.vertex_ends, number).rev() {
             let range = range(&self.slot_ends, i);
@@ -115,7 +109,7 @@ impl Records {
     }
 
     /// Adds a removed vertex and what is written into its slots, rising, to the open collapse.
-    pub(crate) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
+    pub(super) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
         self.vertices.push(vertex);
         for (slot, entry) in written {
             self.slots.push(slot);
@@ -125,7 +119,7 @@ impl Records {
     }
 
     /// Ends a collapse, unless there are too many slots for a map of `entry_count` entries.
-    pub(crate) fn end(&mut self, entry_count: usize) -> Result<(), Error> {
+    pub(super) fn end(&mut self, entry_count: usize) -> Result<(), Error> {
         self.vertex_ends.push(self.vertices.len() as u32);
         let limit = entry_count.saturating_mul(MAX_SLOTS_PER_ENTRY).min(u32::MAX as usize);
         if self.slots.len() > limit {

@@ -38,9 +38,7 @@ use std::sync::Arc;
 
 use super::level_model::{LevelCursor, LevelModel};
 use super::level_table::LevelTable;
-use super::multiresolution::{
-    Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists, graph_model,
-};
+use super::multiresolution::{Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists};
 use super::strip_graph::StripGraph;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
@@ -69,8 +67,6 @@ use crate::strip::Strips;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sets(Arc<StripGraphs<SortedArcs>>);
 
-graph_model!(Sets);
-
 impl Sets {
     /// Builds the model from strips of the full mesh.
     ///
@@ -88,6 +84,37 @@ impl Sets {
     /// ```
     pub fn new(strips: &Strips, sequence: &CollapseSequence) -> Result<Self, Error> {
         StripGraphs::new(strips, sequence).map(|graphs| Self(Arc::new(graphs)))
+    }
+
+    /// Counts the entries of lists that a move between two levels reads: beginnings, labels and successors of the strips that
+    /// differ between them. They take most of the time of the move, and are the same on every machine.
+    ///
+    /// # Errors
+    /// There is no such level.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = Sets::new(&strips, &sequence)?;
+    /// assert_eq!(model.accesses(1, 1)?, 0);
+    /// assert!(model.accesses(2, 0)? > 0 && model.accesses(0, 3).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn accesses(&self, from: usize, to: usize) -> Result<u64, Error> {
+        self.0.accesses(from, to)
+    }
+}
+
+impl LevelModel for Sets {
+    fn levels(&self) -> &LevelTable {
+        &self.0.levels
+    }
+
+    fn memory(&self) -> usize {
+        self.0.memory()
+    }
+
+    fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
+        Box::new(RecoveredStrips::new(Arc::clone(&self.0)))
     }
 }
 

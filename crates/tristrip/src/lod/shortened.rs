@@ -26,24 +26,24 @@ use crate::mesh::{canonical_triangle, is_degenerate};
 use crate::strip::Strips;
 
 /// No slot.
-pub(super) const NONE: u32 = u32::MAX;
+pub const NONE: u32 = u32::MAX;
 
 /// What a collapse changes in a strip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct SlotEdit {
+pub struct SlotEdit {
     /// The number of the collapse, counted from 1 in the order from the full mesh on.
-    pub(super) step: u32,
+    pub step: u32,
     /// The slot in the strip at the full mesh, counted from 0.
-    pub(super) slot: u32,
+    pub slot: u32,
     /// The new vertex in it; [`NONE`] if the slot is removed.
-    pub(super) vertex: u32,
+    pub vertex: u32,
 }
 
 /// Returns what all collapses change, by strip, in the order of the collapses and, within a collapse, of the slots.
 ///
 /// # Errors
 /// The collapses rename too many slots.
-pub(super) fn edits_of(strips: &Strips, sequence: &CollapseSequence) -> Result<Csr<SlotEdit>, Error> {
+pub fn edits_of(strips: &Strips, sequence: &CollapseSequence) -> Result<Csr<SlotEdit>, Error> {
     let mut shortened = ShortenedStrips::new(strips, sequence.vertex_count());
     let mut edits: Vec<(u32, SlotEdit)> = Vec::new();
     for (step, collapse) in (1..).zip(sequence.iter()) {

@@ -1,4 +1,4 @@
-//! The graph of one strip at all its states, from which SETS and MTS are built.
+//! The graph of one strip at all its states, from which SETS is built.
 //!
 //! ```text
 //! state 0  a b c d e f g h     nodes   a b c d e f g h
@@ -14,25 +14,25 @@ use super::strip_states::StripState;
 
 /// A replay of one strip that knows which nodes each state changes.
 #[derive(Debug, Default)]
-pub(super) struct StripGraph {
+pub struct StripGraph {
     state: StripState,
     number_of: FxHashMap<u32, u32>,
     /// The vertex of each node.
-    pub(super) vertices: Vec<u32>,
+    pub vertices: Vec<u32>,
     node_of_slot: Vec<u32>,
     /// The slots of each node, in no order; those after the nodes of the strip are memory for others.
     slots: Vec<Vec<u32>>,
     /// The place of each slot among those of its node.
     place_of_slot: Vec<u32>,
     /// The nodes whose visits or successors the last step changed, each once.
-    pub(super) changed: Vec<u32>,
+    pub changed: Vec<u32>,
     /// The slots whose vertex or successor the last step changed, rising, each once.
-    pub(super) changed_slots: Vec<u32>,
+    pub changed_slots: Vec<u32>,
 }
 
 impl StripGraph {
     /// Starts with a strip at the full mesh: all its nodes and slots are changed.
-    pub(super) fn start(&mut self, strip: &[u32]) {
+    pub fn start(&mut self, strip: &[u32]) {
         self.state.start(strip);
         self.number_of.clear();
         self.vertices.clear();
@@ -50,7 +50,7 @@ impl StripGraph {
     }
 
     /// Moves to the next state by the edits of one step.
-    pub(super) fn step(&mut self, edits: &[SlotEdit]) {
+    pub fn step(&mut self, edits: &[SlotEdit]) {
         self.changed.clear();
         self.changed_slots.clear();
         for &edit in edits {
@@ -106,12 +106,12 @@ impl StripGraph {
     }
 
     /// Counts the slots of the strip at the full mesh.
-    pub(super) fn slot_count(&self) -> usize {
+    pub fn slot_count(&self) -> usize {
         self.node_of_slot.len()
     }
 
     /// Returns the first node, or [`NONE`] if the strip is empty.
-    pub(super) fn first(&self) -> u32 {
+    pub fn first(&self) -> u32 {
         match self.state.first() {
             NONE => NONE,
             slot => self.node_of_slot[slot as usize],
@@ -119,7 +119,7 @@ impl StripGraph {
     }
 
     /// Returns the node in a slot and the one that follows it, or [`NONE`] at the end; `None` for a removed slot.
-    pub(super) fn edge(&self, slot: u32) -> Option<[u32; 2]> {
+    pub fn edge(&self, slot: u32) -> Option<[u32; 2]> {
         if self.state.vertices[slot as usize] == NONE {
             return None;
         }
@@ -135,7 +135,7 @@ impl StripGraph {
     }
 
     /// Replaces `successors` by the nodes that follow the visits of a node in their order, [`NONE`] at the end.
-    pub(super) fn successors_to(&self, node: u32, successors: &mut Vec<u32>) {
+    pub fn successors_to(&self, node: u32, successors: &mut Vec<u32>) {
         successors.clear();
         successors.extend_from_slice(&self.slots[node as usize]);
         successors.sort_unstable();

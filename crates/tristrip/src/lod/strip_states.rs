@@ -6,8 +6,9 @@ use super::shortened::{NONE, SlotEdit};
 
 /// A strip at one of its states.
 #[derive(Debug, Default)]
-pub(super) struct StripState {
-    pub(super) vertices: Vec<u32>,
+pub struct StripState {
+    /// The vertex of each slot; [`NONE`] if it is removed.
+    pub vertices: Vec<u32>,
     previous: Vec<u32>,
     next: Vec<u32>,
     first: u32,
@@ -15,7 +16,7 @@ pub(super) struct StripState {
 
 impl StripState {
     /// Sets the strip to its state at the full mesh.
-    pub(super) fn start(&mut self, strip: &[u32]) {
+    pub fn start(&mut self, strip: &[u32]) {
         let len = strip.len() as u32;
         self.vertices.clear();
         self.vertices.extend_from_slice(strip);
@@ -27,7 +28,7 @@ impl StripState {
     }
 
     /// Changes a slot, which must not be removed yet.
-    pub(super) fn apply(&mut self, edit: SlotEdit) {
+    pub fn apply(&mut self, edit: SlotEdit) {
         if edit.vertex != NONE {
             self.vertices[edit.slot as usize] = edit.vertex;
             return;
@@ -44,17 +45,17 @@ impl StripState {
     }
 
     /// Returns the slot of the first vertex, or [`NONE`].
-    pub(super) fn first(&self) -> u32 {
+    pub fn first(&self) -> u32 {
         self.first
     }
 
     /// Returns the slot after a slot, or [`NONE`].
-    pub(super) fn next(&self, slot: u32) -> u32 {
+    pub fn next(&self, slot: u32) -> u32 {
         self.next[slot as usize]
     }
 
     /// Returns the nearest slot before another one, removed or not, that is not removed, or [`NONE`].
-    pub(super) fn before(&self, slot: u32) -> u32 {
+    pub fn before(&self, slot: u32) -> u32 {
         let mut slot = self.previous[slot as usize];
         while slot != NONE && self.vertices[slot as usize] == NONE {
             slot = self.previous[slot as usize];

@@ -4,11 +4,9 @@ use std::path::Path;
 
 use serde::Serialize;
 use tristrip_io::{Drawing, Format};
+use tristrip_lab::wire::{self, Published};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{
-    EncodeOptions, Joined, Level, LevelsOptions, PackedReport, StreamGoal, Unpacked, UnpackedReport, encode,
-    join, pack_as_published, unpack_published,
-};
+use tristrip_pipeline::{EncodeOptions, Joined, Level, LevelsOptions, StreamGoal, encode, join};
 use tristrip_render::text;
 
 use crate::args::{PackArgs, UnpackArgs};
@@ -30,7 +28,7 @@ struct PackReport {
     proven: Option<bool>,
     seconds: WireSeconds,
     #[serde(flatten)]
-    packed: PackedReport,
+    packed: Option<Published>,
     notes: Vec<String>,
     output: Option<String>,
     error: Option<String>,
@@ -42,7 +40,7 @@ struct UnpackReport {
     file: String,
     seconds: WireSeconds,
     #[serde(flatten)]
-    unpacked: UnpackedReport,
+    unpacked: Option<wire::Level>,
     notes: Vec<String>,
     output: Option<String>,
     error: Option<String>,
@@ -67,7 +65,7 @@ fn packed(args: &PackArgs, console: &Console, report: &mut PackReport) -> Result
     let Joined { mesh, notes, .. } = join(model)?;
     report.notes = notes;
     let options = LevelsOptions::default().with_verify(!args.no_verify);
-    let (packed, seconds) = timed(|| pack_as_published(&mesh, &options, &()));
+    let (packed, seconds) = timed(|| wire::pack(&mesh, &options));
     let packed = packed?;
     report.seconds.pack = Some(seconds);
     let base = counted(packed.base_triangles, "triangle");
@@ -78,9 +76,9 @@ fn packed(args: &PackArgs, console: &Console, report: &mut PackReport) -> Result
         console.stage("verify", &what, None);
     }
     report.proven = packed.proven.map(|_| true);
-    report.packed = packed.report();
-    tristrip_io::replace_file(&args.output, &packed.bytes)?;
-    let what = format!("{}, {}", args.output.display(), text::bytes(packed.bytes.len()));
+    tristrip_io::replace_file(&args.output, &packed.file)?;
+    let what = format!("{}, {}", args.output.display(), text::bytes(packed.bytes));
+    report.packed = Some(packed);
     console.stage("write", &what, None);
     report.output = Some(args.output.display().to_string());
     Ok(())
@@ -104,30 +102,31 @@ fn unpacked(args: &UnpackArgs, console: &Console, report: &mut UnpackReport) -> 
     let (read, seconds) = timed(|| read(&args.input, goal));
     let unpacked = read?;
     report.seconds.load = Some(seconds);
-    report.unpacked = unpacked.report();
-    let Unpacked { model, level, full_level, triangles, full_triangles, problem, .. } = unpacked;
-    let (of, all) = (count(full_level), counted(full_triangles, "triangle"));
-    let what = format!("level {} of {of}: {} of {all}", count(level), count(triangles));
+    let level = report.unpacked.insert(unpacked);
+    let (of, all) = (count(level.levels), counted(level.triangles_full, "triangle"));
+    let what = format!("level {} of {of}: {} of {all}", count(level.level), count(level.triangles));
     console.result(&format!("{what}\n"))?;
-    if let Some(problem) = problem {
-        console.note(&problem);
-        report.notes.push(problem);
+    if level.ended_early {
+        let note = "the file ends before the full mesh";
+        console.note(note);
+        report.notes.push(note.into());
     }
     let Some(output) = &args.output else { return Ok(()) };
     let Some(format) = Format::from_path(output) else {
         let known = "use .ply, .obj or .glb";
         return Err(Failure::Usage(format!("{}: unknown format; {known}", output.display())));
     };
-    let encoded = encode(&model, &vec![Drawing::Faces; model.parts.len()], &EncodeOptions::new(format))?;
+    let drawings = vec![Drawing::Faces; level.model.parts.len()];
+    let encoded = encode(&level.model, &drawings, &EncodeOptions::new(format))?;
     tristrip_io::replace_file(output, &encoded.bytes)?;
     report.output = Some(output.display().to_string());
     Ok(())
 }
 
-fn read(path: &Path, goal: StreamGoal) -> Result<Unpacked, Failure> {
+fn read(path: &Path, goal: StreamGoal) -> Result<wire::Level, Failure> {
     let bytes = std::fs::read(path)
         .map_err(|source| tristrip_io::Error::Io { path: path.display().to_string(), source })?;
-    Ok(unpack_published(&bytes, goal)?)
+    Ok(wire::unpack(&bytes, goal)?)
 }
 
 /// Prints the message of a failure and returns it for the report; wrong usage stays a failure.

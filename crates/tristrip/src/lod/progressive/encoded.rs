@@ -131,8 +131,16 @@ fn root(entries: &[u32], slot: usize) -> Option<usize> {
     None
 }
 
-/// Fills `map` with the vertices that entries stand for. References must lead to vertices.
-pub(crate) fn decode(entries: &[u32], map: &mut Vec<u32>) {
+/// Fills `map` with the vertices that entries stand for. References must lead to vertices, over any number of others.
+///
+/// ```
+/// use tristrip::lod::decode_entries;
+/// let mut map = Vec::new();
+/// // The symbol R−1 stands for the vertex before it in the strip.
+/// decode_entries(&[7, u32::MAX - 3, 9], &mut map);
+/// assert_eq!(map, [7, 7, 9]);
+/// ```
+pub fn decode(entries: &[u32], map: &mut Vec<u32>) {
     map.clear();
     map.extend_from_slice(entries);
     for slot in 0..map.len() {

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use super::layout::{Header, POSITION_BYTES, Sizes, Width};
-use crate::collapse::CollapseSequence;
-use crate::error::{Error, MeshProblem};
-use crate::lod::{Encoding, LevelCursor, LevelModel, ProgressiveStrips, RESTART, SlotUpdate, encoded_offset};
-use crate::strip::Strips;
+use tristrip::CollapseSequence;
+use tristrip::Strips;
+use tristrip::lod::{
+    Encoding, LevelCursor, LevelModel, ProgressiveStrips, RESTART, SlotUpdate, encoded_offset,
+};
+use tristrip::{Error, MeshProblem};
 
 /// The bytes of progressive strips.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,7 +30,7 @@ pub struct Encoded {
 ///
 /// ```
 /// use tristrip::lod::Encoding;
-/// use tristrip::stream::paper::{Decoder, encode};
+/// use tristrip_lab::wire::{Decoder, encode};
 /// use tristrip::{CollapseSequence, Rename, Strips};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3]);

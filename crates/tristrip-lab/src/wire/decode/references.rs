@@ -1,6 +1,6 @@
 //! The symbols of a map that has arrived: each must lead, over any number of others, to a vertex of its strip.
 
-use crate::lod::{RESTART, encoded_offset};
+use tristrip::lod::{RESTART, encoded_offset};
 
 /// Returns the first slot whose reference leads out of its strip, or back to itself. Linear: what leads to a vertex is not followed again.
 pub(super) fn first_without_vertex(entries: &[u32]) -> Option<usize> {

@@ -1,7 +1,7 @@
 //! The layout that encoder and decoder share: the header, the widths of numbers, the reserved slots.
 
-use crate::error::Error;
-use crate::lod::{RESTART, encoded_offset};
+use tristrip::Error;
+use tristrip::lod::{RESTART, encoded_offset};
 
 /// A byte that is not ASCII, `PS` for progressive strips, and the version.
 const SIGNATURE: [u8; 4] = [0x89, b'P', b'S', 1];

@@ -3,12 +3,12 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::{Decoder, Encoded, encode};
-use crate::collapse::{CollapseSequence, Rename};
-use crate::error::Error;
-use crate::lod::samples::samples;
-use crate::lod::{Encoding, Filter, LevelCursor, ProgressiveStrips};
-use crate::random::Random;
-use crate::strip::Strips;
+use crate::samples::samples;
+use tristrip::Error;
+use tristrip::Strips;
+use tristrip::lod::{Encoding, Filter, LevelCursor, ProgressiveStrips};
+use tristrip::random::Random;
+use tristrip::{CollapseSequence, Rename};
 
 const ENCODINGS: [Encoding; 2] = [Encoding::Naive, Encoding::Offsets];
 
@@ -300,7 +300,12 @@ fn hostile_counts_take_no_memory() {
 fn drawn(model: &mut impl LevelCursor, encoded: &Encoded) -> Strips {
     let mut number_of = vec![u32::MAX; 100];
     (0..).zip(&encoded.vertices).for_each(|(number, &vertex)| number_of[vertex as usize] = number);
-    model.strips().clone().map_vertices(|vertex| number_of[vertex as usize])
+    let mut drawn = Strips::default();
+    for strip in model.strips().iter() {
+        let numbers: Vec<u32> = strip.iter().map(|&vertex| number_of[vertex as usize]).collect();
+        drawn.push(&numbers);
+    }
+    drawn
 }
 
 proptest! {

@@ -2,8 +2,8 @@
 
 use super::super::layout::{HEADER_BYTES, Header, POSITION_BYTES, is_entry, number};
 use super::{Decoder, Next, references};
-use crate::error::Error;
-use crate::lod::RESTART;
+use tristrip::Error;
+use tristrip::lod::RESTART;
 
 impl Decoder {
     /// Reads all items that end in some bytes.

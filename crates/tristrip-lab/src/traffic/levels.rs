@@ -8,26 +8,16 @@
 //! 363, 1929 and 3618 million vertices; the published totals are 2.6, 37.9, 201.3 and 377.1 Gbits. That is [`VERTEX_BITS`] = 112 within 0.3 % or the
 //! printed digits, with a Gbit of 2³⁰ bits: 12 bytes of a position and 2 of an index, the sizes that the paper names elsewhere.
 //!
-//! # Algorithm
-//! The map is cut into blocks of 64 entries. For each filter and block the state of the scan before the block and the cost of the block are stored. A
-//! collapse rescans the blocks of its slots, and the following ones as long as the state differs from the stored one. That ends soon, since a new
-//! display strip begins where two triangles are not consecutive. The length of strips therefore does not matter.
-//!
 //! # References
 //! Kim et al. 2005, section 5, tables 1 and 2, figures 9 and 11.
 //!
 //! # Complexity
-//! A collapse rescans a few blocks per slot that it changes, whatever the length of the strips: the bunny's 33,000 levels take 0.25 seconds, and 0.35 as
-//! two strips in total. 3 bytes per entry, beside the models.
+//! That of [`FilterCosts`]: the bunny's 33,000 levels take 0.25 seconds, and 0.35 as two strips in total.
 
 use std::sync::Arc;
 
-use super::filter::{BLOCK, DrawCost, DrawTally, Dtfs, Filter, Gatherer, Linked, Scanner, Stss};
-use super::level_model::LevelCursor;
-use super::progressive::{Encoding, ProgressiveStrips};
-use crate::collapse::CollapseSequence;
-use crate::error::Error;
-use crate::strip::Strips;
+use tristrip::lod::{DrawCost, Encoding, Filter, FilterCosts, LevelCursor, ProgressiveStrips};
+use tristrip::{CollapseSequence, Error, Strips};
 
 /// Bits per vertex sent in the published totals: a position of three 32-bit numbers and an index of 16 bits.
 pub const VERTEX_BITS: u64 = 112;
@@ -95,7 +85,8 @@ impl SplitTraffic {
     /// Returns the slots renamed in an encoding: the u of the literature.
     ///
     /// ```
-    /// use tristrip::lod::{Encoding, traffic::SplitTraffic};
+    /// use tristrip::lod::Encoding;
+    /// use tristrip_lab::traffic::SplitTraffic;
     /// let split = SplitTraffic { vertices: 1, naive_slots: 14, encoded_slots: 3 };
     /// assert_eq!((split.slots(Encoding::Naive), split.slots(Encoding::Offsets)), (14, 3));
     /// ```
@@ -109,7 +100,8 @@ impl SplitTraffic {
     /// Returns the bytes of its record as published: 12 per vertex position, 2 per slot.
     ///
     /// ```
-    /// use tristrip::lod::{Encoding, traffic::SplitTraffic};
+    /// use tristrip::lod::Encoding;
+    /// use tristrip_lab::traffic::SplitTraffic;
     /// let split = SplitTraffic { vertices: 1, naive_slots: 14, encoded_slots: 3 };
     /// assert_eq!((split.bytes(Encoding::Naive), split.bytes(Encoding::Offsets)), (40, 18));
     /// ```
@@ -148,7 +140,8 @@ impl TrafficBin {
     /// Returns the slots per split, the average u; 0 if there is no split.
     ///
     /// ```
-    /// use tristrip::lod::{Encoding, traffic::TrafficBin};
+    /// use tristrip::lod::Encoding;
+    /// use tristrip_lab::traffic::TrafficBin;
     /// let bin = TrafficBin { splits: 4, vertices: 4, naive_slots: 30, encoded_slots: 12 };
     /// assert_eq!((bin.slots_per_split(Encoding::Naive), bin.slots_per_split(Encoding::Offsets)), (7.5, 3.0));
     /// ```
@@ -248,7 +241,7 @@ impl TrafficTotals {
 /// Converts a number of vertices of [`VERTEX_BITS`] each to the published unit of 2³⁰ bits.
 ///
 /// ```
-/// use tristrip::lod::traffic::gigabits;
+/// use tristrip_lab::traffic::gigabits;
 /// // The sum of 3 T over the levels of the published bunny, which is printed as 377.1.
 /// assert_eq!(format!("{:.0}", gigabits(3_618_000_000)), "377");
 /// ```
@@ -262,8 +255,9 @@ pub fn gigabits(vertices: u64) -> f64 {
 /// As for [`ProgressiveStrips::new`].
 ///
 /// ```
-/// use tristrip::lod::{Filter, traffic};
+/// use tristrip::lod::Filter;
 /// use tristrip::{CollapseSequence, Rename, Strips};
+/// use tristrip_lab::traffic;
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3]);
 /// let rename = [Rename { removed: 3, kept: 2 }];
@@ -286,7 +280,7 @@ pub fn walk(
     let (mut totals, mut split) = (TrafficTotals::default(), None);
     loop {
         let level = cursor.level();
-        let triangles = sequence.triangles_at(level);
+        let triangles = sequence.triangle_count(level)?;
         let now = LevelTraffic { level, triangles, sent: counts.sent(), split };
         show(&now);
         totals.add(&now, sequence.len());
@@ -304,105 +298,32 @@ pub fn walk(
     }
 }
 
-/// The cost of the blocks of an index map by filter.
-struct FilterCosts {
-    none: DrawCost,
-    stss: FilterBlocks<Stss>,
-    dtfs: FilterBlocks<Dtfs>,
-    linked: FilterBlocks<Linked>,
-    gatherer: Gatherer,
-    touched: Vec<u32>,
-}
-
-impl FilterCosts {
-    fn new(map: &[u32]) -> Self {
-        let mut counts = Self {
-            none: Filter::None.sent_by_map(map),
-            stss: FilterBlocks::new(map),
-            dtfs: FilterBlocks::new(map),
-            linked: FilterBlocks::new(map),
-            gatherer: Gatherer::new(),
-            touched: (0..map.len().div_ceil(BLOCK) as u32).collect(),
-        };
-        counts.scan(map);
-        counts
-    }
-
-    /// Rescans the blocks whose cost depends on changed entries.
-    fn update<'a>(&mut self, map: &[u32], slots: impl Iterator<Item = &'a u32>) {
-        // Filters look up to three entries ahead.
-        let blocks = |&slot: &u32| [slot.saturating_sub(3) / BLOCK as u32, slot / BLOCK as u32];
-        self.touched.clear();
-        self.touched.extend(slots.flat_map(blocks));
-        self.touched.sort_unstable();
-        self.touched.dedup();
-        self.scan(map);
-    }
-
-    fn scan(&mut self, map: &[u32]) {
-        self.stss.update(map, &self.touched, &mut self.gatherer);
-        self.dtfs.update(map, &self.touched, &mut self.gatherer);
-        self.linked.update(map, &self.touched, &mut self.gatherer);
-    }
-
-    /// Returns the cost by filter, in the order of [`Filter::ALL`].
-    fn sent(&self) -> [DrawCost; 4] {
-        [self.none, self.stss.sum.into(), self.dtfs.sum.into(), self.linked.sum.into()]
-    }
-}
-
-/// The state of a scan before each block and after the last, and the cost of each block and of the end.
-struct FilterBlocks<S> {
-    scans: Vec<S>,
-    tallies: Vec<DrawTally>,
-    sum: DrawTally,
-}
-
-impl<S: Scanner> FilterBlocks<S> {
-    fn new(map: &[u32]) -> Self {
-        let count = map.len().div_ceil(BLOCK);
-        let (scans, tallies) = (vec![S::default(); count + 1], vec![DrawTally::default(); count + 1]);
-        Self { scans, tallies, sum: DrawTally::default() }
-    }
-
-    /// Rescans blocks in rising order, and after each the following ones whose state before them has changed.
-    fn update(&mut self, map: &[u32], touched: &[u32], gatherer: &mut Gatherer) {
-        let mut next = 0;
-        for &block in touched {
-            let mut at = block as usize;
-            // A block that an earlier one led to was rescanned with all its changes.
-            while at >= next && at < self.scans.len() - 1 {
-                let (mut scan, mut tally) = (self.scans[at].clone(), DrawTally::default());
-                scan.scan(&map[at * BLOCK..], gatherer, &mut tally);
-                self.replace(at, tally);
-                at += 1;
-                next = at;
-                if self.scans[at] == scan {
-                    break;
-                }
-                self.scans[at] = scan;
-            }
-        }
-        let mut end = DrawTally::default();
-        if let Some(scan) = self.scans.last() {
-            scan.end(&mut end);
-        }
-        self.replace(self.tallies.len() - 1, end);
-    }
-
-    fn replace(&mut self, at: usize, now: DrawTally) {
-        let before = std::mem::replace(&mut self.tallies[at], now);
-        self.sum.vertices += now.vertices - before.vertices;
-        self.sum.strips += now.strips - before.strips;
-        self.sum.winding_repeats += now.winding_repeats - before.winding_repeats;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lod::samples::samples;
+    use crate::samples::samples;
     use proptest::prelude::*;
+    use tristrip::simplify::{SimplifyOptions, simplify_triangles};
+    use tristrip::{Method, StripifyOptions, stripify};
+
+    /// At each level of the small free models, each filter sends at most as much as the one before.
+    #[test]
+    fn filters_are_ordered_over_all_levels() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models");
+        for name in ["catmark_bishop.ply", "fish_control.ply", "hand.ply", "milktruck.glb", "wingnut.ply"] {
+            for part in tristrip_io::read_path(folder.join(name)).unwrap().parts {
+                let strips =
+                    stripify(&part.mesh, &StripifyOptions::default().with_method(Method::STRIPE)).unwrap();
+                let options = SimplifyOptions::default();
+                let sequence = simplify_triangles(&part.mesh, strips.to_list(), &options).unwrap().sequence;
+                let totals = walk(&strips, &sequence, |_| ()).unwrap();
+                let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| totals.vertices(filter));
+                assert!(none >= stss && stss >= dtfs && dtfs >= linked, "{name}");
+                let splits = totals.splits();
+                assert!(splits.encoded_slots <= splits.naive_slots, "{name}");
+            }
+        }
+    }
 
     proptest! {
         #[test]

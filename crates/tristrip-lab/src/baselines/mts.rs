@@ -20,24 +20,20 @@
 
 use std::sync::Arc;
 
-use super::level_model::{LevelCursor, LevelModel};
-use super::level_table::LevelTable;
-use super::multiresolution::{
-    Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists, graph_model,
+use tristrip::lod::strip_graphs::{
+    Accesses, Graph, ListBuilder, NONE, Packed, PackedRow, RecoveredStrips, StripGraph, StripGraphs,
+    SuccessorLists, bits_for,
 };
-use super::shortened::NONE;
-use super::strip_graph::StripGraph;
-use crate::collapse::CollapseSequence;
-use crate::error::Error;
-use crate::packed::{Packed, PackedRow, bits_for};
-use crate::strip::Strips;
+use tristrip::lod::{LevelCursor, LevelModel, LevelTable};
+use tristrip::{CollapseSequence, Error, Strips};
 
 /// Strips at all levels as lists of edges (after Belmonte et al. 2004).
 ///
 /// ```
 /// use std::sync::Arc;
 /// use tristrip::{CollapseSequence, Rename, Strips};
-/// use tristrip::lod::{LevelModel, Mts};
+/// use tristrip::lod::LevelModel;
+/// use tristrip_lab::baselines::Mts;
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3, 4, 5]);
 /// let rename = [Rename { removed: 2, kept: 3 }];
@@ -49,8 +45,6 @@ use crate::strip::Strips;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mts(Arc<StripGraphs<UnsortedEdges>>);
-
-graph_model!(Mts);
 
 impl Mts {
     /// Builds the model from strips of the full mesh.
@@ -69,6 +63,37 @@ impl Mts {
     /// ```
     pub fn new(strips: &Strips, sequence: &CollapseSequence) -> Result<Self, Error> {
         StripGraphs::new(strips, sequence).map(|graphs| Self(Arc::new(graphs)))
+    }
+
+    /// Counts the entries of lists that a move between two levels reads: beginnings, labels and successors of the strips that
+    /// differ between them. They take most of the time of the move, and are the same on every machine.
+    ///
+    /// # Errors
+    /// There is no such level.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = Mts::new(&strips, &sequence)?;
+    /// assert_eq!(model.accesses(1, 1)?, 0);
+    /// assert!(model.accesses(2, 0)? > 0 && model.accesses(0, 3).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn accesses(&self, from: usize, to: usize) -> Result<u64, Error> {
+        self.0.accesses(from, to)
+    }
+}
+
+impl LevelModel for Mts {
+    fn levels(&self) -> &LevelTable {
+        &self.0.levels
+    }
+
+    fn memory(&self) -> usize {
+        self.0.memory()
+    }
+
+    fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
+        Box::new(RecoveredStrips::new(Arc::clone(&self.0)))
     }
 }
 

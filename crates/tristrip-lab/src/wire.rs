@@ -1,6 +1,6 @@
 //! Progressive strips as they are transmitted in the literature: the base mesh, and 12 + 2 u bytes for each vertex that is added to it.
 //!
-//! The index map of the [progressive strips](crate::lod::ProgressiveStrips) arrives at the base level. A record restores one vertex: its
+//! The index map of the [progressive strips](tristrip::lod::ProgressiveStrips) arrives at the base level. A record restores one vertex: its
 //! position, and the u slots of the map that it is written into. What the other slots of the vertex are, followers of these, the map says already.
 //!
 //! ```text
@@ -18,7 +18,7 @@
 //! 1. Vertices get new numbers in the order in which they are sent: those of the base map by their first slot, then each restored one. The paper inserts
 //!    a vertex at its old index, and increments all indices from there on; with this order it is always the last one, so that neither its index
 //!    is sent nor another index changes. Vertices in no slot of any level are not sent.
-//! 2. The base map is sent: vertices, restarts, and the four symbols R−2, R−1, R+1, R+2 of [`Encoding::Offsets`](crate::lod::Encoding). The exceptions of the
+//! 2. The base map is sent: vertices, restarts, and the four symbols R−2, R−1, R+1, R+2 of [`Encoding::Offsets`](tristrip::lod::Encoding). The exceptions of the
 //!    paper, disjoint and closed vertices, are slots that hold the vertex itself, at the base level or in a record.
 //! 3. For each level a record per restored vertex is sent, as equation 2 has it.
 //!
@@ -42,6 +42,8 @@
 mod decode;
 mod encode;
 mod layout;
+mod model;
+mod records;
 
 #[cfg(test)]
 mod tests;
@@ -49,3 +51,5 @@ mod tests;
 pub use decode::Decoder;
 pub use encode::{Encoded, encode};
 pub use layout::{Header, Sizes};
+pub(crate) use model::encode_part;
+pub use model::{Level, Published, pack, unpack};

@@ -12,9 +12,10 @@ mod items;
 mod references;
 
 use super::layout::{Header, Sizes};
-use crate::error::Error;
-use crate::lod::{Filter, Records, decode_entries};
-use crate::strip::Strips;
+use super::records::Records;
+use tristrip::Error;
+use tristrip::Strips;
+use tristrip::lod::{Filter, decode_entries};
 
 /// What the next bytes are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -277,7 +278,7 @@ impl Decoder {
     /// Returns the memory of the decoder in bytes, which is bounded by the bytes that have arrived.
     ///
     /// ```
-    /// use tristrip::stream::paper::Decoder;
+    /// use tristrip_lab::wire::Decoder;
     /// // A header that promises four billion splits.
     /// let mut decoder = Decoder::default();
     /// decoder.update(&[0x89, b'P', b'S', 1, 3, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0xF0, 0, 0, 0, 0xF0])?;

@@ -18,14 +18,9 @@
 
 use std::sync::Arc;
 
-use super::level_model::{LevelCursor, LevelModel};
-use super::level_table::LevelTable;
-use super::shortened::{NONE, edits_of};
-use super::strip_states::StripState;
-use crate::collapse::{CollapseSequence, Rename};
-use crate::csr::Csr;
-use crate::error::Error;
-use crate::strip::Strips;
+use tristrip::lod::strip_graphs::{Csr, NONE, StripState, edits_of};
+use tristrip::lod::{LevelCursor, LevelModel, LevelTable};
+use tristrip::{CollapseSequence, Error, Rename, Strips};
 
 /// The bit of a place whose vertex is removed; a strip has fewer places.
 const REMOVED: u32 = 1 << 31;
@@ -35,7 +30,8 @@ const REMOVED: u32 = 1 << 31;
 /// ```
 /// use std::sync::Arc;
 /// use tristrip::{CollapseSequence, Rename, Strips};
-/// use tristrip::lod::{LevelModel, LodStrips};
+/// use tristrip::lod::LevelModel;
+/// use tristrip_lab::baselines::LodStrips;
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3, 4, 5]);
 /// let renames = [(2, 3), (0, 1)].map(|(removed, kept)| [Rename { removed, kept }]);
