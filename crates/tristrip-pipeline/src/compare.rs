@@ -20,15 +20,15 @@ use crate::prepared::{PreparedModel, Survey};
 pub struct Options {
     /// The options that all methods share, such as the seed. The method is not used.
     pub stripify: StripifyOptions,
-    /// The effort of the methods that search; `best` also runs at its default effort.
-    pub effort: Effort,
+    /// The effort of the methods that search, instead of their defaults; `best` also runs at its default effort.
+    pub effort: Option<Effort>,
     /// Whether every variant of a method is compared, instead of one or a few of each family.
     pub every_variant: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { stripify: StripifyOptions::default(), effort: Effort::default(), every_variant: false }
+        Self { stripify: StripifyOptions::default(), effort: None, every_variant: false }
     }
 }
 
@@ -41,7 +41,7 @@ impl Options {
 
     /// Sets the effort of the methods that search.
     #[must_use]
-    pub fn with_effort(self, effort: Effort) -> Self {
+    pub fn with_effort(self, effort: Option<Effort>) -> Self {
         Self { effort, ..self }
     }
 
@@ -54,17 +54,19 @@ impl Options {
     /// Returns the options of each row: `best` at its default effort, then all methods at the effort.
     ///
     /// ```
-    /// use tristrip::StripifyOptions;
+    /// use tristrip::Effort;
     /// use tristrip_pipeline::compare::Options;
     /// let every = Options::default().with_every_variant(true);
-    /// let default = every.with_effort(StripifyOptions::default().effort_or_default());
+    /// let other = every.with_effort(Effort::new(3));
     /// // `best` has a second row at an effort other than its default.
-    /// assert_eq!((default.methods().len(), every.methods().len()), (45, 46));
+    /// assert_eq!((every.methods().len(), other.methods().len()), (45, 46));
     /// ```
     pub fn methods(&self) -> Vec<StripifyOptions> {
         let default = self.stripify.with_method(Method::Best);
-        let all = methods_to_compare(self.every_variant).into_iter();
-        let all = all.map(|method| self.stripify.with_method(method).with_effort(self.effort));
+        let all = methods_to_compare(self.every_variant).into_iter().map(|method| {
+            let options = self.stripify.with_method(method);
+            self.effort.map_or(options, |effort| options.with_effort(effort))
+        });
         let is_default = |options: &StripifyOptions| {
             options.method == Method::Best && options.effort_or_default() == default.effort_or_default()
         };
@@ -218,13 +220,18 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn all_variants_have_distinct_names() {
+    fn all_variants_have_distinct_labels() {
         let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
         assert_eq!(labels.len(), 7 + 4 + 24 + 10);
-        assert!(
-            labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
-        );
+        for known in [
+            "stripe-local",
+            "stripe-local:triangulation=partial,ties=look-ahead",
+            "stripe-global:patches=full,cutoff=25",
+            "eta:tunnel-length=49",
+        ] {
+            assert!(labels.contains(known), "{known}");
+        }
         assert!(methods_to_compare(false).into_iter().all(|method| labels.contains(&label(method))));
     }
 }

@@ -71,9 +71,9 @@ pub use goal::{Amount, Deviation, Goal, Ratio};
 pub use join::{Joined, join};
 pub use levels::{
     DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
-    ModelLevels, levels, levels_observed, parse_levels,
+    ModelLevels, levels, levels_observed,
 };
-pub use method::{MethodReport, method_of_flags, parse_method};
+pub use method::{MethodReport, method_help, parse_method, with_method_parameter};
 pub use metrics::{StripMetrics, rounded};
 pub use observer::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
 pub use pack::{PackOptions, Packed, PackedReport, pack};

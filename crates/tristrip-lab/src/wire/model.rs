@@ -174,5 +174,5 @@ fn used_vertices(triangles: &[u32]) -> usize {
 }
 
 fn unproven(why: &str) -> Error {
-    tristrip_pipeline::Error::Unproven(why.into()).into()
+    tristrip_pipeline::Error::unproven(why).into()
 }
