@@ -37,7 +37,6 @@ use self::eye::error_factors;
 use self::group::{Group, groups, touching_vertices};
 use self::order::{Queue, in_order};
 pub use self::report::PackedReport;
-pub(crate) use self::report::bits_per_vertex;
 use crate::encode::kept_vertices;
 use crate::error::Error;
 use crate::observer::{Observer, Stage, begin};
@@ -262,7 +261,7 @@ impl<'a> Assembly<'a> {
             self.vertices += used_vertices(list);
         }
         let coarse = tristrip_io::with_triangles(self.model, self.drawn, Format::Glb)?;
-        self.notes.extend(kept_vertices(&coarse, &()));
+        self.notes.extend(kept_vertices(&coarse));
         let strips = shorter_strips(&coarse.model)?;
         let drawings = strips.iter().map(|strips| strips.as_ref().map_or(Drawing::Faces, Drawing::Strips));
         let drawings: Vec<Drawing<'_>> = drawings.collect();
@@ -362,5 +361,5 @@ fn prove(model: &Model, bytes: &Arc<Vec<u8>>, expected: &HashMap<usize, Mesh>) -
 
 #[allow(clippy::needless_pass_by_value, reason = "called by map_err")]
 fn unproven(error: tristrip_io::Error) -> Error {
-    Error::Unproven(error.to_string())
+    Error::unproven(error.to_string())
 }

@@ -47,6 +47,6 @@ impl Packed {
 }
 
 /// Returns the bits per vertex of a file; `None` where there are no vertices.
-pub(crate) fn bits_per_vertex(bytes: usize, vertices: usize) -> Option<f64> {
+fn bits_per_vertex(bytes: usize, vertices: usize) -> Option<f64> {
     (vertices > 0).then(|| rounded(8.0 * bytes as f64 / vertices as f64))
 }
