@@ -107,7 +107,10 @@ impl Levels {
         let watching = arguments.watching()?;
         let kept = arguments.rest()?;
         let kind: Option<String> = arguments.extract("model")?;
-        let kind: ModelKind = kind.as_deref().unwrap_or("blocks").parse().map_err(Failure::from)?;
+        let kind = kind
+            .map(|name| name.parse::<ModelKind>().map_err(Failure::from))
+            .transpose()?
+            .unwrap_or_default();
         let options = options_of(arguments)?;
         let ended = watching.run(kept.py(), |watcher| {
             let levels = levels_observed(scene.as_read(), &options, watcher)?;
@@ -202,7 +205,7 @@ impl Levels {
         progress: Option<Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Self> {
-        let arguments = method::flags(py, options, effort, cost)?;
+        let arguments = method::parameters(py, options, effort, cost)?;
         arguments.set_item("model", model)?;
         arguments.set_item("base", base)?;
         arguments.set_item("price", price)?;

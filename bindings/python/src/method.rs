@@ -1,40 +1,39 @@
-//! The method of strips and its options, from keyword arguments with the names of the command's flags.
+//! The method of strips and its options, by name or as the command has it, and from keyword arguments.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tristrip::StripifyOptions;
+use tristrip_pipeline::{parse_method, with_method_parameter};
 
 use crate::arguments::Arguments;
 use crate::errors::Failure;
 
-/// Joins the options that have arguments of their own with the others.
-pub(crate) fn flags<'py>(
+/// Joins the parameters that have arguments of their own with the others.
+pub(crate) fn parameters<'py>(
     py: Python<'py>,
     others: Option<&Bound<'py, PyDict>>,
     effort: impl IntoPyObject<'py>,
     cost: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let flags = others.map_or_else(|| Ok(PyDict::new(py)), PyDictMethods::copy)?;
-    flags.set_item("effort", effort)?;
-    flags.set_item("cost", cost)?;
-    Ok(flags)
+    let parameters = others.map_or_else(|| Ok(PyDict::new(py)), PyDictMethods::copy)?;
+    parameters.set_item("effort", effort)?;
+    parameters.set_item("cost", cost)?;
+    Ok(parameters)
 }
 
-/// Reads a method and its options; those that are `None` have the default of the method.
+/// Reads a method such as `best` or `stripe-global:patches=full`, and its parameters; those that are `None` have the default of the method.
 pub(crate) fn options(
     method: &str,
     weld: bool,
-    flags: Option<&Bound<'_, PyDict>>,
+    parameters: Option<&Bound<'_, PyDict>>,
 ) -> Result<StripifyOptions, Failure> {
-    let mut pairs = vec![("--method".to_owned(), method.to_owned())];
-    for (name, value) in flags.into_iter().flat_map(PyDictMethods::iter) {
-        let name: String = name.extract()?;
+    let mut options = parse_method(method)?.with_weld(weld);
+    for (name, value) in parameters.into_iter().flat_map(PyDictMethods::iter) {
         if !value.is_none() {
-            pairs.push((format!("--{}", name.replace('_', "-")), value.str()?.to_string()));
+            options = with_method_parameter(options, &name.extract::<String>()?, value.str()?.to_str()?)?;
         }
     }
-    let pairs: Vec<(&str, &str)> = pairs.iter().map(|(name, value)| (&**name, &**value)).collect();
-    Ok(tristrip_pipeline::method_of_flags(&pairs)?.with_weld(weld))
+    Ok(options)
 }
 
 /// Takes a method and its options from keyword arguments, all of which that are left belong to the method.

@@ -215,7 +215,7 @@ impl Scene {
         simplify::simplify(&self.data, &Arguments::of(py, given)?)
     }
 
-    /// Build several levels of detail over one list of vertices, as the command `lod --chain` does.
+    /// Build several levels of detail over one list of vertices, as the command `chain` does.
     ///
     /// Args:
     ///     ratios: the ratios of triangles that the levels keep, the finest first: [1, 0.5, 0.25], or "100%,50%,25%"; up to 16.
@@ -239,13 +239,13 @@ impl Scene {
     /// >>> fan.chain([1, 0.5])
     /// Chain(2 levels of 4 / 2 triangles)
     #[pyo3(
-        signature = (ratios, **given),
-        text_signature = "($self, ratios, *, error=None, weight=None, price='distance', permissive=False, lock_borders=False, weld_distance=None, layout=None, method=None, effort=None, cost=None, weld=False, verify=True, budget=None, progress=None, **options)"
+        signature = (ratios = None, **given),
+        text_signature = "($self, ratios='100%,50%,25%,10%', *, error=None, weight=None, price='distance', permissive=False, lock_borders=False, weld_distance=None, layout=None, method=None, effort=None, cost=None, weld=False, verify=True, budget=None, progress=None, **options)"
     )]
     fn chain<'py>(
         &self,
         py: Python<'py>,
-        ratios: &Bound<'py, PyAny>,
+        ratios: Option<&Bound<'py, PyAny>>,
         given: Option<Keywords<'_, 'py>>,
     ) -> PyResult<Chain> {
         chain::chain(&self.data, ratios, &Arguments::of(py, given)?)
@@ -349,7 +349,7 @@ impl Scene {
     ///
     /// Args:
     ///     all: whether all variants of published methods are compared.
-    ///     effort: 0 to 9, of the methods that search; "best" also runs at its default effort.
+    ///     effort: 0 to 9, of the methods that search, or None for the default of each; "best" always runs at its default effort, too.
     ///     cost: what "best" minimizes, as of `stripify`.
     ///     seed: of the methods that break ties at random.
     ///     weld: whether vertices with the same bits in position and all attributes are one.
@@ -371,7 +371,7 @@ impl Scene {
     /// [1, 1, 1]
     #[pyo3(
         signature = (**given),
-        text_signature = "($self, *, all=False, effort=3, cost='restart', seed=0, weld=False, budget=None, progress=None, on_interrupt='raise')"
+        text_signature = "($self, *, all=False, effort=None, cost='restart', seed=0, weld=False, budget=None, progress=None, on_interrupt='raise')"
     )]
     fn compare<'py>(
         &self,

@@ -86,13 +86,13 @@ impl Simplified {
         self.figures.surface_error
     }
 
-    /// The root mean square of the distances between the surfaces, in the units of the positions; None unless `measure=True`.
+    /// The root mean square of the distances between the surfaces, in the units of the positions; None with `measure=False`.
     #[getter]
     fn rms_deviation(&self) -> Option<f64> {
         self.figures.deviations.map(|(rms, _)| rms)
     }
 
-    /// The largest distance found between the surfaces, in the units of the positions; None unless `measure=True`.
+    /// The largest distance found between the surfaces, in the units of the positions; None with `measure=False`.
     #[getter]
     fn largest_deviation(&self) -> Option<f64> {
         self.figures.deviations.map(|(_, largest)| largest)
@@ -184,7 +184,7 @@ impl Simplified {
 ///     lock_borders: whether vertices at borders stay.
 ///     weld_distance: how far the two sides of a border may be apart to collapse together; as `error`.
 ///     normals_mode: what happens to normals: "auto", "keep" or "rebuild", as the command's `--normals`.
-///     fit: whether the vertices that are left are moved closer to the original surface. Those at borders stay. Without it, all vertices are
+///     fit: whether the remaining vertices are moved closer to the original surface. Those at borders stay. Without it, all vertices are
 ///         vertices of the input.
 ///     measure: whether the distances between the surfaces are measured, which takes as long again.
 ///     verify: whether the collapses are proven.
@@ -215,7 +215,7 @@ impl Simplified {
 #[pyo3(signature = (
     vertices, faces, *, ratio = None, triangles = None, error = None, normals = None, uv = None, colors = None,
     attributes = None, weight = None, price = "distance", permissive = false, lock_borders = false,
-    weld_distance = None, normals_mode = "auto", fit = true, measure = false, verify = true, progress = None,
+    weld_distance = None, normals_mode = "auto", fit = false, measure = true, verify = true, progress = None,
     on_interrupt = "raise"
 ))]
 #[allow(

@@ -393,7 +393,8 @@ pub(crate) fn index_bits(
 ///         polygons of several sizes as a list of lists. A C-contiguous array of uint32 is used without a copy. Faces with a repeated vertex draw
 ///         nothing and are left out, with a note.
 ///     vertices: positions of shape (m, 3). Polygons with more than three corners need them, and `weld` does.
-///     method: the name of a method, as of the command's `--method`: "best", "fewest", "cache", "sequential", "input", "stripe-local", "eta", …
+///     method: "best", "fewest", "cache", "sequential", "input", "stripe-local", "eta", …, or a method with parameters as the command's `--method` takes it:
+///         "stripe-global:patches=full,cutoff=10".
 ///     effort: 0 to 9, of the methods that search; more finds fewer indices and takes longer.
 ///     cost: what method "best" minimizes: "restart", "degenerate", "opengl" or "gl".
 ///     weld: whether vertices with the same position are one.
@@ -401,7 +402,7 @@ pub(crate) fn index_bits(
 ///     budget: the time in seconds after which a search is stopped with its best result. The result depends on the machine then.
 ///     progress: True for a bar of tqdm, a bar, or a function that is called with a `Progress` some times per second.
 ///     on_interrupt: what Ctrl-C during a search does: "raise" an `Interrupted` with the best strips so far as `best`, or "return" them.
-///     **options: other options of the method with the names of the command's flags, such as `vertex_cache="fifo:24"`, `seed=1`.
+///     **options: other parameters of the method, such as `vertex_cache="fifo:24"` or `seed=1`; `tristrip help methods` lists them.
 ///
 /// Returns:
 ///     The strips. They are the same for any number of threads.
@@ -438,8 +439,8 @@ pub(crate) fn stripify<'py>(
     on_interrupt: &str,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, Strips>> {
-    let flags = method::flags(py, options, effort, cost)?;
-    let options = method::options(method, weld, Some(&flags))?;
+    let parameters = method::parameters(py, options, effort, cost)?;
+    let options = method::options(method, weld, Some(&parameters))?;
     let watching = Watching::new(py, progress, budget, on_interrupt)?.keeping_best();
     let given = GivenFaces::of("faces", faces)?;
     let points = vertices.map(|vertices| positions("vertices", vertices)).transpose()?;

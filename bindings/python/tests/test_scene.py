@@ -253,10 +253,10 @@ def test_other_results_are_saved_as_the_command_does(tmp_path: Path) -> None:
     chain = tristrip.load(source).chain("100%,50%")
     chain.save(mine / "lod.glb")
     chain.save(f"{mine}/levels/", format="ply")
-    command("lod", source, "--chain", "100%,50%", "-o", theirs / "lod.glb")
-    command("lod", source, "--chain", "100%,50%", "-o", f"{theirs}/levels/", "--to", "ply")
+    command("chain", source, "--ratios", "100%,50%", "-o", theirs / "lod.glb")
+    command("chain", source, "--ratios", "100%,50%", "-o", f"{theirs}/levels/", "--to", "ply")
     tristrip.load(source).chain([1, 0.5], layout="list").save(mine / "list.glb")
-    command("lod", source, "--chain", "100%,50%", "--layout", "list", "-o", theirs / "list.glb")
+    command("chain", source, "--ratios", "100%,50%", "--layout", "list", "-o", theirs / "list.glb")
     for one in ["lod.glb", "list.glb", "levels/milktruck_0.ply", "levels/milktruck_1.ply"]:
         assert (mine / one).read_bytes() == (theirs / one).read_bytes(), one
 

@@ -8,20 +8,23 @@ mod stream;
 mod view;
 
 use std::ffi::OsString;
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::builder::styling::{AnsiColor, Styles};
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, Error, FromArgMatches, Parser, Subcommand};
+use clap::{Arg, ArgAction, Args, CommandFactory, Error, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use tristrip::Cost;
 use tristrip::Effort;
 use tristrip_pipeline::VertexCacheList;
 
 use crate::method::{MethodArgs, WeldArgs};
+use crate::topics::{TOPICS, Topic};
 use crate::values::{effort_parser, named};
-pub(crate) use detail::{BuildLodArgs, LodArgs, SimplifyArgs};
+pub(crate) use detail::{BuildLodArgs, CameraLevelArgs, ChainArgs, LevelArgs, SimplifyArgs};
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs, TargetArgs};
 #[cfg(feature = "serve")]
 pub(crate) use serve::{LogFormat, ServeArgs, ViewArgs};
@@ -38,14 +41,16 @@ const STYLES: Styles = Styles::styled()
     .valid(AnsiColor::Green.on_default())
     .invalid(AnsiColor::Yellow.on_default());
 
-/// Build and verify triangle strips for polygon meshes
+/// Make polygon meshes small, streamable and ready for levels of detail
 ///
-/// Reads OBJ, PLY, OFF, STL, glTF and GLB; writes GLB, PLY and OBJ. Before a result is written, it is proven to draw exactly the
-/// faces of its source, each once, with its winding.
+/// Read OBJ, PLY, OFF, STL, glTF and GLB; write GLB, glTF, PLY and OBJ. Every result is verified before it is written: each input face is
+/// drawn exactly once, with its original winding.
 #[derive(Debug, Parser)]
 #[command(name = "tristrip", bin_name = "tristrip", version, propagate_version = true, max_term_width = 100, styles = STYLES)]
 #[command(
-    after_help = "Exit codes: 0 done and proven; 1 not proven, or a bad input or output; 2 wrong usage."
+    disable_help_subcommand = true,
+    arg_required_else_help = true,
+    help_template = "{about-with-newline}\n{usage-heading} {usage}{after-help}\n{options}"
 )]
 struct Cli {
     #[command(flatten)]
@@ -63,7 +68,9 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     Convert(ConvertArgs),
     Simplify(SimplifyArgs),
-    Lod(Box<LodArgs>),
+    Chain(Box<ChainArgs>),
+    Level(Box<LevelArgs>),
+    CameraLevel(Box<CameraLevelArgs>),
     BuildLod(Box<BuildLodArgs>),
     Pack(PackArgs),
     Unpack(UnpackArgs),
@@ -82,7 +89,19 @@ pub(crate) enum Command {
     View,
     Completions(CompletionsArgs),
     Man(ManArgs),
+    Help(HelpArgs),
 }
+
+/// The subcommands by task, in the order of the help.
+const GROUPS: [(&str, &[&str]); 4] = [
+    ("Shrink files", &["strip", "simplify", "convert"]),
+    ("Levels of detail", &["chain", "level", "camera-level", "build-lod"]),
+    ("Stream and view", &["pack", "unpack", "serve", "view"]),
+    ("Inspect and verify", &["analyze", "compare", "bound", "inspect", "verify"]),
+];
+
+/// The subcommands that print texts about the command.
+const TEXTS: [&str; 3] = ["help", "completions", "man"];
 
 /// How to get the web server in a build without it.
 #[cfg(not(feature = "serve"))]
@@ -91,11 +110,11 @@ pub(crate) const NO_SERVER: &str = "this build has no web server: install one th
 
 /// Accepts what the subcommands of the web server would.
 #[cfg(not(feature = "serve"))]
-fn any_arguments() -> clap::Arg {
-    clap::Arg::new("arguments").num_args(0..).hide(true).allow_hyphen_values(true).trailing_var_arg(true)
+fn any_arguments() -> Arg {
+    Arg::new("arguments").num_args(0..).hide(true).allow_hyphen_values(true).trailing_var_arg(true)
 }
 
-/// Build triangle strips, verify them, and write them
+/// Build triangle strips, verify them and write them
 ///
 /// Without -o, only report. Results go to standard output, stages and progress to standard error.
 #[derive(Debug, Args)]
@@ -103,10 +122,10 @@ fn any_arguments() -> clap::Arg {
   tristrip strip bunny.ply -o bunny.glb             strips that every glTF viewer draws
   tristrip strip scene.glb -o out.glb --layout restart
   tristrip strip models/*.obj -o stripped/ --to ply
-  tristrip strip bunny.ply --method best --effort 7 -o bunny.glb
+  tristrip strip bunny.ply --method best:effort=7 -o bunny.glb
   tristrip strip horse.ply --method fewest --budget 5s
-  tristrip strip bunny.ply --method stripe --json   no file: only the report
-  tristrip strip bunny.ply --picture strips.png     a picture, one colour per strip
+  tristrip strip bunny.ply --method stripe --json   without a file: only the report
+  tristrip strip bunny.ply --picture strips.png     an image with one colour per strip
   cat bunny.ply | tristrip strip - -o - --to glb > bunny.glb")]
 pub(crate) struct StripArgs {
     #[command(flatten)]
@@ -115,24 +134,24 @@ pub(crate) struct StripArgs {
     pub(crate) output: OutputArgs,
     #[command(flatten)]
     pub(crate) method: MethodArgs,
-    /// Number the vertices in the order in which the strips first use them
+    /// Reorder the vertices by first use in the strips
     ///
-    /// Fetches from the vertex buffer are then sequential. Vertices that no strip uses come last. All attributes of a vertex move
-    /// with it. Parts of a scene that share vertices share one order. Vertices that other parts of the file may refer to by number
-    /// keep their order, with a note. With --json, the report lists the old number of each vertex.
+    /// Fetches from the vertex buffer are then sequential, and unused vertices come last. All attributes of a vertex move with it. Parts of a scene
+    /// that share vertices share one order. Vertices that other parts of the file may refer to by index keep their order, with a note. With
+    /// --json, the report lists the old index of each vertex.
     #[arg(long, requires = "output", help_heading = "Output")]
     pub(crate) reorder_vertices: bool,
     /// Draw the strips in a PNG file, one colour per strip
     ///
-    /// 1200 x 900 pixels, seen from the front with the y axis up. Strips that share an edge have different colours. The parts of a scene
-    /// are drawn without the transformations of their nodes. One input.
+    /// The image has 1200 x 900 pixels and shows the model from the front with the y axis up. Adjacent strips have different colours. Parts of a
+    /// scene are drawn without the transformations of their nodes. One input.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) picture: Option<PathBuf>,
 }
 
 /// Compare all methods on a model
 ///
-/// Print one table per model. Each result is proven before its row is shown; the best figure of each column is marked.
+/// Print one table per model. Each result is proven before its row is printed; the best value of each column is marked.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip compare bunny.ply cow.obj
@@ -140,16 +159,16 @@ pub(crate) struct StripArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// Also compare tunnel, eta, guided-tunnels and all 24 stripe-local and 10 stripe-global variants
+    /// Add tunnel, eta, guided-tunnels and all 24 variants of stripe-local and 10 of stripe-global
     #[arg(long)]
     pub(crate) all: bool,
-    /// The search effort of best, fewest and cache, from 0 to 9
-    #[arg(long, value_name = "LEVEL", default_value = "3", value_parser = effort_parser())]
-    pub(crate) effort: Effort,
+    /// The search effort of best, fewest and cache, from 0 to 9 [default: 2; for fewest 5]
+    #[arg(long, value_name = "LEVEL", value_parser = effort_parser())]
+    pub(crate) effort: Option<Effort>,
     /// The cost that best minimizes
     #[arg(long, value_parser = named(Cost::ALL, Cost::name, Cost::summary), value_name = "COST", default_value_t = Cost::Restart)]
     pub(crate) cost: Cost,
-    /// Stop each search after a time such as 5s or 500ms
+    /// Stop each search after a time such as 5s or 500ms, with the best result so far
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     pub(crate) budget: Option<Duration>,
     /// Print Markdown tables
@@ -164,9 +183,8 @@ pub(crate) struct CompareArgs {
 
 /// Compute lower bounds on strips, vertices and indices
 ///
-/// The bounds hold for all covers of the dual graph by strips; the report says how they were found. Where more than two faces meet at an
-/// edge, they hold for the pairs that the dual graph joins. For polygons they hold for every triangulation; for triangles they are
-/// tighter.
+/// The bounds hold for all covers of the dual graph by strips; the report says how they were found. Where more than two faces meet at an edge,
+/// they hold for the pairs that the dual graph joins. For polygons they hold for every triangulation; for triangles they are tighter.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip bound bunny.ply")]
@@ -179,9 +197,9 @@ pub(crate) struct BoundArgs {
 
 /// Report index and vertex-cache statistics of a file
 ///
-/// Count triangles, strips, indices, restarts and degenerate triangles as stored, and simulate vertex caches. A miss is a vertex
-/// that must be transformed again; ACMR is misses per triangle, ATVR is misses per used vertex. No new strips are built; polygons count
-/// as triangle fans. Each part of a file (a material in OBJ, a primitive in glTF) starts with an empty cache.
+/// Count triangles, strips, indices, restarts and degenerate triangles as stored, and simulate vertex caches. A miss is a vertex that must be
+/// transformed again; ACMR is misses per triangle, ATVR misses per used vertex. No strips are built; polygons count as triangle fans. Each part
+/// of a file (a material in OBJ, a primitive in glTF) starts with an empty cache.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip analyze bunny.ply bunny.glb              before and after
@@ -192,8 +210,8 @@ pub(crate) struct AnalyzeArgs {
     pub(crate) general: GeneralArgs,
     /// The vertex caches to simulate [default: fifo and lru with 8, 16, 24, 32 and 64 entries]
     ///
-    /// A list of KIND:N or KIND:N..M. KIND is fifo (the oldest entry is evicted) or lru (the least recently used entry is evicted);
-    /// N and M are numbers of entries.
+    /// A list of KIND:N or KIND:N..M. KIND is fifo (evicts the oldest entry) or lru (evicts the least recently used entry); N and M are numbers
+    /// of entries.
     #[arg(long, value_name = "LIST")]
     pub(crate) vertex_caches: Option<VertexCacheList>,
     /// Flush the vertex cache between strips, as if each strip had its own draw call
@@ -208,9 +226,9 @@ pub(crate) struct AnalyzeArgs {
 
 /// Verify that one file draws exactly the faces of another
 ///
-/// The files may come from any program and have different formats: triangle lists, strips, fans, degenerate triangles, restarts, one
-/// primitive per strip. Vertices are compared by the bits of their positions, so the vertex order may differ. Other attributes are not
-/// compared. Scenes are compared mesh by mesh, without the transformations of their nodes.
+/// The files may come from any program and have different formats: triangle lists, strips, fans, degenerate triangles, restarts, one primitive per
+/// strip. Vertices are compared by the bits of their positions, so the vertex order may differ. Other attributes are not compared. Scenes are
+/// compared mesh by mesh, without the transformations of their nodes.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip verify bunny.ply bunny.glb")]
@@ -225,8 +243,8 @@ pub(crate) struct VerifyArgs {
 
 /// Convert between formats or strip layouts, without building new strips
 ///
-/// Without --layout, faces are written unchanged: polygons stay polygons where the format supports them, and strips stay strips. With
-/// --layout, all faces become strips in their stored order.
+/// Without --layout, faces are written unchanged: polygons stay polygons where the format supports them, and strips stay strips. With --layout,
+/// all faces become strips in their stored order.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip convert in.obj -o out.ply
@@ -239,8 +257,6 @@ pub(crate) struct ConvertArgs {
 }
 
 /// Print completions for a shell
-///
-/// The flags, subcommands and values are those of this version.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip completions bash > ~/.local/share/bash-completion/completions/tristrip
@@ -250,6 +266,17 @@ pub(crate) struct CompletionsArgs {
     /// The shell
     #[arg(value_name = "SHELL")]
     pub(crate) shell: Shell,
+}
+
+/// Explain a subcommand or a topic
+///
+/// `tristrip COMMAND -h` lists the options of a subcommand, `tristrip help COMMAND` explains them.
+#[derive(Debug, Args)]
+#[command(after_long_help = topics())]
+pub(crate) struct HelpArgs {
+    /// The subcommand or topic
+    #[arg(value_name = "NAME", value_parser = help_parser(), hide_possible_values = true)]
+    pub(crate) name: Option<String>,
 }
 
 /// Print the man page of the command or of a subcommand
@@ -287,7 +314,9 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
         Command::Verify(_) => "verify",
         Command::Convert(_) => "convert",
         Command::Simplify(_) => "simplify",
-        Command::Lod(_) => "lod",
+        Command::Chain(_) => "chain",
+        Command::Level(_) => "level",
+        Command::CameraLevel(_) => "camera-level",
         Command::BuildLod(_) => "build-lod",
         Command::Pack(_) => "pack",
         Command::Unpack(_) => "unpack",
@@ -296,13 +325,67 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
         Command::View { .. } => "view",
         Command::Completions(_) => "completions",
         Command::Man(_) => "man",
+        Command::Help(HelpArgs { name: Some(name) }) if Topic::find(name).is_none() => {
+            return Err(help(&[name]));
+        }
+        Command::Help(HelpArgs { name: None }) => return Err(help(&[])),
+        Command::Help(_) => "help",
     };
     Ok(ParsedCommand { command, shared, subcommand })
 }
 
-/// Returns the command with all subcommands, of which `--version` prints the name of the command.
+/// Returns the long help of the command or of a subcommand, as clap has it: an error that is printed to standard output.
+fn help(subcommand: &[&String]) -> Error {
+    let words = ["tristrip"].into_iter().chain(subcommand.iter().map(|name| name.as_str()));
+    match command_line().try_get_matches_from(words.chain(["--help"])) {
+        Err(help) => help,
+        Ok(_) => command_line().error(ErrorKind::InvalidSubcommand, "there is no help"),
+    }
+}
+
+/// Returns the command with all subcommands; `--version` of a subcommand prints the name of the command.
 pub(crate) fn command_line() -> clap::Command {
-    Cli::command().mut_subcommands(|subcommand| subcommand.display_name("tristrip"))
+    let command = Cli::command().mut_subcommands(|subcommand| {
+        subcommand.display_name("tristrip").disable_version_flag(true).arg(version())
+    });
+    let groups = groups(&command);
+    let exit_codes = "Exit codes: 0 done and proven; 1 not proven, or a bad input or output; 2 wrong usage.";
+    let hint = "`tristrip COMMAND -h` lists the options of a command, `tristrip help COMMAND` explains them.";
+    command
+        .after_help(format!("{groups}\n{hint}"))
+        .after_long_help(format!("{groups}\n{hint}\n\n{}\n{exit_codes}", topics()))
+}
+
+/// Returns the flag that prints the version, which the help of subcommands leaves out.
+fn version() -> Arg {
+    Arg::new("version").short('V').long("version").action(ArgAction::Version).hide(true)
+}
+
+/// Returns the subcommands by task, each with its line of help.
+fn groups(command: &clap::Command) -> String {
+    let mut text = String::new();
+    for (title, names) in GROUPS {
+        let _ = writeln!(text, "{title}:");
+        for name in names {
+            let about = command.find_subcommand(name).and_then(clap::Command::get_about);
+            let _ = writeln!(text, "  {name:<14}{}", about.map(ToString::to_string).unwrap_or_default());
+        }
+    }
+    let _ = writeln!(text, "Help: {}", TEXTS.join(", "));
+    text
+}
+
+/// Returns the topics of `tristrip help`.
+fn topics() -> String {
+    let lines = TOPICS.iter().map(|topic| format!("  {:<16}{}\n", topic.name, topic.summary));
+    format!("Topics of `tristrip help`:\n{}", lines.collect::<String>())
+}
+
+/// Returns a parser of the names of subcommands and topics.
+fn help_parser() -> PossibleValuesParser {
+    let topics = TOPICS.iter().map(|topic| PossibleValue::new(topic.name).help(topic.summary));
+    let subcommands = GROUPS.iter().flat_map(|(_, names)| names.iter()).chain(&TEXTS);
+    PossibleValuesParser::new(subcommands.map(PossibleValue::new).chain(topics))
 }
 
 /// Returns the error of flags that do not fit together, with the usage of the subcommand.

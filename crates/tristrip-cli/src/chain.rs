@@ -1,4 +1,4 @@
-//! `tristrip lod --chain`: several levels of detail over one vertex buffer, in one GLB or in a file each.
+//! `tristrip chain`: several levels of detail over one vertex buffer, in one GLB or in a file each.
 
 mod report;
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab, tristrip-serve ─▶ output ─▶ figures ─▶ console
-//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ serve │ view │ repro
+//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ level │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ serve │ view │ repro
 //! ```
 //! `serve` and `view` need the feature `serve`, and HTTPS the feature `tls`.
 //!
@@ -25,7 +25,7 @@ mod figures;
 mod input;
 mod inspect;
 mod job;
-mod lod;
+mod level;
 #[cfg(feature = "serve")]
 mod logs;
 mod method;
@@ -40,6 +40,7 @@ mod simplify;
 mod stage;
 mod strip;
 mod task;
+mod topics;
 mod unpack;
 mod values;
 mod verify;
@@ -134,7 +135,7 @@ fn run_task(task: &Task, console: &mut Console) -> bool {
         Task::Verify(task) => verify::run(task, console),
         Task::Convert(task) => convert::run(task, console),
         Task::Simplify(task) => simplify::run(task, console),
-        Task::Lod(task) => lod::run(task, console),
+        Task::Level(task) => level::run(task, console),
         Task::Chain(task) => chain::run(task, console),
         Task::BuildLod(task) => build_lod::run(task, console),
         Task::Pack(task) => pack::run(task, console),

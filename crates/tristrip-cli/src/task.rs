@@ -17,12 +17,13 @@ use tristrip::{Layout, StripifyOptions};
 use tristrip_io::gltf::Rounding;
 use tristrip_pipeline::{Amount, AnalyzeOptions, Goal, SimplifyOptions, VertexCacheList};
 
-use crate::args::{self, AnalyzeArgs, Command, OutputArgs, SharedArgs};
+use crate::args::{self, AnalyzeArgs, Command, HelpArgs, OutputArgs, SharedArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, write_to_stdout};
 use crate::shell;
+use crate::topics::Topic;
 use checks::{check_chart, check_picture};
-pub(crate) use levels::{BuildLodTask, ChainTask, LodTask};
-use levels::{build_lod_task, chain_task, lod_task};
+pub(crate) use levels::{BuildLodTask, ChainTask, LevelTask};
+use levels::{build_lod_task, camera_level_task, chain_task, level_task};
 #[cfg(feature = "serve")]
 pub(crate) use servers::{ServeTask, ViewTask};
 #[cfg(feature = "serve")]
@@ -40,7 +41,7 @@ pub(crate) enum Task {
     Verify(VerifyTask),
     Convert(ConvertTask),
     Simplify(SimplifyTask),
-    Lod(LodTask),
+    Level(LevelTask),
     Chain(ChainTask),
     BuildLod(BuildLodTask),
     Pack(PackTask),
@@ -50,7 +51,7 @@ pub(crate) enum Task {
     Serve(Box<ServeTask>),
     #[cfg(feature = "serve")]
     View(ViewTask),
-    /// A text to print: completions, or a man page.
+    /// A text to print: completions, a man page or a topic.
     Print(Vec<u8>),
 }
 
@@ -74,8 +75,8 @@ pub(crate) struct CompareTask {
     pub(crate) every_variant: bool,
     pub(crate) markdown: bool,
     pub(crate) options: StripifyOptions,
-    /// The effort of the methods that search; `best` also runs at its default effort.
-    pub(crate) effort: Effort,
+    /// The effort of the methods that search, instead of their defaults; `best` also runs at its default effort.
+    pub(crate) effort: Option<Effort>,
     pub(crate) budget: Option<Duration>,
 }
 
@@ -132,7 +133,7 @@ impl Task {
             Self::Strip(StripTask { jobs, .. })
             | Self::Convert(ConvertTask { jobs, .. })
             | Self::Simplify(SimplifyTask { jobs, .. })
-            | Self::Lod(LodTask { jobs, .. })
+            | Self::Level(LevelTask { jobs, .. })
             | Self::Chain(ChainTask { jobs, .. })
             | Self::Pack(PackTask { jobs, .. }) => write_to_stdout(jobs),
             Self::Unpack(UnpackTask { job, .. }) => write_to_stdout(std::slice::from_ref(job)),
@@ -240,10 +241,9 @@ fn validate(command: Command) -> Result<Task, String> {
             }
             Task::Simplify(SimplifyTask { jobs, options, picture: args.picture })
         }
-        Command::Lod(args) => match args.chain.clone() {
-            Some(ratios) => Task::Chain(chain_task(*args, ratios)?),
-            None => Task::Lod(lod_task(*args)?),
-        },
+        Command::Chain(args) => Task::Chain(chain_task(*args)?),
+        Command::Level(args) => Task::Level(level_task(*args)?),
+        Command::CameraLevel(args) => Task::Level(camera_level_task(*args)?),
         Command::BuildLod(args) => Task::BuildLod(build_lod_task(*args)?),
         Command::Pack(args) => Task::Pack(pack_task(args)?),
         Command::Unpack(args) => Task::Unpack(unpack_task(args)?),
@@ -256,6 +256,10 @@ fn validate(command: Command) -> Result<Task, String> {
         Command::Serve | Command::View => return Err(args::NO_SERVER.into()),
         Command::Completions(args) => Task::Print(shell::completions(args.shell)),
         Command::Man(args) => Task::Print(shell::man(args.subcommand.as_deref())?),
+        Command::Help(HelpArgs { name }) => {
+            let topic = name.as_deref().and_then(Topic::find).ok_or("there is no such topic")?;
+            Task::Print(topic.text().into_bytes())
+        }
     })
 }
 

@@ -10,7 +10,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tristrip::Effort;
-use tristrip::{Layout, Method};
+use tristrip::Layout;
 use tristrip_io::Format;
 use tristrip_render::images::MAX_SIZE;
 
@@ -44,16 +44,6 @@ where
 {
     let values = values.into_iter().map(|value| PossibleValue::new(name(value)).help(help(value)));
     PossibleValuesParser::new(values).try_map(|text| text.parse::<T>().map_err(|error| error.to_string()))
-}
-
-/// Returns a parser for the names of methods; `stripe` is one of them with its authors' settings.
-pub(crate) fn method_parser() -> impl TypedValueParser<Value = Method> {
-    let mut names: Vec<(&str, &str)> =
-        Method::ALL.iter().map(|method| (method.name(), method.summary())).collect();
-    let first = names.iter().position(|(name, _)| name.starts_with("stripe")).unwrap_or(names.len());
-    names.insert(first, ("stripe", "STRIPE as its authors recommend it: stripe-global by rows, cutoff 5"));
-    let values = names.into_iter().map(|(name, help)| PossibleValue::new(name).help(help));
-    PossibleValuesParser::new(values).try_map(|text| text.parse::<Method>())
 }
 
 /// Returns a line on a layout, in the words of files.

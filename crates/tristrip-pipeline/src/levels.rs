@@ -33,7 +33,7 @@ use crate::text::count;
 pub use cursor::ModelCursor;
 pub use filter::DisplayFilter;
 pub use level::{Level, LevelGoal};
-pub use options::{LevelsOptions, parse_levels};
+pub use options::LevelsOptions;
 pub use part::LevelPart;
 pub use view::DisplayedView;
 

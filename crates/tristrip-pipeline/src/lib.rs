@@ -76,10 +76,11 @@ pub use goal::{Amount, Deviation, Goal, Ratio};
 pub use join::{Joined, join};
 pub use levels::{
     DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
-    ModelLevels, levels, levels_observed, parse_levels,
+    ModelLevels, levels, levels_observed,
 };
 pub use method::{
-    MethodReport, MethodRow, compared_methods, method_of_flags, methods_to_compare, parse_method,
+    MethodReport, MethodRow, compared_methods, method_help, methods_to_compare, parse_method,
+    with_method_parameter,
 };
 pub use observer::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
 pub use pack::{PackOptions, Packed, PackedReport, pack};

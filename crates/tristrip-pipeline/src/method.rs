@@ -1,169 +1,110 @@
-//! The names of methods and their options: what reports, tables and charts call them.
+//! Methods with their parameters: parsed from text, in reports, tables and charts, and in help.
 
-use std::str::FromStr;
+mod help;
+mod parameters;
 
-use serde::Serialize;
-use tristrip::Effort;
-use tristrip::simplify::Price;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use tristrip::stripify::{Acceptance, Localization, TunnelOptions};
 use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
-use tristrip::{Error, Method, StripifyOptions};
+use tristrip::{Effort, Method, StripifyOptions};
 
 use crate::figures::Figures;
 use crate::observer::Stopped;
+pub use help::method_help;
+use parameters::{Value, parameters_of};
+pub use parameters::{parse_method, with_method_parameter};
 
-/// A method and its options in the words of the command line; the keys are those of the JSON report.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+/// A method and its parameters. The JSON report has the method, and a key for each parameter.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct MethodReport {
-    method: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    triangulation: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    ties: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    last_tie: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    patches: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cutoff: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cost: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    vertex_cache: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    objective: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    effort: Option<u8>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    tunnel_length: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    threshold: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    start: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    acceptance: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    localization: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    seed: Option<u64>,
+    method: &'static str,
+    parameters: Vec<ReportedParameter>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct ReportedParameter {
+    name: &'static str,
+    value: Value,
+    is_default: bool,
+}
+
+impl Serialize for MethodReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(1 + self.parameters.len()))?;
+        map.serialize_entry("method", self.method)?;
+        for parameter in &self.parameters {
+            map.serialize_entry(&parameter.name.replace('-', "_"), &parameter.value)?;
+        }
+        map.end()
+    }
 }
 
 impl MethodReport {
     /// Names a method and those of its options that apply to it.
-    ///
-    /// ```
-    /// use tristrip_pipeline::MethodReport;
-    /// assert_eq!(MethodReport::of(&tristrip::StripifyOptions::default()).label(), "best restart 2");
-    /// ```
     pub fn of(options: &StripifyOptions) -> Self {
-        let plain = Self { method: options.method.to_string(), ..Self::default() };
-        let seeded = Self { seed: Some(options.seed), ..plain.clone() };
-        let search = Self { effort: Some(options.effort_or_default().level()), ..seeded.clone() };
-        match options.method {
-            Method::StripeLocal { triangulation, ties } => Self {
-                triangulation: Some(triangulation.to_string()),
-                ties: Some(ties.to_string()),
-                ..seeded
-            },
-            Method::StripeGlobal { patches, cutoff, ties } => Self {
-                patches: Some(patches.to_string()),
-                cutoff: Some(cutoff),
-                ties: Some(ties.to_string()),
-                ..seeded
-            },
-            Method::QuadRows { cutoff } => Self { cutoff: Some(cutoff), ..seeded },
-            Method::Sgi { last_tie } => Self { last_tie: Some(last_tie.to_string()), ..plain },
-            Method::Best => Self { cost: Some(options.cost.to_string()), ..search },
-            Method::Fewest => search,
-            Method::Cache => Self {
-                vertex_cache: Some(options.vertex_cache.to_string()),
-                objective: Some(options.objective.to_string()),
-                ..search
-            },
-            Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain },
-            Method::Eta { tunnels, acceptance, localization } => Self {
-                acceptance: Some(acceptance.to_string()),
-                localization: Some(localization.to_string()),
-                ..seeded.with_tunnels(tunnels)
-            },
-            Method::GuidedTunnels(tunnels) => seeded.with_tunnels(tunnels),
-            _ => plain,
-        }
-    }
-
-    fn with_tunnels(self, tunnels: TunnelOptions) -> Self {
-        Self {
-            tunnel_length: Some(tunnels.length),
-            threshold: Some(tunnels.threshold),
-            start: Some(tunnels.start.to_string()),
-            ..self
-        }
+        let method = options.method;
+        let default = StripifyOptions::default().with_method(default_of(method));
+        let parameters = parameters_of(options).into_iter().map(|(parameter, value)| ReportedParameter {
+            name: parameter.name,
+            is_default: (parameter.get)(&default).as_ref() == Some(&value),
+            value,
+        });
+        Self { method: method.name(), parameters: parameters.collect() }
     }
 
     /// Returns the name of the method.
     pub fn method(&self) -> &str {
-        &self.method
+        self.method
     }
 
     /// Returns the objective of `cache`; `None` for other methods.
     pub fn objective(&self) -> Option<&str> {
-        self.objective.as_deref()
+        match self.value("objective") {
+            Some(Value::Word(objective)) => Some(objective),
+            _ => None,
+        }
     }
 
     /// Returns the effort; `None` for methods that do not search.
     pub fn effort(&self) -> Option<u8> {
-        self.effort
+        match self.value("effort") {
+            Some(Value::Number(effort)) => u8::try_from(*effort).ok(),
+            _ => None,
+        }
     }
 
-    /// Returns a short name of the method and its options: `stripe-local whole sequential`. The ties of `stripe-global` and `sgi`,
-    /// and acceptance and localization of `eta`, are named where they are not the default.
+    fn value(&self, name: &str) -> Option<&Value> {
+        self.parameters.iter().find(|parameter| parameter.name == name).map(|parameter| &parameter.value)
+    }
+
+    /// Returns the method and the parameters that differ from its defaults, as [`parse_method`] reads them.
+    ///
+    /// ```
+    /// use tristrip_pipeline::{MethodReport, parse_method};
+    /// let options = parse_method("best:cost=gl,effort=2")?; // 2 is the default
+    /// assert_eq!(MethodReport::of(&options).label(), "best:cost=gl");
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn label(&self) -> String {
-        let shown = |ties: &Option<String>, usual: &str| ties.clone().filter(|ties| ties != usual);
-        let ties = match self.method.as_str() {
-            "stripe-local" => self.ties.clone(),
-            _ => shown(&self.ties, Ties::default().name()),
-        };
-        let words = [
-            &self.triangulation,
-            &ties,
-            &shown(&self.last_tie, LastTie::default().name()),
-            &self.patches,
-            &self.cost,
-            &self.vertex_cache,
-            &self.objective,
-            &self.start,
-            &shown(&self.acceptance, Acceptance::default().name()),
-            &shown(&self.localization, Localization::default().name())
-                .map(|name| format!("localization {name}")),
-        ];
-        let numbers = [self.cutoff, self.effort.map(u32::from), self.tunnel_length];
-        let words = [Some(self.method.clone())].into_iter().chain(words.into_iter().cloned()).flatten();
-        let numbers = numbers.into_iter().flatten().map(|n| n.to_string());
-        words.chain(numbers).collect::<Vec<_>>().join(" ")
+        let set = self.parameters.iter().filter(|parameter| !parameter.is_default);
+        let set: Vec<String> =
+            set.map(|parameter| format!("{}={}", parameter.name, parameter.value)).collect();
+        if set.is_empty() { self.method.into() } else { format!("{}:{}", self.method, set.join(",")) }
     }
 
-    /// Describes the method and its options: `method best, cost restart, effort 2`.
+    /// Describes the method and its parameters without the seed: `method best, cost restart, effort 2`.
     pub fn description(&self) -> String {
-        let number = |n: Option<u32>| n.map(|n| n.to_string());
-        let options = [
-            ("triangulation", self.triangulation.clone()),
-            ("ties", self.ties.clone()),
-            ("last tie", self.last_tie.clone()),
-            ("patches", self.patches.clone()),
-            ("cutoff", number(self.cutoff)),
-            ("cost", self.cost.clone()),
-            ("vertex cache", self.vertex_cache.clone()),
-            ("objective", self.objective.clone()),
-            ("effort", number(self.effort.map(u32::from))),
-            ("tunnel length", number(self.tunnel_length)),
-            ("threshold", number(self.threshold)),
-            ("start", self.start.clone()),
-            ("acceptance", self.acceptance.clone()),
-            ("localization", self.localization.clone()),
-        ];
-        let options = options.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", value?)));
-        std::iter::once(format!("method {}", self.method)).chain(options).collect::<Vec<_>>().join(", ")
+        let parameters = self.parameters.iter().filter(|parameter| parameter.name != "seed");
+        let parameters =
+            parameters.map(|parameter| format!(", {} {}", parameter.name.replace('-', " "), parameter.value));
+        format!("method {}{}", self.method, parameters.collect::<String>())
     }
+}
+
+/// Returns the method of the same name with the default values of its parameters.
+fn default_of(method: Method) -> Method {
+    Method::ALL.iter().copied().find(|other| other.name() == method.name()).unwrap_or(method)
 }
 
 /// The result of one method of a comparison; the keys are those of the JSON report. `S` are the times of its stages, which the caller measures.
@@ -260,186 +201,30 @@ pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
     methods
 }
 
-/// Returns the options of each row of a comparison: `best` at its default effort, then all methods at an effort. Other options, such as the seed, are
-/// those given.
+/// Returns the options of each row of a comparison: each method at its default effort; or `best` at its default effort, then all methods at
+/// the effort given. Other options, such as the seed, are those given.
 ///
 /// ```
 /// use tristrip::{Effort, StripifyOptions};
-/// let default = StripifyOptions::default();
-/// let count = |effort| tristrip_pipeline::compared_methods(default, effort, true).len();
+/// let options = StripifyOptions::default();
+/// let count = |effort| tristrip_pipeline::compared_methods(options, effort, true).len();
 /// // `best` has a second row at an effort other than its default.
-/// assert_eq!((count(default.effort_or_default()), count(Effort::default())), (45, 46));
+/// assert_eq!((count(None), count(Effort::new(3))), (45, 46));
 /// ```
 pub fn compared_methods(
     options: StripifyOptions,
-    effort: Effort,
+    effort: Option<Effort>,
     every_variant: bool,
 ) -> Vec<StripifyOptions> {
     let default = options.with_method(Method::Best);
-    let all = methods_to_compare(every_variant).into_iter();
-    let all = all.map(|method| options.with_method(method).with_effort(effort));
+    let all = methods_to_compare(every_variant).into_iter().map(|method| {
+        let options = options.with_method(method);
+        effort.map_or(options, |effort| options.with_effort(effort))
+    });
     let is_default = |options: &StripifyOptions| {
         options.method == Method::Best && options.effort_or_default() == default.effort_or_default()
     };
     std::iter::once(default).chain(all.filter(|options| !is_default(options))).collect()
-}
-
-/// Parses a method and its options in the flags of the command: `--method eta --start input`. Flags that are not given have the default of
-/// the method.
-///
-/// # Errors
-/// A flag is unknown, has an unknown value, or belongs to another method.
-///
-/// ```
-/// use tristrip_pipeline::{MethodReport, parse_method};
-/// let options = parse_method("--method stripe-local --ties random")?;
-/// assert_eq!(MethodReport::of(&options).label(), "stripe-local whole random");
-/// assert!(parse_method("--method sgi --start input").is_err());
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-pub fn parse_method(flags: &str) -> Result<StripifyOptions, Error> {
-    Flags::of(flags)?.all_options()
-}
-
-/// Reads a method and its options from flags and their values, as [`parse_method`] does.
-///
-/// # Errors
-/// As of [`parse_method`].
-///
-/// ```
-/// use tristrip_pipeline::{MethodReport, method_of_flags};
-/// let options = method_of_flags(&[("--method", "cache"), ("--vertex-cache", "fifo 24")]);
-/// assert!(options.is_err(), "a vertex cache is written `fifo:24`");
-/// let options = method_of_flags(&[("--method", "best"), ("--effort", "3")])?;
-/// assert_eq!(MethodReport::of(&options).effort(), Some(3));
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-pub fn method_of_flags(flags: &[(&str, &str)]) -> Result<StripifyOptions, Error> {
-    Flags(flags.to_vec()).all_options()
-}
-
-/// Parses the flags of a method, and `--price` of collapses.
-pub(crate) fn parse_with_price(flags: &str) -> Result<(StripifyOptions, Price), Error> {
-    let mut flags = Flags::of(flags)?;
-    let price = flags.named("--price")?.unwrap_or_default();
-    Ok((flags.all_options()?, price))
-}
-
-/// Flags that are not used yet, with their values.
-struct Flags<'a>(Vec<(&'a str, &'a str)>);
-
-impl<'a> Flags<'a> {
-    fn of(text: &'a str) -> Result<Self, Error> {
-        let words: Vec<&str> = text.split_whitespace().collect();
-        let (pairs, rest) = words.as_chunks();
-        match rest {
-            [] => Ok(Self(pairs.iter().map(|&[flag, value]| (flag, value)).collect())),
-            _ => Err(invalid("flags", text, "pairs of a flag and a value")),
-        }
-    }
-
-    /// Removes a flag, and returns its value.
-    fn take(&mut self, flag: &str) -> Option<&'a str> {
-        let at = self.0.iter().position(|(name, _)| *name == flag)?;
-        Some(self.0.remove(at).1)
-    }
-
-    fn number<T: FromStr>(&mut self, flag: &'static str) -> Result<Option<T>, Error> {
-        let number =
-            |text: &str| text.parse().map_err(|_| invalid(flag, text, "a whole number of 0 or more"));
-        self.take(flag).map(number).transpose()
-    }
-
-    fn named<T: FromStr<Err = Error>>(&mut self, flag: &str) -> Result<Option<T>, Error> {
-        self.take(flag).map(str::parse).transpose()
-    }
-
-    /// Returns the options of the method, to which all flags that are left belong.
-    fn all_options(&mut self) -> Result<StripifyOptions, Error> {
-        let options = self.options()?;
-        match self.0.first() {
-            None => Ok(options),
-            Some((flag, _)) => Err(invalid("flag", flag, "a flag that belongs to the method")),
-        }
-    }
-
-    fn options(&mut self) -> Result<StripifyOptions, Error> {
-        let name = self.take("--method").unwrap_or("best");
-        let method = self.method(name)?;
-        let mut options = StripifyOptions::default().with_method(method);
-        if name == "best"
-            && let Some(cost) = self.named("--cost")?
-        {
-            options = options.with_cost(cost);
-        }
-        if name == "cache" {
-            if let Some(objective) = self.named("--objective")? {
-                options = options.with_objective(objective);
-            }
-            if let Some(cache) = self.named("--vertex-cache")? {
-                options = options.with_vertex_cache(cache);
-            }
-        }
-        if matches!(name, "best" | "fewest" | "cache")
-            && let Some(text) = self.take("--effort")
-        {
-            let effort = text.parse().ok().and_then(Effort::new);
-            options = options.with_effort(effort.ok_or_else(|| invalid("--effort", text, "0 to 9"))?);
-        }
-        if !matches!(name, "sequential" | "input" | "sgi" | "tunnel")
-            && let Some(seed) = self.number("--seed")?
-        {
-            options = options.with_seed(seed);
-        }
-        Ok(options)
-    }
-
-    fn method(&mut self, name: &str) -> Result<Method, Error> {
-        Ok(match name.parse()? {
-            Method::StripeLocal { triangulation, ties } => Method::StripeLocal {
-                triangulation: self.named("--triangulation")?.unwrap_or(triangulation),
-                ties: self.named("--ties")?.unwrap_or(ties),
-            },
-            Method::StripeGlobal { patches, cutoff, ties } => Method::StripeGlobal {
-                patches: self.named("--patches")?.unwrap_or(patches),
-                cutoff: self.number("--cutoff")?.unwrap_or(cutoff),
-                ties: self.named("--ties")?.unwrap_or(ties),
-            },
-            Method::QuadRows { cutoff } => {
-                Method::QuadRows { cutoff: self.number("--cutoff")?.unwrap_or(cutoff) }
-            }
-            Method::Sgi { last_tie } => {
-                Method::Sgi { last_tie: self.named("--last-tie")?.unwrap_or(last_tie) }
-            }
-            Method::Tunnel { length } => {
-                Method::Tunnel { length: self.number("--tunnel-length")?.unwrap_or(length) }
-            }
-            Method::Eta { tunnels, acceptance, localization } => Method::Eta {
-                tunnels: self.tunnels(tunnels)?,
-                acceptance: self.named("--acceptance")?.unwrap_or(acceptance),
-                localization: self.named("--localization")?.unwrap_or(localization),
-            },
-            Method::GuidedTunnels(tunnels) => Method::GuidedTunnels(self.tunnels(tunnels)?),
-            method => method,
-        })
-    }
-
-    fn tunnels(&mut self, mut tunnels: TunnelOptions) -> Result<TunnelOptions, Error> {
-        if let Some(length) = self.number("--tunnel-length")? {
-            tunnels = tunnels.with_length(length);
-        }
-        if let Some(threshold) = self.number("--threshold")? {
-            tunnels = tunnels.with_threshold(threshold);
-        }
-        if let Some(start) = self.named("--start")? {
-            tunnels = tunnels.with_start(start);
-        }
-        Ok(tunnels)
-    }
-}
-
-fn invalid(name: &'static str, found: &str, expected: &'static str) -> Error {
-    Error::Parameter { name, found: found.into(), expected }
 }
 
 #[cfg(test)]
@@ -448,24 +233,91 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn all_variants_have_distinct_names() {
+    fn all_variants_have_distinct_labels() {
         let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
         assert_eq!(labels.len(), 7 + 4 + 24 + 10);
-        assert!(
-            labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
-        );
+        for known in [
+            "stripe-local",
+            "stripe-local:triangulation=partial,ties=look-ahead",
+            "stripe-global:patches=full,cutoff=25",
+            "eta:tunnel-length=49",
+        ] {
+            assert!(labels.contains(known), "{known}");
+        }
         assert!(methods_to_compare(false).into_iter().all(|method| labels.contains(&label(method))));
     }
 
     #[test]
-    fn a_description_names_the_options() {
+    fn a_description_names_the_parameters() {
         let best = MethodReport::of(&StripifyOptions::default());
         assert_eq!(best.description(), "method best, cost restart, effort 2");
-        let local = StripifyOptions::default().with_method(Method::STRIPE);
+        let stripe = StripifyOptions::default().with_method(Method::STRIPE);
+        let description = "method stripe-global, ties sequential, patches rows, cutoff 5";
+        assert_eq!(MethodReport::of(&stripe).description(), description);
+    }
+
+    /// Every value of every parameter of every method means the same in the text of its label and in its report.
+    #[test]
+    fn labels_and_reports_have_the_values_that_were_parsed() {
+        for method in Method::ALL {
+            let default = StripifyOptions::default().with_method(*method);
+            assert_eq!(parse_method(method.name()), Ok(default));
+            for (parameter, _) in parameters_of(&default) {
+                let names = parameter.value_names();
+                let values = if names.is_empty() { vec!["7", "lru:24"] } else { names };
+                for value in values {
+                    let text = format!("{method}:{}={value}", parameter.name);
+                    let Ok(options) = parse_method(&text) else {
+                        assert_eq!(value == "7", parameter.name == "vertex-cache", "{text}");
+                        continue;
+                    };
+                    assert_eq!((parameter.get)(&options).unwrap().to_string(), value, "{text}");
+                    let report = MethodReport::of(&options);
+                    assert_eq!(parse_method(&report.label()), Ok(options), "{text}");
+                    let json = serde_json::to_value(&report).unwrap();
+                    let found = json[parameter.name.replace('-', "_")].to_string();
+                    assert_eq!(found.trim_matches('"'), value, "{text}");
+                    let others = |options| {
+                        let all = parameters_of(&options).into_iter();
+                        all.filter(|(other, _)| other.name != parameter.name)
+                            .map(|(other, value)| (other.name, value))
+                            .collect::<Vec<_>>()
+                    };
+                    assert_eq!(others(options), others(default), "{text} changes only its parameter");
+                }
+            }
+        }
         assert_eq!(
-            MethodReport::of(&local).description(),
-            "method stripe-global, ties sequential, patches rows, cutoff 5"
+            parse_method("stripe"),
+            parse_method("stripe-global:patches=rows,cutoff=5,ties=sequential")
         );
+    }
+
+    #[test]
+    fn errors_name_the_method_the_parameter_and_the_values() {
+        for (text, message) in [
+            ("magic", "parameter `method`: found `magic`, expected best, sequential"),
+            ("sgi:start=input", "found `start` in `sgi:start=input`, expected the parameter last-tie"),
+            ("input:seed=1", "found `seed` in `input:seed=1`, expected no parameters for input"),
+            (
+                "stripe:colour=red",
+                "found `colour` in `stripe:colour=red`, expected one of the parameters ties, patches, cutoff and seed",
+            ),
+            (
+                "stripe:patches=some",
+                "parameter `patches`: found `some` in `stripe:patches=some`, expected one of: rows full",
+            ),
+            ("stripe:cutoff=0", "found `0` in `stripe:cutoff=0`, expected an integer of at least 1"),
+            ("best:effort=10", "found `10` in `best:effort=10`, expected an integer from 0 to 9"),
+            ("best:seed=-1", "expected an integer of at least 0"),
+            ("cache:vertex-cache=fifo:0", "`fifo:N` or `lru:N`, N from 1 to 65536"),
+            ("best:effort", "found `effort` in `best:effort`, expected PARAMETER=VALUE"),
+            ("best:", "found `` in `best:`, expected PARAMETER=VALUE"),
+            ("best:seed=1,seed=2", "found `seed` twice in `best:seed=1,seed=2`"),
+        ] {
+            let error = parse_method(text).unwrap_err().to_string();
+            assert!(error.contains(message), "{text}: {error}");
+        }
     }
 }

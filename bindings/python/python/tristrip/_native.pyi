@@ -180,8 +180,8 @@ def simplify(
     lock_borders: bool = False,
     weld_distance: float | str | None = None,
     normals_mode: Literal["auto", "keep", "rebuild"] = "auto",
-    fit: bool = True,
-    measure: bool = False,
+    fit: bool = False,
+    measure: bool = True,
     verify: bool = True,
     progress: ProgressArgument = None,
     on_interrupt: OnInterrupt = "raise",
@@ -899,7 +899,7 @@ class Scene:
     ) -> SimplifiedScene: ...
     def chain(
         self,
-        ratios: str | Sequence[float],
+        ratios: str | Sequence[float] = "100%,50%,25%,10%",
         *,
         error: float | str | None = None,
         weight: str | None = None,
@@ -945,7 +945,7 @@ class Scene:
         self,
         *,
         all: bool = False,
-        effort: int = 3,
+        effort: int | None = None,
         cost: Cost = "restart",
         seed: int = 0,
         weld: bool = False,

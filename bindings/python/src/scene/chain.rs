@@ -42,7 +42,7 @@ pub(crate) struct Chain {
 /// Builds the levels of a scene.
 pub(crate) fn chain(
     source: &Arc<SceneData>,
-    ratios: &Bound<'_, PyAny>,
+    ratios: Option<&Bound<'_, PyAny>>,
     arguments: &Arguments<'_>,
 ) -> PyResult<Chain> {
     let watching = arguments.watching()?;
@@ -69,11 +69,9 @@ pub(crate) fn chain(
 
 /// Takes the options of a chain from the arguments of `Scene.chain`.
 fn options_of(arguments: &Arguments<'_>) -> PyResult<ChainOptions> {
-    let Some(given) = arguments.take("ratios")? else {
-        return Err(Failure::option("ratios", "None", "ratios that decrease").into());
-    };
+    let ratios = arguments.take("ratios")?.map(|given| ratios(&given)).transpose()?.unwrap_or_default();
     let error = arguments.take("error")?.map(|error| deviation("error", &error)).transpose()?;
-    let options = ChainOptions::new(ratios(&given)?, Format::Glb).with_deviation(error.unwrap_or_default());
+    let options = ChainOptions::new(ratios, Format::Glb).with_deviation(error.unwrap_or_default());
     let options = options.with_rules(rules_of(arguments)?);
     let options = options.with_verify(arguments.extract("verify")?.unwrap_or(true));
     // Checked here, and used where files are written.
@@ -251,7 +249,7 @@ impl Chain {
         self.report.bind(py).as_any().get_item("notes")
     }
 
-    /// Write all levels, as the command `lod --chain` does: as one GLB or .gltf whose nodes name those of lower levels with `MSFT_lod`, or into a directory as a
+    /// Write all levels, as the command `chain` does: as one GLB or .gltf whose nodes name those of lower levels with `MSFT_lod`, or into a directory as a
     /// file per level.
     ///
     /// Args:

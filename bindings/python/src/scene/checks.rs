@@ -65,9 +65,11 @@ pub(crate) fn compare<'py>(
     arguments: &Arguments<'py>,
 ) -> PyResult<Ended<Bound<'py, PyList>>> {
     let py = arguments.py();
-    let level = arguments.extract("effort")?.unwrap_or(3_i64);
-    let effort = u8::try_from(level).ok().and_then(Effort::new);
-    let effort = effort.ok_or_else(|| Failure::option("effort", level, "0 to 9"))?;
+    let effort = arguments.extract::<i64>("effort")?.map(|level| {
+        let effort = u8::try_from(level).ok().and_then(Effort::new);
+        effort.ok_or_else(|| Failure::option("effort", level, "0 to 9"))
+    });
+    let effort = effort.transpose()?;
     let mut options = StripifyOptions::default().with_weld(arguments.flag("weld")?);
     options = options.with_seed(arguments.extract("seed")?.unwrap_or(0));
     if let Some(cost) = arguments.extract::<String>("cost")? {

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use tristrip::Effort;
 use tristrip::lod::{ModelKind, View};
-use tristrip::simplify::MergeOrder;
-use tristrip_pipeline::{ChainRatios, DisplayFilter, Level, Normals, Ratio};
+use tristrip::simplify::{MergeOrder, Price};
+use tristrip_pipeline::{ChainRatios, Deviation, DisplayFilter, Level, Normals, Ratio};
 
 use super::groups::{CollapseArgs, FromArgs, GeneralArgs, OutputArgs, TargetArgs};
 use super::view::{CriteriaArgs, LensArgs};
@@ -15,12 +15,9 @@ use crate::values::{Amount, Vector, effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
-/// The cheapest collapse comes first. A removed vertex is replaced by one of its neighbours; without --fit no vertex moves, and none is added. The
-/// surface keeps its holes and, unless that costs too much, its shape; small components within the error limit of others vanish. If a goal cannot be reached within
-/// the error limit, or without tearing or folding the surface, simplification stops earlier, and a warning says why; this is not an error. Parts of
-/// one mesh that share positions (materials in OBJ, primitives in glTF) are simplified as one surface: both sides of a border between them collapse
-/// together. Vertices that touch a mesh which another node of the scene places stay, so that no gaps open. Unused vertices are removed from the
-/// file, except from a GLB that was read from glTF, where other parts of the scene refer to vertices by number. Without -o, only report.
+/// The surface keeps its holes and, as far as the goal allows, its shape. All parts of a scene are simplified together. If a goal cannot be
+/// reached within the error limit, or without tearing or folding the surface, simplification stops earlier and prints a warning. Without -o,
+/// only report. `tristrip help simplification` explains all options in detail.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip simplify bunny.ply --ratio 5% -o bunny-small.ply
@@ -34,202 +31,200 @@ pub(crate) struct SimplifyArgs {
     pub(crate) general: GeneralArgs,
     /// The ratio of all triangles to keep: 0.05 or 5%
     ///
-    /// The parts share the triangles: the collapse that costs least comes next, wherever it is, so that dense parts give most of them and all
-    /// parts of a scene have about the same error in the end. Without --ratio or --triangles, as few are kept as --error allows; with
-    /// one of them, the limit that is reached first ends the simplification.
+    /// All parts of a model share the triangles. Without --ratio or --triangles, simplify as far as --error allows; with one of them,
+    /// simplification ends at whichever limit is reached first.
     #[arg(long, value_name = "RATIO", conflicts_with = "triangles", allow_negative_numbers = true)]
     pub(crate) ratio: Option<Ratio>,
-    /// The number of triangles to keep; the parts share them as with --ratio
+    /// The number of triangles to keep
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) triangles: Option<usize>,
     #[command(flatten)]
     pub(crate) collapse: CollapseArgs,
-    /// Whether normals are kept or rebuilt
+    /// Keep or rebuild normals: auto, keep or rebuild
     ///
-    /// Vertices keep their normals, which then lie on other faces: those of a rounded edge that is gone would darken the flat sides beside it.
-    /// In a part of which a third is flat, where the share of the area with normals more than 45 degrees off their faces grows by more than
-    /// 2 %, such corners get another one: of the normals that the model had at the place the nearest to the face, or the mean of
-    /// the faces around it up to the hard edges, or that of the face.
-    ///
-    /// In a flat-shaded model every corner has the normal of its face, and every edge is a seam of normals that hardly anything can collapse
-    /// across. A part is flat-shaded if 98 % of its corners have the normal of their face within 2 degrees, and normals differ at a
-    /// quarter of its edges or more. Rebuilt parts are simplified by their shape, texture coordinates and colours; then each corner gets the
-    /// normal of its face, and tangents are computed again. With rebuild, all other parts are simplified likewise, and all their corners
-    /// get the nearest normal or the mean; edges are hard above the angle that best separates the hard edges of the part from the
-    /// smooth ones. This helps models with many hard edges to get smaller. Normals that a morph target changes are kept.
-    #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default())]
+    /// auto rebuilds those of flat-shaded parts, and keeps all others where they still fit the faces. rebuild rebuilds all: flat, or smooth up to
+    /// the crease angle that the hard edges of a part show.
+    #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default(), hide_possible_values = true)]
     pub(crate) normals: Normals,
-    /// Move the vertices that are left closer to the original surface
+    /// Move the remaining vertices closer to the original surface
     ///
-    /// Vertices of the input lie on its surface, so that all of the simplified surface is on one side of it where it is curved. With this flag the positions
-    /// are found for which the squares of the distances between both surfaces add up to the least, in both directions: the root mean square falls by a third
-    /// or more. Both sides of a border between the parts of a mesh move together. Positions at open borders stay, those that touch parts in other places of the
-    /// scene, and those that a GLB cannot change: of a morph target, or stored as whole numbers. The result has vertices that the input does not
-    /// have: levels of detail that share the vertices of the input (`lod --chain`) cannot be fitted.
+    /// The root mean square of the distances falls by a third or more. The result has vertices that the input does not have.
     #[arg(long)]
     pub(crate) fit: bool,
     /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
-    ///
-    /// Weights change by less than 1/255 each, rotations by less than 0.004 degrees. Without it weights are rounded to 16 bits, which
-    /// changes them by less than 1/65535, and animations play the same within a millionth of each track's greatest value. Either way numbers
-    /// that place nodes have no more digits than 32-bit floats need.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) compact: bool,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     /// Draw the model before and after in a PNG file, from eight sides
     ///
-    /// The upper row is the input, the lower row the result, each in eight views of 256 x 256 pixels from beyond the corners of the bounding
-    /// box, with base colours and textures. A scene is drawn as its nodes place it, without animations and joints. One input.
+    /// The upper row shows the input, the lower row the result, in eight views of 256 x 256 pixels with base colours and textures. A scene is
+    /// drawn as its nodes place it, without animations and joints. One input.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) picture: Option<PathBuf>,
 }
 
-/// Draw any level of detail with the strips of the full mesh
+/// Write one level of detail with the strips of the full mesh
 ///
-/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename vertices in them down to a base mesh. Level 0
-/// is the base mesh, the highest level is the full mesh, and each level adds one vertex. A filter removes degenerate triangles
-/// before a level is drawn. The level is proven to draw exactly the triangles that remain after the collapses. Without -o, only report.
-///
-/// With --chain, several levels are written that a viewer switches between: as one GLB, or as a file per level. All levels share the
-/// vertices of the input, so that normals are kept: `simplify --normals` rebuilds them, with new vertices for a single level.
+/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename vertices in them down to a base mesh. Level 0 is the
+/// base mesh, the highest level the full mesh, and each level adds one vertex. The result is proven to draw exactly the triangles that remain after
+/// the collapses. Without -o, only report. `tristrip help levels` explains levels, filters and models.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
-  tristrip lod bunny.ply --level 40% -o level.glb     strips at any level
-  tristrip lod bunny.ply --method stripe --base 1% --filter dtfs --level 120
-  tristrip lod bunny.ply --model sets --level 25% -o level.glb
-  tristrip lod bunny.ply --model blocks --pixels 1.5 --distance 3     the level for a viewing distance
-  tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --fov 45 --pixels 1.5 -o frame.glb
-  tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --triangles 200k
-  tristrip lod truck.gltf --chain 100%,50%,25%,10% -o truck.lod.glb
-  tristrip lod duck.glb --chain 100%,50%,25%,10% -o levels/ --layout list")]
-#[command(
-    mut_arg("field_of_view", |flag| flag.requires("viewpoint")),
-    mut_arg("image", |flag| flag.requires("camera")),
-    mut_group("CriteriaArgs", |flags| flags.requires("camera"))
-)]
-pub(crate) struct LodArgs {
+  tristrip level bunny.ply --level 40% -o level.glb
+  tristrip level bunny.ply --triangles 5k -o level.glb
+  tristrip level bunny.ply --pixels 1.5 --distance 3      the level for a viewing distance
+  tristrip level bunny.ply --base 1% --filter dtfs --level 120
+  tristrip level bunny.ply --model sets --level 25% -o level.glb")]
+pub(crate) struct LevelArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// How levels are stored and replayed
-    ///
-    /// All models have the same levels. Those that store strips by themselves are drawn as they are; --filter belongs to the others.
-    #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), value_name = "MODEL", default_value_t = ModelKind::default(), help_heading = "Levels")]
-    pub(crate) model: ModelKind,
-    /// The ratio of all triangles that the base mesh keeps: 0.05 or 5% [default: 5%; 0 with --triangles, --error or --pixels]
-    ///
-    /// If the surface cannot be simplified this far without tearing or folding, the base mesh has more triangles, and a note says so unless
-    /// the ratio is 0.
-    #[arg(long, value_name = "RATIO", help_heading = "Levels", allow_negative_numbers = true)]
-    pub(crate) base: Option<Ratio>,
-    /// The level to draw: the number of undone collapses, or a percentage of all collapses such as 40% [default: 10%]
-    ///
-    /// P% of n collapses is level P n / 100, rounded to the nearest integer. In a model of several parts, the levels undo the collapses
-    /// of all parts, the greatest cost first. 0 is the base mesh, 100% the full mesh. Instead of --level, --triangles, --error or
-    /// --pixels select one.
+    /// The level: a percentage, or the number of undone collapses [default: 10%]
     #[arg(
         long,
         value_name = "LEVEL",
-        help_heading = "Levels",
+        help_heading = "Level",
         allow_negative_numbers = true,
         conflicts_with_all = ["triangles", "error", "pixels"],
     )]
     pub(crate) level: Option<Level>,
-    /// Draw the finest level with at most this number of triangles, such as 50000, 200k or 2M
-    ///
-    /// With --camera, the most triangles of the view: if --pixels needs more, the largest errors in pixels are reduced first. The base mesh may
-    /// have more.
+    /// Select the finest level of up to this number of triangles, such as 200k
     #[arg(
         long,
         value_name = "COUNT",
-        help_heading = "Levels",
+        help_heading = "Level",
         allow_negative_numbers = true,
-        conflicts_with = "error"
+        conflicts_with_all = ["error", "pixels"]
     )]
     pub(crate) triangles: Option<Amount>,
-    /// Draw the coarsest level whose surface error covers at most this number of pixels, seen from --distance
-    ///
-    /// With --camera, each collapse may have this error where the camera sees it [default: 1].
+    /// Select the coarsest level within this error: 0.01 mesh units, or 0.1%
+    #[arg(long, value_name = "ERROR", help_heading = "Level", allow_negative_numbers = true)]
+    pub(crate) error: Option<Deviation>,
+    /// Select the coarsest level with an error of up to this number of pixels
     #[arg(
         long,
         value_name = "PIXELS",
-        help_heading = "Levels",
+        help_heading = "Level",
         allow_negative_numbers = true,
         conflicts_with = "error",
-        requires = "viewpoint"
+        requires = "distance"
     )]
     pub(crate) pixels: Option<f32>,
-    /// The distance from the camera to the nearest point of the model, in mesh units
+    /// The distance of --pixels from the camera to the model, in mesh units
     #[arg(
         long,
         value_name = "DISTANCE",
-        help_heading = "Levels",
-        allow_negative_numbers = true,
-        requires = "pixels",
-        group = "viewpoint"
-    )]
-    pub(crate) distance: Option<f32>,
-    /// The rows of the image
-    #[arg(
-        long,
-        value_name = "ROWS",
-        default_value_t = View::ROWS,
-        help_heading = "Levels",
+        help_heading = "Level",
         allow_negative_numbers = true,
         requires = "pixels"
     )]
+    pub(crate) distance: Option<f32>,
+    /// The vertical field of view of --pixels, in degrees [default: 45]
+    #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW, hide_default_value = true, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
+    pub(crate) field_of_view: f32,
+    /// The height of the image of --pixels, in pixels [default: 1080]
+    #[arg(long, value_name = "ROWS", default_value_t = View::ROWS, hide_default_value = true, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
     pub(crate) rows: f32,
-    /// With --model skip, draw what a camera at this point sees, each place in its own detail
-    ///
-    /// Coarse are the places far away, outside of the image and on faces that look away. The point is in the coordinates of the scene: a part
-    /// that one node places is seen there. A part in several places, or one that a node stretches, is drawn in full, with a note.
+    /// The ratio of all triangles in the base mesh [default: 5% with --level, else 0]
     #[arg(
         long,
-        value_name = "X,Y,Z",
-        help_heading = "Camera",
-        allow_hyphen_values = true,
-        requires = "look_at",
-        group = "viewpoint",
-        conflicts_with_all = ["level", "error", "rows"],
+        hide_short_help = true,
+        value_name = "RATIO",
+        help_heading = "Level",
+        allow_negative_numbers = true
     )]
-    pub(crate) camera: Option<Vector>,
+    pub(crate) base: Option<Ratio>,
+    /// What a collapse costs: distance, planes or quadric [default: distance]
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_default_value = true, hide_possible_values = true, help_heading = "Level", hide_short_help = true)]
+    pub(crate) price: Price,
+    /// How degenerate triangles are removed from strips [default: repair]
+    #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Level", hide_possible_values = true)]
+    pub(crate) filter: Option<DisplayFilter>,
+    /// The search effort of --filter repair, from 0 to 9 [default: 5]
+    #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Level", hide_short_help = true)]
+    pub(crate) filter_effort: Option<Effort>,
+    /// Draw the strips that a level model stores, instead of filtered strips: see `help levels`
+    #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), hide_possible_values = true, value_name = "MODEL", help_heading = "Level", hide_short_help = true)]
+    pub(crate) model: Option<ModelKind>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+}
+
+/// Write what one camera sees, with reduced detail where it cannot see it
+///
+/// Detail is reduced far from the camera, outside the frustum and on back faces, with the strips of the full mesh (Skip Strips). The result is
+/// proven. Without -o, only report. `tristrip help levels` explains the details.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  tristrip camera-level dragon.ply --eye 0,0,3 --look-at 0,0,0 --pixels 1.5 -o seen.glb
+  tristrip camera-level dragon.ply --eye 0,0,3 --look-at 0,0,0 --triangles 200k
+  tristrip camera-level terrain.ply --eye 0,9,0 --look-at 9,0,9 --foveation 0.2 --attention 0.5,0.7")]
+pub(crate) struct CameraLevelArgs {
+    #[command(flatten)]
+    pub(crate) general: GeneralArgs,
+    /// The position of the camera, in the coordinates of the scene
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+    pub(crate) eye: Vector,
     /// The point that the camera looks at
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        help_heading = "Camera",
-        allow_hyphen_values = true,
-        requires = "camera"
-    )]
-    pub(crate) look_at: Option<Vector>,
-    /// The direction that is up in the image
-    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, requires = "camera", default_value_t = Vector([0.0, 1.0, 0.0]))]
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+    pub(crate) look_at: Vector,
+    /// The direction that is up in the image [default: 0,1,0]
+    #[arg(long, hide_short_help = true, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, default_value_t = Vector([0.0, 1.0, 0.0]), hide_default_value = true)]
     pub(crate) up: Vector,
     #[command(flatten)]
     pub(crate) lens: LensArgs,
-    #[command(flatten)]
-    pub(crate) criteria: CriteriaArgs,
-    /// How the strips of --model progressive and naive are filtered before they are drawn [default: repair]
-    #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels")]
-    pub(crate) filter: Option<DisplayFilter>,
-    /// The search effort of --filter repair, from 0 to 9 [default: 5]
-    #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Levels")]
-    pub(crate) filter_effort: Option<Effort>,
-    /// Write levels that keep these ratios of all triangles, such as 100%,50%,25%,10%
-    ///
-    /// Up to 16 levels, the finest first. All are points of one simplification, in which the parts share the triangles as in
-    /// `simplify --ratio`, and the vertices are in the order of their removal, so that each level uses the first vertices of the one
-    /// before it. A GLB or .gltf holds all levels: the nodes of a mesh name those of its lower levels with `MSFT_lod`, and
-    /// `MSFT_screencoverage` says when each is drawn. Into a directory, each level is written as a file of its own: `NAME_0` is the
-    /// finest. With --layout list, the triangles of each level are in the order of --method cache unless another method is named.
+    /// The maximum error of a collapse in the image, in pixels [default: 1]
     #[arg(
         long,
-        value_name = "RATIOS",
-        help_heading = "Chain",
-        conflicts_with_all = ["model", "base", "level", "triangles", "pixels", "distance", "field_of_view", "rows", "camera", "look_at", "up", "image", "CriteriaArgs", "filter", "filter_effort"],
+        value_name = "PIXELS",
+        help_heading = "Detail",
+        allow_negative_numbers = true,
+        hide_default_value = true,
+        default_value_t = 1.0
     )]
-    pub(crate) chain: Option<ChainRatios>,
-    #[command(flatten, next_help_heading = "Collapses; all but --error and --price need --chain")]
+    pub(crate) pixels: f32,
+    /// The maximum number of triangles, such as 50000, 200k or 2M
+    #[arg(long, value_name = "COUNT", help_heading = "Detail", allow_negative_numbers = true)]
+    pub(crate) triangles: Option<Amount>,
+    #[command(flatten)]
+    pub(crate) criteria: CriteriaArgs,
+    /// The ratio of all triangles in the base mesh [default: 0]
+    #[arg(
+        long,
+        value_name = "RATIO",
+        help_heading = "Detail",
+        allow_negative_numbers = true,
+        hide_short_help = true
+    )]
+    pub(crate) base: Option<Ratio>,
+    /// What a collapse costs: distance, planes or quadric [default: distance]
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_default_value = true, hide_possible_values = true, help_heading = "Detail", hide_short_help = true)]
+    pub(crate) price: Price,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+}
+
+/// Write several levels of detail for a viewer to switch between
+///
+/// All levels come from one simplification and share the vertices of the input. A GLB or .gltf holds all of them (MSFT_lod); in a directory, each
+/// level is a file of its own. Normals are kept: `simplify --normals` rebuilds them for a single level. Without -o, only report. `tristrip help
+/// levels` and `tristrip help simplification` explain the details.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  tristrip chain truck.gltf -o truck.lod.glb
+  tristrip chain duck.glb --ratios 100%,30%,5% -o levels/   one file per level: levels/duck_0.glb is the finest
+  tristrip chain duck.glb -o levels/ --layout list")]
+pub(crate) struct ChainArgs {
+    #[command(flatten)]
+    pub(crate) general: GeneralArgs,
+    /// The ratios of all triangles that the levels keep, the finest first, up to 16
+    #[arg(long, value_name = "RATIOS", default_value_t = ChainRatios::default())]
+    pub(crate) ratios: ChainRatios,
+    #[command(flatten)]
     pub(crate) collapse: CollapseArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
@@ -237,33 +232,30 @@ pub(crate) struct LodArgs {
     pub(crate) method: MethodArgs,
 }
 
-/// Build a model of which each view has its own detail, and write it as .tlod
+/// Build a view-dependent LOD model and write it as .tlod
 ///
-/// Strips are built for the full mesh, and half-edge collapses level by level, so that few of them need each other: from frame to frame a view does
-/// those whose error it cannot see, and never computes strips again (Skip Strips). The file holds the mesh with all attributes, the strips, and the
-/// collapses. The strips are proven to draw exactly the faces of the mesh, and the file, read back, to hold the same model. Polygons become
-/// triangles. The parts of a file become one mesh, without the transformations of their nodes; attributes that not all parts have are dropped, and
-/// a note names them.
+/// Strips are built for the full mesh, and half-edge collapses are organized in levels. For each frame, a program applies the collapses whose error
+/// its camera cannot see, without building strips again (Skip Strips). The file holds the mesh with all attributes, the strips and the collapses.
+/// The strips are proven to draw exactly the faces of the mesh, and the file is read back and compared. Polygons become triangles. The parts of a
+/// file become one mesh, without the transformations of their nodes; attributes that not all parts have are dropped with a note.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip build-lod bunny.ply -o bunny.tlod
   tristrip build-lod dragon.ply -o dragon.tlod --order shortest-edge --json
-  tristrip build-lod bunny.ply -o bunny.tlod --method best --effort 5")]
+  tristrip build-lod bunny.ply -o bunny.tlod --method best:effort=5")]
 pub(crate) struct BuildLodArgs {
     /// A mesh file, or - for standard input
     #[arg(value_name = "INPUT")]
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) from: FromArgs,
-    /// The order in which the collapses of a level are chosen
+    /// The order in which collapses are chosen
     ///
-    /// By quadric, the cheaper half of the possible collapses makes a level, so that the vertices of features go last. By the shortest edge, each level
-    /// has as many collapses as fit beside each other.
-    #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Levels")]
+    /// By quadric, the cheaper half of the possible collapses makes a level, so the vertices of features go last. By shortest edge, each level has
+    /// as many independent collapses as possible.
+    #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Level")]
     pub(crate) order: MergeOrder,
-    /// The file to write, with the extension .tlod
-    ///
-    /// It is written under a temporary name and then renamed; one that exists is replaced.
+    /// The .tlod file to write
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
     pub(crate) output: PathBuf,
     #[command(flatten)]

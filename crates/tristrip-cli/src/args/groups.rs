@@ -23,10 +23,8 @@ pub(crate) struct GeneralArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct FromArgs {
-    /// The format of standard input, or of files with a misleading extension
-    ///
-    /// By default the file name extension decides, or the content if the extension is unknown.
-    #[arg(long, value_name = "FORMAT", value_parser = format_parser(&Format::ALL))]
+    /// The format of the input, if neither extension nor content tells it
+    #[arg(long, value_name = "FORMAT", value_parser = format_parser(&Format::ALL), hide_short_help = true)]
     pub(crate) from: Option<Format>,
 }
 
@@ -35,17 +33,13 @@ pub(crate) struct FromArgs {
 #[command(next_help_heading = "General")]
 pub(crate) struct SharedArgs {
     /// Print the results as JSON on standard output
-    ///
-    /// One object for one input, an array for several. FORMAT.md describes the keys.
     #[arg(long, global = true)]
     pub(crate) json: bool,
     /// Print only errors and requested results: JSON, a table, a report without -o
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, hide_short_help = true)]
     pub(crate) quiet: bool,
-    /// The number of threads [default: one per core]
-    ///
-    /// The result does not depend on it.
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    /// The number of threads, which the result does not depend on [default: one per core]
+    #[arg(long, global = true, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 }
 
@@ -54,11 +48,8 @@ pub(crate) struct SharedArgs {
 pub(crate) struct OutputArgs {
     #[command(flatten)]
     pub(crate) target: TargetArgs,
-    /// The layout of strips in the index buffer [default: degenerate for GLB, restart for PLY, list for OBJ]
-    ///
-    /// By default, `strip` writes a part as a triangle list where that takes fewer indices than strips. A GLB in layout restart needs the
-    /// draft extension for primitive restart: viewers that ignore it, such as three.js, draw it wrong.
-    #[arg(long, value_parser = named(Layout::ALL, Layout::name, layout_help), value_name = "LAYOUT", requires = "output")]
+    /// The layout: degenerate, restart, separate or list [default: by the format]
+    #[arg(long, value_parser = named(Layout::ALL, Layout::name, layout_help), value_name = "LAYOUT", requires = "output", hide_possible_values = true)]
     pub(crate) layout: Option<Layout>,
 }
 
@@ -67,56 +58,43 @@ pub(crate) struct OutputArgs {
 pub(crate) struct TargetArgs {
     /// The file to write, a directory for several inputs, or - for standard output
     ///
-    /// The extension selects the format: .glb, .gltf, .ply or .obj. A .gltf has its buffer beside it, in a file of the same name with the
-    /// extension .bin. A file is written under a temporary name and then renamed; one that exists is replaced. In a directory, each output has the name of its input, with the extension of --to.
+    /// The extension selects the format: .glb, .gltf, .ply or .obj. `tristrip help files` describes formats and layouts.
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: Option<PathBuf>,
     /// The format to write [default: by the extension; glb in a directory]
-    #[arg(long, value_name = "FORMAT", requires = "output", value_parser = format_parser(&WRITTEN_FORMATS))]
+    #[arg(long, hide_short_help = true, value_name = "FORMAT", requires = "output", value_parser = format_parser(&WRITTEN_FORMATS))]
     pub(crate) to: Option<Format>,
     /// Skip verification
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) no_verify: bool,
 }
 
 /// What collapses may do, and what they cost.
 #[derive(Debug, Args)]
 pub(crate) struct CollapseArgs {
-    /// The maximum surface error: 0.01 in mesh units, or 0.1% of the diagonal of the model's bounding box; 100% for any [default: 1%]
+    /// The maximum error in mesh units, or in % of the bounding-box diagonal [default: 1%]
     ///
-    /// The error of a collapse is the largest distance from the triangles that it leaves to the vertices that they replace, those of earlier
-    /// collapses included, or from the old triangles to the middles of its new edges. Near the limit the new triangles are also compared with the
-    /// full mesh. A number of triangles or a level that needs a larger error is not reached, and a warning says so. `lod` without --chain has no
-    /// such limit: there --error draws the coarsest level within it.
+    /// 0.01 is in mesh units, 0.1% relative to the diagonal; 100% accepts any error. Simplification stops with a warning rather than exceed it.
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
-    /// How much attributes count relative to the shape: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
+    /// The weights of attributes: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
     ///
-    /// Normals that turn by a radian count like a surface that moves by 4% of the longest side, tangents like 3%, and colours that change from
-    /// none to full like 10%; texture coordinates count by one and a half times the distance that the texture moves over the surface, and
-    /// joints by the distance that a vertex moves elsewhere if a joint turns by a tenth of a radian. 0 ignores them.
-    #[arg(long, value_name = "WEIGHTS")]
+    /// Attributes are part of the price of a collapse. 0 ignores an attribute.
+    #[arg(long, value_name = "WEIGHTS", hide_short_help = true)]
     pub(crate) weight: Option<AttributeWeights>,
-    /// What a collapse costs
-    ///
-    /// By planes alone it takes about a third of the time. Errors are then root mean squares of distances to planes: the largest distance between the
-    /// surfaces may be greater than --error, and the mean distance is about a third greater at as many triangles. By quadric the cheapest pair of all is
-    /// collapsed next, as Garland and Heckbert published it: the cost is a sum of squared distances to planes, those along borders 1000 times, its root is the error, attributes
-    /// do not count, and one thread does all.
-    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default())]
+    /// What a collapse costs: distance, planes or quadric
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_possible_values = true, hide_short_help = true)]
     pub(crate) price: Price,
-    /// Let holes close, handles vanish and textures shift at their seams: for clutter that is to become very small
-    #[arg(long)]
+    /// Allow holes to close, handles to vanish and textures to shift at seams, for very small results
+    #[arg(long, hide_short_help = true)]
     pub(crate) permissive: bool,
     /// Keep all vertices at open borders, so that the tiles of a terrain still fit together
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) lock_borders: bool,
-    /// How far the two sides of an open border may be apart to collapse together: in mesh units, or of the diagonal [default: 0.0001%]
+    /// Join the two sides of an open border up to this distance or % of the diagonal [default: 0.0001%]
     ///
-    /// Scanners and CAD write the positions of such a border with small differences; a crack opens where each side is simplified by itself. It
-    /// should be less than the edges are long: a border is joined to itself otherwise. Positions stay what they are. 0 joins equal positions
-    /// only. Parts that different nodes place are not joined.
-    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true)]
+    /// Both sides then collapse together, and no crack opens between them. Positions are not changed. 0 joins equal positions only.
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, hide_short_help = true)]
     pub(crate) weld_distance: Option<Deviation>,
 }
 
@@ -131,16 +109,5 @@ impl CollapseArgs {
             lock_borders: self.lock_borders,
             weld_distance: self.weld_distance.unwrap_or(usual.weld_distance),
         }
-    }
-
-    /// Returns the first of the flags that is given and belongs to chains of levels, not to strips for all levels.
-    pub(crate) fn first_of_chains(&self) -> Option<&'static str> {
-        let given = [
-            (self.weight.is_some(), "--weight"),
-            (self.permissive, "--permissive"),
-            (self.lock_borders, "--lock-borders"),
-            (self.weld_distance.is_some(), "--weld-distance"),
-        ];
-        given.iter().find(|(is_given, _)| *is_given).map(|(_, name)| *name)
     }
 }

@@ -11,14 +11,14 @@ use crate::values::{BitRate, ByteCount};
 
 /// Serve the models of a directory over HTTP, with a gallery and a viewer
 ///
-/// A browser shows the models of the directory and of those in it; a click on one opens a viewer, which refines a progressive model while it loads. Files are under /files/, packed files
-/// under /packed/, the list is /models.json; FORMAT.md describes it. Only programs of this machine can connect unless --address says otherwise. Nothing outside the directory is served, whatever
-/// links are in it, and no file whose name begins with a dot. Ctrl-C stops the server once running responses have ended.
+/// The gallery shows all models of the directory and its subdirectories; the viewer refines a progressive model while it loads. Only programs on
+/// this machine can connect unless --address is set. Files outside the directory and hidden files are never served. Ctrl-C stops the server
+/// after running responses. `tristrip help server` explains addresses, packing, the cache and limits.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip serve models/                            http://127.0.0.1:8080/
-  tristrip serve models/ --pack-on-demand           OBJ, PLY, STL, OFF and glTF, too
-  tristrip serve models/ --bandwidth 5M             as over a slow network
+  tristrip serve models/ --pack-on-demand           also OBJ, PLY, STL, OFF and glTF
+  tristrip serve models/ --bandwidth 5M             simulate a slow network
   tristrip serve models/ --address 0.0.0.0 --tls-certificate cert.pem --tls-key key.pem
   curl -H 'Range: bytes=0-9999' http://127.0.0.1:8080/files/bunny.glb | tristrip unpack - -o first.ply")]
 pub(crate) struct ServeArgs {
@@ -31,31 +31,34 @@ pub(crate) struct ServeArgs {
     pub(crate) packing: PackingArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
-    /// How the log of requests is written to standard error
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    /// The format of the request log on standard error: text or json
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        value_enum,
+        default_value_t,
+        hide_possible_values = true,
+        hide_short_help = true
+    )]
     pub(crate) log: LogFormat,
 }
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Address")]
 pub(crate) struct ListenArgs {
-    /// The address to listen at: 0.0.0.0 or :: for all networks
+    /// The address to listen on; 0.0.0.0 or :: for all networks
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
     pub(crate) address: IpAddr,
-    /// The port; 0 for any that is free
+    /// The port; 0 for any free port
     #[arg(long, value_name = "PORT", default_value_t = 8080)]
     pub(crate) port: u16,
-    /// Also answer to this name: for a server that listens to this machine alone, behind a proxy
-    ///
-    /// Such a server otherwise answers only to localhost and addresses of this machine, so that pages of other sites cannot read its files. May be given several times.
+    /// Also answer to this host name, behind a proxy; repeatable
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<String>,
-    /// Let pages of this origin read the files, or of all origins: *
-    ///
-    /// An origin is a scheme and a name: `https://example.org`. May be given several times.
+    /// Allow pages of this origin, or *, to read the files; repeatable
     #[arg(long, value_name = "ORIGIN")]
     pub(crate) cors: Vec<String>,
-    /// The certificate for HTTPS, in PEM, with those that it depends on
+    /// The certificate chain for HTTPS, in PEM
     #[cfg(feature = "tls")]
     #[arg(long, value_name = "FILE", requires = "tls_key")]
     pub(crate) tls_certificate: Option<PathBuf>,
@@ -68,74 +71,69 @@ pub(crate) struct ListenArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Packing")]
 pub(crate) struct PackingArgs {
-    /// Pack OBJ, PLY, STL, OFF, glTF and GLB when they are asked for, as `pack` does
-    ///
-    /// A file is packed once however many clients ask for it, and again when it has changed.
+    /// Pack OBJ, PLY, STL, OFF, glTF and GLB files on request, as `pack` does
     #[arg(long)]
     pub(crate) pack_on_demand: bool,
-    /// The packings that are made at once [default: one per core]
-    ///
-    /// Up to 64 others wait; more are refused for the moment. Thumbnails do not wait for packings.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    /// The maximum number of files packed at once [default: one per core]
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) packings: Option<u16>,
-    /// The bytes of the largest file that is packed or drawn, such as 512M or 2G
-    #[arg(long, value_name = "BYTES", default_value = "512M")]
+    /// The maximum size of a file to pack or draw, such as 512M or 2G
+    #[arg(long, hide_short_help = true, value_name = "BYTES", default_value = "512M")]
     pub(crate) largest_input: ByteCount,
-    /// The directory for packed files and thumbnails [default: tristrip in the user's directory of caches]
+    /// The directory of packed files [default: tristrip in the user's cache directory]
     #[arg(long, value_name = "DIRECTORY")]
     pub(crate) cache: Option<PathBuf>,
-    /// The bytes that this directory may take; the least recently used files are removed
-    #[arg(long, value_name = "BYTES", default_value = "2G")]
+    /// The maximum size of this directory; the least recently used files are removed
+    #[arg(long, hide_short_help = true, value_name = "BYTES", default_value = "2G")]
     pub(crate) cache_bytes: ByteCount,
 }
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Limits")]
 pub(crate) struct LimitArgs {
-    /// The bits per second of each response, such as 500k or 5M, to see a model load over a slow network
+    /// Limit responses to these bits per second, such as 5M, to simulate a slow network
     #[arg(long, value_name = "RATE")]
     pub(crate) bandwidth: Option<BitRate>,
-    /// The connections at once
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// The maximum number of connections
+    #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) connections: u32,
-    /// The connections at once from one address
-    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// The maximum number of connections from one address
+    #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) connections_per_client: u32,
-    /// The bytes of the head of a request
-    #[arg(long, value_name = "BYTES", default_value = "16K")]
+    /// The maximum size of a request head
+    #[arg(long, hide_short_help = true, value_name = "BYTES", default_value = "16K")]
     pub(crate) header_bytes: ByteCount,
-    /// How long the head of a request may take
-    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
+    /// The maximum time to receive a request head
+    #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
     pub(crate) header_time: Duration,
-    /// How long a client may read nothing of what is sent
-    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = humantime::parse_duration)]
+    /// Close a connection when the client reads nothing for this long
+    #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "30s", value_parser = humantime::parse_duration)]
     pub(crate) stall_time: Duration,
-    /// How long a connection may be without a request; over HTTP/1.1 at most --header-time
-    #[arg(long, value_name = "TIME", default_value = "1m", value_parser = humantime::parse_duration)]
+    /// Close a connection without requests after this time; over HTTP/1.1 at most --header-time
+    #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "1m", value_parser = humantime::parse_duration)]
     pub(crate) idle_time: Duration,
-    /// How long a request waits for a packing or a thumbnail
-    ///
-    /// It then gets status 503 with Retry-After. The work goes on, and its result is there for the next request.
-    #[arg(long, value_name = "TIME", default_value = "15s", value_parser = humantime::parse_duration)]
+    /// The maximum time that a request waits for a packed file or thumbnail; it then gets 503
+    #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "15s", value_parser = humantime::parse_duration)]
     pub(crate) wait_time: Duration,
-    /// How long running responses may take once the server stops
-    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
+    /// The maximum time of running responses when the server stops
+    #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
     pub(crate) grace_time: Duration,
 }
 
-/// How the log is written.
+/// The format of the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub(crate) enum LogFormat {
-    /// A line of text per request
+    /// One line of text per request
     #[default]
     Text,
-    /// An object of JSON per request
+    /// One JSON object per request
     Json,
 }
 
 /// View models in the browser
 ///
-/// Models are packed in memory, served to this machine alone, and shown in the browser until Ctrl-C. A progressive GLB is served as it is.
+/// Pack the models in memory, serve them to this machine only, and open the browser. A progressive GLB is served unchanged. Ctrl-C stops the
+/// server.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip view bunny.ply
@@ -150,10 +148,10 @@ pub(crate) struct ViewArgs {
     /// Do not open the browser
     #[arg(long)]
     pub(crate) no_open: bool,
-    /// The port [default: any that is free]
+    /// The port [default: any free port]
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
     pub(crate) port: u16,
-    /// The bits per second of each response, such as 500k or 5M, to see a model load over a slow network
+    /// Limit responses to these bits per second, such as 5M, to simulate a slow network
     #[arg(long, value_name = "RATE")]
     pub(crate) bandwidth: Option<BitRate>,
 }

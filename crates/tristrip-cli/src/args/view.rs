@@ -9,11 +9,11 @@ use crate::values::{ImagePoint, ImageSize, Vector};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct LensArgs {
-    /// The vertical angle of the image in degrees
-    #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW, allow_negative_numbers = true)]
+    /// The vertical field of view in degrees [default: 45]
+    #[arg(long, visible_alias = "fov", value_name = "DEGREES", hide_default_value = true, default_value_t = View::FIELD_OF_VIEW, allow_negative_numbers = true)]
     pub(crate) field_of_view: f32,
-    /// The columns and rows of the image in pixels
-    #[arg(long, value_name = "SIZE", default_value_t = ImageSize([1920, 1080]))]
+    /// The width and height of the image in pixels [default: 1920x1080]
+    #[arg(long, value_name = "SIZE", hide_default_value = true, default_value_t = ImageSize([1920, 1080]))]
     pub(crate) image: ImageSize,
 }
 
@@ -21,25 +21,22 @@ pub(crate) struct LensArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Detail")]
 pub(crate) struct CriteriaArgs {
-    /// Keep the detail outside of the image
-    #[arg(long)]
+    /// Keep the detail outside the frustum
+    #[arg(long, hide_short_help = true)]
     pub(crate) no_frustum: bool,
-    /// Keep the detail of faces that look away, which may have four times the error otherwise
-    #[arg(long)]
+    /// Keep the detail of back faces, otherwise up to four times the error
+    #[arg(long, hide_short_help = true)]
     pub(crate) no_back_faces: bool,
-    /// Give silhouettes no more detail than other faces; they may have half of the error otherwise
-    #[arg(long)]
+    /// Give silhouettes no extra detail, otherwise half the error
+    #[arg(long, hide_short_help = true)]
     pub(crate) no_silhouettes: bool,
-    /// The direction to a light: faces that look away from it may have twice the error
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    /// The direction to a light: unlit faces may have twice the error
+    #[arg(long, hide_short_help = true, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) light: Option<Vector>,
-    /// How much the allowed error grows per degree away from where somebody looks, such as 0.2
-    ///
-    /// At D degrees from --attention, as seen from the camera, it is 1 + GROWTH x D times as large. An eye that just resolves the pixels has a
-    /// growth of about 1 per degree; without the flag and at 0, the error is the same everywhere.
-    #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
+    /// The growth of the allowed error per degree from --attention, such as 0.2
+    #[arg(long, hide_short_help = true, value_name = "GROWTH", allow_negative_numbers = true)]
     pub(crate) foveation: Option<f32>,
-    /// The point of the image at which somebody looks, in fractions of its width from the left and its height from the top
-    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, requires = "foveation", default_value_t = ImagePoint([0.5, 0.5]))]
+    /// The point of interest in fractions of the image [default: 0.5,0.5]
+    #[arg(long, hide_short_help = true, value_name = "X,Y", allow_hyphen_values = true, requires = "foveation", hide_default_value = true, default_value_t = ImagePoint([0.5, 0.5]))]
     pub(crate) attention: ImagePoint,
 }

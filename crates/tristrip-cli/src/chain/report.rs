@@ -1,4 +1,4 @@
-//! The report of `tristrip lod --chain`: the keys are those of the JSON output.
+//! The report of `tristrip chain`: the keys are those of the JSON output.
 
 use serde::Serialize;
 use tristrip_pipeline::text::count;

@@ -1,4 +1,4 @@
-//! Tasks of levels of detail: `lod`, `lod --chain` and `build-lod`.
+//! Tasks of levels of detail: `chain`, `level`, `camera-level` and `build-lod`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -7,16 +7,16 @@ use tristrip::lod::{Camera, ModelKind, RepairOptions, View, ViewCriteria};
 use tristrip::simplify::{MergeOrder, Price};
 use tristrip::{Effort, Layout, StripifyOptions};
 use tristrip_io::Format;
-use tristrip_pipeline::{ChainOptions, ChainRatios, DisplayFilter, Level, LevelGoal, Ratio};
+use tristrip_pipeline::{ChainOptions, DisplayFilter, Level, LevelGoal, Ratio};
 
 use super::checks::of_flag;
 use super::views::{checked_pixels, view_criteria};
-use crate::args::{BuildLodArgs, LodArgs};
+use crate::args::{BuildLodArgs, CameraLevelArgs, ChainArgs, LevelArgs};
 use crate::job::{Input, Job, inputs, jobs_of, jobs_of_levels};
 use crate::values::{Amount as Count, Vector};
 
 #[derive(Debug)]
-pub(crate) struct LodTask {
+pub(crate) struct LevelTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: StripifyOptions,
     pub(crate) budget: Option<Duration>,
@@ -54,86 +54,90 @@ pub(crate) struct BuildLodTask {
     pub(crate) order: MergeOrder,
 }
 
-impl LodTask {
+impl LevelTask {
     /// Returns the options of [`DisplayFilter::Repair`].
     pub(crate) fn repair(&self) -> RepairOptions {
         RepairOptions::default().with_effort(self.filter_effort)
     }
 }
 
-pub(super) fn lod_task(mut args: LodArgs) -> Result<LodTask, String> {
-    if args.model == ModelKind::ProgressiveMesh {
+pub(super) fn level_task(mut args: LevelArgs) -> Result<LevelTask, String> {
+    let model = args.model.unwrap_or(ModelKind::Progressive);
+    if model == ModelKind::ProgressiveMesh {
         // It has no strips: in any other layout, each triangle would be one.
         args.output.layout = args.output.layout.or(Some(Layout::List));
-    }
-    if let Some(flag) = args.collapse.first_of_chains() {
-        return Err(format!("{flag} needs --chain: other levels go down to the base mesh, without limits"));
-    }
-    if args.pixels.is_some() && args.triangles.is_some() && args.camera.is_none() {
-        return Err("--triangles cannot be used with --pixels without --camera".into());
     }
     let view = view(&args)?;
     let goal = level_goal(&args, view);
     // Goals may need any level; a level is a number within a range that is not too coarse to look at.
-    let camera = camera(&args)?;
     let base = match goal {
-        LevelGoal::Level(_) if camera.is_none() => Ratio::new(0.05),
+        LevelGoal::Level(_) => Ratio::new(0.05),
         _ => Some(Ratio::ZERO),
     };
-    let filter = display_filter(args.model, args.filter)?;
-    let filter_effort = filter_effort(&args, filter)?;
+    let filter = display_filter(model, args.filter)?;
+    let filter_effort = filter_effort(args.filter_effort, filter)?;
     let jobs = jobs_of(args.general, &args.output)?;
-    Ok(LodTask {
+    Ok(LevelTask {
         jobs,
         options: args.method.validate()?,
         budget: args.method.budget(),
-        model: args.model,
+        model,
         base: args.base.or(base).unwrap_or(Ratio::ZERO),
-        price: args.collapse.price,
+        price: args.price,
         goal,
         view,
-        camera,
+        camera: None,
         filter,
         filter_effort,
         verify: !args.output.target.no_verify,
     })
 }
 
-/// Returns the view of --pixels.
-fn view(args: &LodArgs) -> Result<Option<View>, String> {
-    let (Some(distance), Some(pixels)) = (args.distance, args.pixels) else { return Ok(None) };
-    checked_pixels(pixels)?;
-    let view = View::of_camera(distance, args.lens.field_of_view, args.rows);
-    view.map(Some).map_err(|error| of_flag(&error))
-}
-
-/// Returns the camera of a view, and what detail it needs.
-fn camera(args: &LodArgs) -> Result<Option<(Camera, ViewCriteria)>, String> {
-    let (Some(Vector(eye)), Some(Vector(look_at))) = (args.camera, args.look_at) else { return Ok(None) };
-    if args.model != ModelKind::Skip {
-        return Err(format!("--camera belongs to --model skip, not to {}", args.model));
-    }
+pub(super) fn camera_level_task(args: CameraLevelArgs) -> Result<LevelTask, String> {
+    let (Vector(eye), Vector(look_at)) = (args.eye, args.look_at);
     let [columns, rows] = args.lens.image.0;
     let camera = Camera::new(eye, look_at)
         .and_then(|camera| camera.with_up(args.up.0))
         .and_then(|camera| camera.with_field_of_view(args.lens.field_of_view))
         .and_then(|camera| camera.with_image(columns, rows))
         .map_err(|error| of_flag(&error))?;
-    let criteria = view_criteria(args.pixels.unwrap_or(1.0), args.triangles, &args.criteria)?;
-    Ok(Some((camera, criteria)))
+    let criteria = view_criteria(args.pixels, args.triangles, &args.criteria)?;
+    Ok(LevelTask {
+        jobs: jobs_of(args.general, &args.output)?,
+        options: args.method.validate()?,
+        budget: args.method.budget(),
+        model: ModelKind::Skip,
+        base: args.base.unwrap_or(Ratio::ZERO),
+        price: args.price,
+        goal: LevelGoal::Level(Level::Percent(100.0)),
+        view: None,
+        camera: Some((camera, criteria)),
+        filter: DisplayFilter::None,
+        filter_effort: Effort::default(),
+        verify: !args.output.target.no_verify,
+    })
+}
+
+/// Returns the view of --pixels.
+fn view(args: &LevelArgs) -> Result<Option<View>, String> {
+    let (Some(distance), Some(pixels)) = (args.distance, args.pixels) else { return Ok(None) };
+    checked_pixels(pixels)?;
+    let view = View::of_camera(distance, args.field_of_view, args.rows);
+    view.map(Some).map_err(|error| of_flag(&error))
 }
 
 /// Returns what selects the level.
-fn level_goal(args: &LodArgs, view: Option<View>) -> LevelGoal {
-    match (args.pixels.zip(view), args.triangles, args.collapse.error) {
+fn level_goal(args: &LevelArgs, view: Option<View>) -> LevelGoal {
+    match (args.pixels.zip(view), args.triangles, args.error) {
         (Some((pixels, view)), ..) => LevelGoal::Pixels(pixels, view),
-        (_, Some(Count(count)), _) if args.camera.is_none() => LevelGoal::Triangles(count),
+        (_, Some(Count(count)), _) => LevelGoal::Triangles(count),
         (.., Some(error)) => LevelGoal::Error(error),
         _ => LevelGoal::Level(args.level.unwrap_or(Level::Percent(10.0))),
     }
 }
 
-pub(super) fn chain_task(args: LodArgs, ratios: ChainRatios) -> Result<ChainTask, String> {
+pub(super) fn chain_task(args: ChainArgs) -> Result<ChainTask, String> {
+    let ratios = args.ratios;
     let jobs = jobs_of_levels(args.general, &args.output, ratios.as_slice().len())?;
     let draws_lists = args.output.layout == Some(Layout::List);
     let method = if draws_lists { args.method.for_lists() } else { args.method };
@@ -166,17 +170,18 @@ fn display_filter(model: ModelKind, filter: Option<DisplayFilter>) -> Result<Dis
     match (model, filter) {
         (ModelKind::Progressive | ModelKind::Naive, filter) => Ok(filter.unwrap_or_default()),
         (_, None | Some(DisplayFilter::None)) => Ok(DisplayFilter::None),
-        (model, Some(filter)) => Err(format!(
-            "--filter {filter} belongs to --model progressive and naive: {model} is drawn as it is stored"
-        )),
+        (model, Some(filter)) => {
+            Err(format!("--filter {filter} belongs to --model progressive and naive: {model} has none"))
+        }
     }
 }
 
 /// Returns the effort of [`DisplayFilter::Repair`].
-fn filter_effort(args: &LodArgs, filter: DisplayFilter) -> Result<Effort, String> {
-    let is_used = filter == DisplayFilter::Repair;
-    match args.filter_effort {
-        Some(_) if !is_used => Err(format!("--filter-effort belongs to --filter repair, not to {filter}")),
+fn filter_effort(effort: Option<Effort>, filter: DisplayFilter) -> Result<Effort, String> {
+    match effort {
+        Some(_) if filter != DisplayFilter::Repair => {
+            Err(format!("--filter-effort belongs to --filter repair, not to {filter}"))
+        }
         effort => Ok(effort.unwrap_or_default()),
     }
 }

@@ -43,7 +43,10 @@ pub(super) fn pack_task(args: PackArgs) -> Result<PackTask, String> {
     let target = TargetArgs { output: Some(args.output), to: Some(Format::Glb), no_verify: args.no_verify };
     let output = OutputArgs { target, layout: Some(Layout::List) };
     let jobs = jobs_of(args.general, &output)?;
-    let stream = StreamOptions::default().with_position_bits(args.position_bits.unwrap_or(14));
+    let mut stream = StreamOptions::default();
+    if let Some(bits) = args.position_bits {
+        stream = stream.with_position_bits(bits);
+    }
     stream.check().map_err(|error| error.to_string())?;
     let options = PackOptions::default().with_stream(stream).with_verify(!args.no_verify);
     let options = options.with_eye(args.eye.map(|Vector(eye)| eye));

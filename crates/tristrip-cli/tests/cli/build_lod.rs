@@ -69,41 +69,6 @@ fn the_file_holds_the_mesh_its_strips_and_its_collapses() {
 }
 
 #[test]
-fn a_flight_over_the_file_is_that_over_its_mesh() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("fish.tlod");
-    let source = model("fish_control.ply");
-    tristrip().args(["build-lod", "-m", "stripe"]).arg(&source).arg("-o").arg(&path).assert().success();
-    let page = dir.path().join("fish.md");
-    let fly = |input: &std::path::Path, method: &[&str]| {
-        let mut command = tristrip();
-        command.args(["fly", "--json", "--frames", "5"]).args(method).arg("--report").arg(&page).arg(input);
-        let report = json(&mut command);
-        (report, fs::read_to_string(&page).unwrap())
-    };
-    let (of_file, of_mesh) = (fly(&path, &[]), fly(&source, &["-m", "stripe"]));
-    let drawn = |report: &Value| {
-        let frames = report["frames"].as_array().unwrap().iter();
-        frames.map(|frame| (frame["triangles"].clone(), frame["vertices_sent"].clone())).collect::<Vec<_>>()
-    };
-    assert_eq!(drawn(&of_file.0), drawn(&of_mesh.0));
-    // The file does not say which method found its strips.
-    assert_eq!((of_file.0.get("method"), &of_mesh.0["method"]), (None, &"stripe-global".into()));
-    for flags in [["-m", "stripe"], ["--budget", "5s"]] {
-        let refused = tristrip().arg("fly").args(flags).arg(&path).assert().code(2);
-        refused.stderr(contains("fish.tlod: has strips of its own; leave out the flags of the method"));
-    }
-    // Under another name, and for other commands, it is no mesh.
-    let renamed = dir.path().join("fish.ply");
-    fs::copy(&path, &renamed).unwrap();
-    for input in [&renamed, &path] {
-        let refused = tristrip().arg("strip").arg(input).assert().code(1);
-        refused.stderr(contains("found a .tlod model of view-dependent detail, expected a mesh or a scene"));
-    }
-    assert!(of_file.1.contains("strips of the file") && of_mesh.1.contains("strips by method stripe-global"));
-}
-
-#[test]
 fn stages_go_to_standard_error_and_the_table_to_standard_output() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("square.tlod");
@@ -161,11 +126,25 @@ fn flags_that_do_not_fit_are_wrong_usage() {
         (&["a.ply", "-o", "a.glb"][..], "a.glb: build-lod writes .tlod; use this extension"),
         (&["a.ply", "-o", "-"], "-: build-lod writes .tlod; use this extension"),
         (&["a.ply", "-o", "a.tlod", "--weld"], "--weld does not fit build-lod"),
-        (&["a.ply", "-o", "a.tlod", "--cutoff", "5"], "--cutoff belongs to"),
+        (&["a.ply", "-o", "a.tlod", "-m", "best:cutoff=5"], "found `cutoff` in `best:cutoff=5`"),
         (&["a.ply", "-o", "a.tlod", "--order", "none"], "possible values: quadric, shortest-edge"),
         (&["a.ply"], "--output <OUTPUT>"),
         (&["a.ply", "b.ply", "-o", "a.tlod"], "unexpected argument 'b.ply'"),
     ] {
         tristrip().arg("build-lod").args(flags).assert().code(2).stdout(is_empty()).stderr(contains(message));
+    }
+}
+
+#[test]
+fn a_tlod_file_is_no_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("fish.tlod");
+    let source = model("fish_control.ply");
+    tristrip().args(["build-lod", "-m", "stripe"]).arg(&source).arg("-o").arg(&path).assert().success();
+    let renamed = dir.path().join("fish.ply");
+    fs::copy(&path, &renamed).unwrap();
+    for input in [&renamed, &path] {
+        let refused = tristrip().arg("strip").arg(input).assert().code(1);
+        refused.stderr(contains("found a .tlod model of view-dependent detail, expected a mesh or a scene"));
     }
 }

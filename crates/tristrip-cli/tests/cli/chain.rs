@@ -1,4 +1,4 @@
-//! `tristrip lod --chain`: one scene, a file per level, levels that are not reached, and flags that do not fit.
+//! `tristrip chain`: one scene, a file per level, levels that are not reached, and flags that do not fit.
 
 use std::fs;
 
@@ -18,7 +18,7 @@ fn one_glb_has_all_levels() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("truck.lod.glb");
     let source = model("milktruck.glb");
-    let report = json(tristrip().args(["lod", "--json", "--chain", FOUR]).arg(&source).arg("-o").arg(&path));
+    let report = json(tristrip().args(["chain", "--json"]).arg(&source).arg("-o").arg(&path));
     let found = keys(&report);
     let expected = [
         "target_error",
@@ -62,7 +62,7 @@ fn one_glb_has_all_levels() {
     assert!(text.contains("\"MSFT_lod\":{\"ids\":[") && text.contains("MSFT_screencoverage"));
     // A scene with levels has no place for others.
     let mut again = tristrip();
-    again.args(["lod", "--chain", FOUR]).arg(&path).arg("-o").arg(dir.path().join("again.glb"));
+    again.args(["chain", "--ratios", FOUR]).arg(&path).arg("-o").arg(dir.path().join("again.glb"));
     again.assert().code(1).stderr(contains("levels of detail already"));
 }
 
@@ -72,7 +72,8 @@ fn collapses_have_the_rules_of_simplify() {
     let mut sizes = Vec::new();
     let weld = ["--weld-distance", "1%"];
     for rules in [&[][..], &["--weight", "normal=0,uv=0"], &["--permissive"], &["--lock-borders"], &weld] {
-        let chain = json(tristrip().args(["lod", "--json", "--chain", "50%,20%"]).args(rules).arg(&source));
+        let chain =
+            json(tristrip().args(["chain", "--json", "--ratios", "50%,20%"]).args(rules).arg(&source));
         let simple = json(tristrip().args(["simplify", "--json", "--ratio", "20%"]).args(rules).arg(&source));
         let (coarsest, after) = (&chain["chain"][1], &simple["triangles_after"]);
         assert_eq!((&coarsest["triangles"], &coarsest["surface_error"]), (after, &simple["surface_error"]));
@@ -87,7 +88,7 @@ fn a_directory_gets_a_file_per_level() {
     let levels = dir.path().join("levels");
     for format in ["glb", "ply", "obj", "gltf"] {
         let mut command = tristrip();
-        command.args(["lod", "--json", "--chain", FOUR, "--to", format]).arg(model("hand.ply"));
+        command.args(["chain", "--json", "--ratios", FOUR, "--to", format]).arg(model("hand.ply"));
         let report = json(command.arg("-o").arg(format!("{}/", levels.display())));
         for (level, figures) in report["chain"].as_array().unwrap().iter().enumerate() {
             let file = levels.join(format!("hand_{level}.{format}"));
@@ -109,7 +110,7 @@ fn a_directory_gets_a_file_per_level() {
 #[test]
 fn a_level_that_is_not_reached_is_reported_and_is_no_failure() {
     let mut command = tristrip();
-    command.args(["lod", "--json", "--chain", FOUR, "--error", "0.05%"]).arg(model("hand.ply"));
+    command.args(["chain", "--json", "--ratios", FOUR, "--error", "0.05%"]).arg(model("hand.ply"));
     let report = json(&mut command);
     let reached: Vec<bool> =
         report["chain"].as_array().unwrap().iter().filter_map(|l| l["reached"].as_bool()).collect();
@@ -118,7 +119,7 @@ fn a_level_that_is_not_reached_is_reported_and_is_no_failure() {
     let warning = report["warning"].as_str().unwrap();
     assert!(warning.contains("not reached: ") && warning.contains("error limit of 0.05 %"), "{warning}");
     command = tristrip();
-    command.args(["lod", "--chain", FOUR, "--error", "0.05%"]).arg(model("hand.ply"));
+    command.args(["chain", "--ratios", FOUR, "--error", "0.05%"]).arg(model("hand.ply"));
     let text = command.assert().success().stderr(contains("warning: ")).get_output().stdout.clone();
     let text = String::from_utf8(text).unwrap();
     assert!(text.contains("level 3") && text.contains("not reached"), "{text}");
@@ -129,7 +130,10 @@ fn lists_are_ordered_for_vertex_caches_by_default() {
     let method = |arguments: &[&str]| {
         let dir = tempfile::tempdir().unwrap();
         let mut command = tristrip();
-        command.args(["lod", "--json", "--chain", "50%,10%"]).args(arguments).arg(model("fish_control.ply"));
+        command
+            .args(["chain", "--json", "--ratios", "50%,10%"])
+            .args(arguments)
+            .arg(model("fish_control.ply"));
         let report = json(command.arg("-o").arg(dir.path().join("fish.glb")));
         (report["method"].as_str().unwrap().to_owned(), report["layout"].as_str().unwrap().to_owned())
     };
@@ -144,19 +148,14 @@ fn lists_are_ordered_for_vertex_caches_by_default() {
 fn flags_that_do_not_fit_are_wrong_usage() {
     let usage = |arguments: &[&str], why: &str| {
         let mut command = tristrip();
-        command.arg("lod").arg(model("fish_control.ply")).args(arguments);
+        command.arg("chain").arg(model("fish_control.ply")).args(arguments);
         command.assert().code(2).stderr(contains(why.to_owned()));
     };
-    usage(&["--chain", "50%,100%"], "ratios that decrease");
-    usage(&["--chain", FOUR, "--level", "40%"], "cannot be used with");
-    usage(&["--chain", FOUR, "--base", "1%"], "cannot be used with");
-    let weld = ["--weld-distance", "0"];
-    for flags in [&["--weight", "uv=2"][..], &["--permissive"], &["--lock-borders"], &weld] {
-        usage(flags, "--chain");
-    }
-    usage(&["--chain", FOUR, "--weld-distance", "-1"], "expected a distance");
-    usage(&["--chain", FOUR, "-o", "fish.ply"], "PLY holds one level");
-    usage(&["--chain", FOUR, "-o", "fish.obj"], "OBJ holds one level");
+    usage(&["--ratios", "50%,100%"], "ratios that decrease");
+    usage(&["--level", "40%"], "unexpected argument '--level'");
+    usage(&["--weld-distance", "-1"], "expected a distance");
+    usage(&["-o", "fish.ply"], "PLY holds one level");
+    usage(&["-o", "fish.obj"], "OBJ holds one level");
 }
 
 #[test]
@@ -167,11 +166,13 @@ fn files_of_levels_replace_no_input() {
     let mut command = tristrip();
     command
         .current_dir(&dir)
-        .args(["lod", "--chain", "100%,50%", "--to", "obj", "-o", "."])
+        .args(["chain", "--ratios", "100%,50%", "--to", "obj", "-o", "."])
         .args(["a.obj", "a_1.obj"]);
     command.assert().code(2).stderr(contains("would replace the input"));
     command = tristrip();
-    command.current_dir(&dir).args(["lod", "-q", "--chain", "100%,50%", "--to", "obj", "-o", ".", "a_1.obj"]);
+    command
+        .current_dir(&dir)
+        .args(["chain", "-q", "--ratios", "100%,50%", "--to", "obj", "-o", ".", "a_1.obj"]);
     command.assert().success();
     assert!(dir.path().join("a_1_0.obj").exists() && dir.path().join("a_1_1.obj").exists());
 }

@@ -12,7 +12,10 @@ fn every_method_has_a_proven_row() {
     assert!(methods.iter().all(|row| row["proven"] == true && row["triangles"] == 220));
     assert_eq!(keys(&methods[0])[..5], ["method", "cost", "effort", "seed", "proven"]);
     let all = json(tristrip().args(["compare", "--json", "--all"]).arg(model("fish_control.ply")));
-    assert_eq!(all["methods"].as_array().unwrap().len(), 12 + 24 + 10, "best at two efforts");
+    assert_eq!(all["methods"].as_array().unwrap().len(), 11 + 24 + 10, "each method once");
+    let efforts =
+        json(tristrip().args(["compare", "--json", "--effort", "3"]).arg(model("fish_control.ply")));
+    assert_eq!(efforts["methods"].as_array().unwrap().len(), methods.len() + 1, "best at two efforts");
 }
 
 #[test]
@@ -38,7 +41,7 @@ fn each_model_has_a_table() {
         .success()
         .stdout(contains("fish_control.ply: 220 triangles\nmethod "))
         .stdout(contains("catmark_bishop.ply: 1,804 triangles\nmethod "))
-        .stdout(contains("stripe-global rows 5").and(contains("* best of its column")));
+        .stdout(contains("stripe-global:patches=full").and(contains("* best of its column")));
     tristrip()
         .args(["compare", "--markdown"])
         .arg(model("fish_control.ply"))

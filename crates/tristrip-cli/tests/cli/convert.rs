@@ -146,7 +146,7 @@ fn the_images_of_a_gltf_travel_into_the_glb() {
 fn a_gltf_is_written_with_its_buffer_beside_it() {
     let dir = tempfile::tempdir().unwrap();
     let (gltf, bin) = (dir.path().join("the truck.gltf"), dir.path().join("the truck.bin"));
-    for command in ["convert", "strip", "simplify", "lod"] {
+    for command in ["convert", "strip", "simplify", "level"] {
         fs::write(&bin, "old").unwrap();
         let mut run = tristrip();
         run.arg(command).arg(model("milktruck.glb")).arg("-o").arg(&gltf);

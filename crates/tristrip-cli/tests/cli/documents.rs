@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use super::{json, keys, model, tristrip};
+use super::{SUBCOMMANDS, json, keys, model, tristrip};
 
 fn document(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
@@ -16,36 +16,18 @@ fn document(name: &str) -> PathBuf {
 #[test]
 fn the_docs_contain_the_help() {
     let mut expected = String::from(
-        "# The command\n\nGenerated from the help of each subcommand; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli \
+        "# The command\n\nGenerated from the help of each subcommand and topic; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli \
          --all-features` regenerates it.\n",
     );
-    for subcommand in [
-        "",
-        "strip",
-        "compare",
-        "bound",
-        "analyze",
-        "verify",
-        "convert",
-        "simplify",
-        "lod",
-        "build-lod",
-        "pack",
-        "unpack",
-        "inspect",
-        "serve",
-        "view",
-        "completions",
-        "man",
-    ] {
-        let mut command = tristrip();
-        command.env_remove("COLUMNS").args(Some(subcommand).filter(|name| !name.is_empty())).arg("--help");
-        let help = command.assert().success().get_output().stdout.clone();
-        let help = String::from_utf8(help).unwrap();
+    let subcommands = SUBCOMMANDS.into_iter().map(|name| vec![name, "--help"]);
+    let topics = ["methods", "levels", "simplification", "files", "server"].map(|name| vec!["help", name]);
+    for arguments in [vec!["--help"]].into_iter().chain(subcommands).chain(topics) {
+        let assert = tristrip().env_remove("COLUMNS").args(&arguments).assert().success();
+        let help = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
         let lines: Vec<&str> = help.lines().map(str::trim_end).collect();
-        let title = format!("tristrip {subcommand}");
-        let (title, help) = (title.trim_end(), lines.join("\n"));
-        for text in ["\n## `", title, "`\n\n```text\n", &help, "\n```\n"] {
+        let words = ["tristrip"].into_iter().chain(arguments.into_iter().filter(|word| *word != "--help"));
+        let title = words.collect::<Vec<_>>().join(" ");
+        for text in ["\n## `", &title, "`\n\n```text\n", &lines.join("\n"), "\n```\n"] {
             expected.push_str(text);
         }
     }
@@ -68,8 +50,8 @@ const SAMPLES: [&str; 13] = [
     "verify fish_control.ply fish.glb --json",
     "convert fish_control.ply -o fish.obj --json",
     "simplify fish_control.ply --ratio 50% -o small.ply --json",
-    "lod fish_control.ply --level 50% -o level.glb --json",
-    "lod fish_control.ply --chain 100%,50%,10% -o levels.glb --json",
+    "level fish_control.ply --level 50% -o level.glb --json",
+    "chain fish_control.ply --ratios 100%,50%,10% -o levels.glb --json",
     "build-lod fish_control.ply -o fish.tlod --json",
     "pack fish_control.ply -o packed.glb --json",
     "unpack packed.glb --level 50% -o part.ply --json",
@@ -111,8 +93,7 @@ fn the_samples_of_reports_are_what_the_command_prints() {
     for line in SAMPLES {
         let mut report = json(tristrip().args(line.split_whitespace()).current_dir(&dir));
         sample_of(&mut report);
-        let mut name = line.split_whitespace().next().unwrap().to_owned();
-        name.push_str(if line.contains("--chain") { " --chain" } else { "" });
+        let name = line.split_whitespace().next().unwrap();
         let heading = format!("### `tristrip {name}`\n\n");
         let report = serde_json::to_string_pretty(&report).unwrap();
         let sample = format!("`tristrip {line}` prints\n\n```json\n{report}\n```\n\n");
@@ -151,9 +132,9 @@ fn every_json_key_is_described() {
         .arg(dir.path().join("a.ply"));
     let ordered = json(&mut command);
     let cached = json(tristrip().args(["strip", "--json", "-m", "cache"]).arg(&fish));
-    let lod = json(tristrip().args(["lod", "--json"]).arg(&fish));
+    let lod = json(tristrip().args(["level", "--json"]).arg(&fish));
     let levels = [&lod, &lod["seconds"]];
-    let chain = json(tristrip().args(["lod", "--json", "--chain", "100%,50%"]).arg(&fish));
+    let chain = json(tristrip().args(["chain", "--json", "--ratios", "100%,50%"]).arg(&fish));
     let chain = [&chain, &chain["seconds"], &chain["chain"][0]];
     let mut command = tristrip();
     let built =

@@ -4,13 +4,15 @@
 
 mod analyze;
 mod build_lod;
-mod camera;
+mod camera_level;
 mod chain;
 mod compare;
 mod convert;
+mod defaults;
 mod documents;
+mod help;
+mod level;
 mod library;
-mod lod;
 mod materials;
 mod picture;
 mod progressive;
@@ -27,6 +29,29 @@ use std::path::PathBuf;
 
 use assert_cmd::Command;
 use serde_json::Value;
+
+/// All subcommands, in the order of `docs/cli.md`.
+const SUBCOMMANDS: [&str; 19] = [
+    "strip",
+    "simplify",
+    "convert",
+    "chain",
+    "level",
+    "camera-level",
+    "build-lod",
+    "pack",
+    "unpack",
+    "serve",
+    "view",
+    "analyze",
+    "compare",
+    "bound",
+    "inspect",
+    "verify",
+    "help",
+    "completions",
+    "man",
+];
 
 /// Returns the command under test.
 fn tristrip() -> Command {

@@ -21,7 +21,8 @@ fn searches_report_the_gap_to_their_bound() {
         ("gl", "gl_cost"),
     ] {
         let mut command = tristrip();
-        command.args(["strip", "--json", "-m", "best", "--effort", "3", "--cost", cost]);
+        let method = format!("best:cost={cost}");
+        command.args(["strip", "--json", "-m", &method, "--effort", "3"]);
         let report = json(command.arg(model("fish_control.ply")));
         assert_eq!((&report["cost"], &report["effort"]), (&cost.into(), &3.into()));
         assert_eq!(

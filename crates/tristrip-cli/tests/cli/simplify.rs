@@ -187,7 +187,7 @@ fn parts_stay_connected_and_the_scene_unchanged() {
 #[test]
 fn locked_borders_are_named_where_they_hold_a_model() {
     let fan = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
-    for goal in [["simplify", "--triangles", "1"], ["lod", "--chain", "1%"]] {
+    for goal in [["simplify", "--triangles", "1"], ["chain", "--ratios", "1%"]] {
         let mut command = tristrip();
         command.args(goal).args(["--lock-borders", "-"]).write_stdin(fan);
         command.assert().success().stderr(contains("4 vertices lie at open borders, which are locked; "));
@@ -372,6 +372,6 @@ fn fit_moves_positions_and_reports_them() {
     command.assert().success().stderr(contains("positions closer to the original"));
     // Levels of detail share the vertices of the input.
     let mut command = tristrip();
-    let command = command.args(["lod", "--chain", "100%,50%", "--fit"]).arg(model("hand.ply")).arg("-o");
+    let command = command.args(["chain", "--ratios", "100%,50%", "--fit"]).arg(model("hand.ply")).arg("-o");
     command.arg(&out).assert().failure().code(2);
 }

@@ -29,7 +29,8 @@ const FIGURES: [&str; 15] = [
 fn cache_optimizes_for_its_vertex_cache_and_reports_its_misses() {
     let run = |objective: &str, cache: &str| {
         let mut command = tristrip();
-        command.args(["strip", "--json", "-m", "cache", "--objective", objective, "--vertex-cache", cache]);
+        let method = format!("cache:objective={objective},vertex-cache={cache}");
+        command.args(["strip", "--json", "-m", &method]);
         let report = json(command.arg(model("wingnut.ply")));
         assert_eq!(report["proven"], true);
         assert_eq!(
@@ -48,7 +49,7 @@ fn cache_optimizes_for_its_vertex_cache_and_reports_its_misses() {
     let report = json(tristrip().args(["strip", "--json"]).arg(model("wingnut.ply")));
     assert!(report.get("acmr").is_none() && report.get("vertex_cache").is_none());
     let mut command = tristrip();
-    command.args(["strip", "-m", "cache", "--vertex-cache", "lru:8"]).arg(model("wingnut.ply"));
+    command.args(["strip", "-m", "cache:vertex-cache=lru:8"]).arg(model("wingnut.ply"));
     command.assert().success().stdout(contains("misses, lru:8 (ACMR)"));
 }
 
@@ -113,8 +114,9 @@ fn figures_are_consistent() {
 #[test]
 fn the_report_contains_the_method_and_its_options() {
     let mut command = tristrip();
-    command.args(["strip", "--json", "--method", "stripe-local", "--triangulation", "partial"]);
-    let report = json(command.args(["--ties", "random", "--seed", "7"]).arg(model("fish_control.ply")));
+    let method = "stripe-local:triangulation=partial,ties=random,seed=7";
+    command.args(["strip", "--json", "--method", method]);
+    let report = json(command.arg(model("fish_control.ply")));
     assert_eq!(keys(&report)[1..6], ["method", "triangulation", "ties", "seed", "proven"]);
     assert_eq!(
         (&report["triangulation"], &report["ties"]),

@@ -18,8 +18,8 @@ fn negative_numbers_are_values_out_of_range() {
     refused(&["simplify", "a.ply", "--ratio", "-1"], "found `-1`, expected a ratio from 0 to 1");
     refused(&["simplify", "a.ply", "--triangles", "-3"], "invalid value '-3' for '--triangles <N>'");
     refused(&["simplify", "a.ply", "--error", "-0.5"], "found `-0.5`, expected a distance");
-    refused(&["lod", "a.ply", "--base", "-1"], "found `-1`, expected a ratio from 0 to 1");
-    refused(&["lod", "a.ply", "--level", "-1"], "invalid value '-1' for '--level <LEVEL>'");
+    refused(&["level", "a.ply", "--base", "-1"], "found `-1`, expected a ratio from 0 to 1");
+    refused(&["level", "a.ply", "--level", "-1"], "invalid value '-1' for '--level <LEVEL>'");
 }
 
 /// With the feature, `serve.rs` tests the server.
@@ -36,46 +36,38 @@ fn a_build_without_the_server_says_how_to_get_it() {
 }
 
 #[test]
-fn options_belong_to_their_methods() {
-    refused(
-        &["strip", "a.ply", "--ties", "random"],
-        "--ties belongs to --method stripe-local or stripe-global, not to best",
-    );
-    refused(&["strip", "a.ply", "-m", "sgi", "--triangulation", "static"], "--triangulation belongs to");
-    refused(&["strip", "a.ply", "-m", "stripe-local", "--patches", "rows"], "--patches belongs to");
-    refused(&["strip", "a.ply", "-m", "sequential", "--cutoff", "5"], "--cutoff belongs to");
-    refused(&["strip", "a.ply", "-m", "sgi", "--seed", "1"], "--seed belongs to --method best, fewest");
-    refused(&["strip", "a.ply", "-m", "stripe", "--last-tie", "first"], "--last-tie belongs to --method sgi");
+fn parameters_belong_to_their_methods() {
+    for (method, message) in [
+        ("magic", "found `magic`, expected best, sequential, fewest, cache"),
+        (
+            "best:ties=random",
+            "found `ties` in `best:ties=random`, expected one of the parameters cost, effort and seed",
+        ),
+        ("sgi:seed=1", "found `seed` in `sgi:seed=1`, expected the parameter last-tie"),
+        ("sequential:cutoff=5", "expected no parameters for sequential"),
+        (
+            "stripe:cutoff=0",
+            "parameter `cutoff`: found `0` in `stripe:cutoff=0`, expected an integer of at least 1",
+        ),
+        ("stripe:patches=all", "found `all` in `stripe:patches=all`, expected one of: rows full"),
+        ("best:effort=10", "found `10` in `best:effort=10`, expected an integer from 0 to 9"),
+        ("cache:vertex-cache=fifo:0", "`fifo:N` or `lru:N`, N from 1 to 65536"),
+        ("best:cost", "found `cost` in `best:cost`, expected PARAMETER=VALUE"),
+    ] {
+        refused(&["strip", "a.ply", "-m", method], message);
+        refused(&["strip", "a.ply", "-m", method], "`tristrip help methods` describes all methods");
+    }
     refused(
         &["strip", "a.ply", "-m", "eta", "--effort", "3"],
-        "--effort belongs to --method best, fewest or cache",
+        "--effort belongs to methods best, fewest and cache, not to eta",
+    );
+    refused(
+        &["strip", "a.ply", "-m", "best:effort=3", "--effort", "3"],
+        "--effort cannot be used with the parameter effort of --method",
     );
     refused(&["strip", "a.ply", "-m", "best", "--effort", "10"], "10 is not in 0..=9");
-    refused(&["strip", "a.ply", "-m", "fewest", "--cost", "gl"], "--cost belongs to --method best");
     refused(&["strip", "a.ply", "-m", "sgi", "--budget", "1s"], "--budget belongs to");
     refused(&["strip", "a.ply", "-m", "best", "--budget", "soon"], "--budget");
-    refused(&["strip", "a.ply", "-m", "best", "--tunnel-length", "3"], "--tunnel-length belongs to");
-    refused(&["strip", "a.ply", "-m", "tunnel", "--threshold", "3"], "--threshold belongs to --method eta");
-    refused(&["strip", "a.ply", "-m", "tunnel", "--start", "sgi"], "--start belongs to --method eta");
-    refused(
-        &["strip", "a.ply", "-m", "guided-tunnels", "--acceptance", "breadth-first"],
-        "--acceptance belongs to --method eta, not to guided-tunnels",
-    );
-    refused(&["strip", "a.ply", "-m", "tunnel", "--localization", "none"], "--localization belongs to");
-    refused(&["strip", "a.ply", "-m", "stripe", "--cutoff", "0"], "--cutoff");
-    refused(
-        &["strip", "a.ply", "-m", "best", "--vertex-cache", "fifo:8"],
-        "--vertex-cache belongs to --method cache",
-    );
-    refused(
-        &["strip", "a.ply", "--objective", "misses"],
-        "--objective belongs to --method cache, not to best",
-    );
-    refused(
-        &["strip", "a.ply", "-m", "cache", "--vertex-cache", "fifo:0"],
-        "`fifo:N` or `lru:N`, N from 1 to 65536",
-    );
-    refused(&["strip", "a.ply", "-m", "magic"], "possible values: best");
 }
 
 #[test]
@@ -130,11 +122,6 @@ fn flags_are_checked() {
     refused(&["analyze", "a.ply", "--vertex-caches", "fifo:1..65536"], "more than 1024 vertex caches");
     refused(&["analyze", "a.ply", "--plot", "a.png"], "--plot writes SVG");
     refused(&["analyze", "a", "b", "c", "d", "--plot", "a.svg"], "--plot takes at most 3 inputs");
-    refused(&["strip", "a.ply", "--pareto", "a.png"], "--pareto writes SVG");
-    refused(&["strip", "a", "b", "c", "d", "--pareto", "a.svg"], "--pareto takes at most 3 inputs");
-    let both = ["strip", "a.ply", "--pareto", "a.svg", "--to", "ply", "-o", "a.svg"];
-    refused(&both, "-o and --pareto name the same file");
-    refused(&["strip", "a.ply", "--pareto", "a.svg", "--objective", "misses"], "--objective belongs to");
     refused(&["simplify", "a.ply", "--weight", "uv=-1"], "uv=-1");
     refused(&["simplify", "a.ply", "--ratio", "1.5"], "found `1.5`, expected a ratio from 0 to 1");
     refused(&["simplify", "a.ply", "--ratio", "5%", "--triangles", "9"], "cannot be used with");
@@ -146,27 +133,21 @@ fn flags_are_checked() {
         &["simplify", "a.ply", "--ratio", "5%", "-o", "-", "--to", "glb", "--json"],
         "both write to standard output",
     );
-    refused(&["lod", "a.ply", "--level", "140%"], "found `140%`, expected a number such as 120");
-    refused(&["lod", "a.ply", "--base", "0..1"], "found `0..1`, expected a ratio from 0 to 1");
-    refused(&["lod", "a.ply", "--filter", "fog"], "possible values: none, stss, dtfs");
-    let effort = ["lod", "a.ply", "--filter", "dtfs", "--filter-effort", "3"];
+    refused(&["level", "a.ply", "--level", "140%"], "found `140%`, expected a number such as 120");
+    refused(&["level", "a.ply", "--base", "0..1"], "found `0..1`, expected a ratio from 0 to 1");
+    refused(&["level", "a.ply", "--filter", "fog"], "possible values: none, stss, dtfs");
+    let effort = ["level", "a.ply", "--filter", "dtfs", "--filter-effort", "3"];
     refused(&effort, "--filter-effort belongs to --filter repair, not to dtfs");
-    refused(&["lod", "a.ply", "--filter-effort", "10"], "10 is not in 0..=9");
-    refused(&["lod", "a.ply", "--model", "magic"], "possible values: progressive");
-    refused(&["lod", "a.ply", "--plot", "a.png"], "--plot writes SVG");
-    refused(&["lod", "a", "b", "c", "d", "--plot", "a.svg"], "--plot takes at most 3 inputs");
-    refused(
-        &["lod", "a.ply", "--to", "ply", "-o", "a.svg", "--plot", "a.svg"],
-        "-o and --plot name the same file",
-    );
-    refused(&["lod", "a.ply", "-m", "sgi", "--effort", "3"], "--effort belongs to");
-    refused(&["lod", "a.ply", "-o", "b.obj", "--layout", "restart"], "OBJ has no strips");
+    refused(&["level", "a.ply", "--filter-effort", "10"], "10 is not in 0..=9");
+    refused(&["level", "a.ply", "--model", "magic"], "possible values: progressive");
+    refused(&["level", "a.ply", "-m", "sgi", "--effort", "3"], "--effort belongs to");
+    refused(&["level", "a.ply", "-o", "b.obj", "--layout", "restart"], "OBJ has no strips");
     refused(&["paint", "a.ply"], "unrecognized subcommand");
 }
 
 #[test]
 fn help_has_a_short_and_a_long_form() {
-    for subcommand in ["strip", "compare", "analyze", "verify", "convert", "simplify", "lod"] {
+    for subcommand in ["strip", "compare", "analyze", "verify", "convert", "simplify", "level"] {
         let length = |flag: &str| {
             let output = tristrip().args([subcommand, flag]).assert().success().get_output().stdout.clone();
             output.len()
@@ -183,7 +164,10 @@ fn help_has_a_short_and_a_long_form() {
         let version = tristrip().args([subcommand, "--version"]).assert().success();
         version.stdout(format!("tristrip {}\n", env!("CARGO_PKG_VERSION")));
     }
-    tristrip().assert().code(2).stderr(contains("Usage: tristrip [OPTIONS] <COMMAND>"));
+    tristrip()
+        .assert()
+        .code(2)
+        .stderr(contains("Usage: tristrip [OPTIONS] <COMMAND>").and(contains("Levels of detail:")));
 }
 
 #[test]
@@ -222,10 +206,10 @@ fn completions_and_man_pages_name_every_flag() {
         let output = tristrip().arg("man").args(arguments).assert().success().get_output().stdout.clone();
         String::from_utf8(output).unwrap()
     };
-    let (whole, lod) = (page(&[]), page(&["lod"]));
+    let (whole, level) = (page(&[]), page(&["level"]));
     assert!(whole.contains(".TH tristrip 1") && whole.contains("Exit codes"));
     assert!(["strip", "compare", "simplify"].iter().all(|name| whole.contains(name)));
-    assert!(lod.contains(".TH tristrip-lod 1") && lod.contains("filter\\-effort"), "{lod}");
+    assert!(level.contains(".TH tristrip-level 1") && level.contains("filter\\-effort"), "{level}");
     refused(&["man", "paint"], "unknown subcommand \"paint\"");
     refused(&["completions", "cmd"], "possible values: bash");
 }

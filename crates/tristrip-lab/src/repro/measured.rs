@@ -9,15 +9,13 @@ use tristrip::stripify::{Progress, Watch};
 use tristrip::vertex_cache::{FlushPolicy, GeneralizedCost, Replacement, VertexCache, VertexCacheStatistics};
 use tristrip::{StripifyOptions, Strips};
 use tristrip_io::Model;
-use tristrip_pipeline::{
-    Error as PipelineError, LevelsOptions, PreparedModel, Search, parse_levels, parse_method,
-};
+use tristrip_pipeline::{Error as PipelineError, PreparedModel, Search};
 
 use super::components;
 use super::level_figures::{self, LevelFigures};
 use super::observer::ReproObserver;
 use super::paper::ModelSize;
-use super::recipe::Recipe;
+use super::recipe::{Recipe, parse_flags};
 use super::recovery_figures;
 use super::searches::Searches;
 use super::view_data::TreeOrder;
@@ -177,11 +175,7 @@ fn measure_strips(
     if observer.is_cancelled() {
         return Err(Error::Interrupted("not done"));
     }
-    let levels = if extras.levels || extras.recovery {
-        parse_levels(&recipe.flags)?
-    } else {
-        LevelsOptions::default().with_stripify(parse_method(&recipe.flags)?)
-    };
+    let levels = parse_flags(&recipe.flags)?;
     let options = levels.stripify;
     let watch = ProgressRecorder {
         outer: observer.search(&options),

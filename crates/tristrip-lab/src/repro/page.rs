@@ -213,7 +213,7 @@ fn source(column: &PublishedColumn, table: &PublishedTable) -> Option<String> {
             Some(format!("`{figure}` of `tristrip strip {flags}`{}", steps.unwrap_or_default()))
         }
         Quantity::Levels { flags, figure } => {
-            Some(format!("`{figure}` of `tristrip-lab levels {} --compare`", lab_flags(flags)))
+            Some(format!("`{figure}` of `tristrip-lab levels {flags} --compare`"))
         }
         Quantity::Recovery { flags, figure } => {
             Some(format!("`{figure}` of the levels down to the coarsest, over strips of `{flags}`"))
@@ -226,21 +226,6 @@ fn source(column: &PublishedColumn, table: &PublishedTable) -> Option<String> {
         Quantity::Saving { of, than } => Some(format!("by how much {} is below {}", name(*of), name(*than))),
         Quantity::Unmeasured => None,
     }
-}
-
-/// Returns the flags of a recipe as `tristrip-lab levels` takes them: the options of the method follow its name.
-fn lab_flags(flags: &str) -> String {
-    let words: Vec<&str> = flags.split_whitespace().collect();
-    let (mut method, mut options, mut others) = ("best", Vec::new(), Vec::new());
-    for pair in words.chunks(2) {
-        match (pair[0], pair.get(1).copied().unwrap_or_default()) {
-            ("--method", name) => method = name,
-            ("--price", price) => others.push(format!(" --price {price}")),
-            (flag, value) => options.push(format!("{}={value}", flag.trim_start_matches('-'))),
-        }
-    }
-    let separator = if options.is_empty() { "" } else { ":" };
-    format!("--method {method}{separator}{}{}", options.join(","), others.concat())
 }
 
 fn claims(claims: &[ClaimReport]) -> String {

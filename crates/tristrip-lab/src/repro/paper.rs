@@ -407,12 +407,12 @@ impl StripeVariants {
         let global = || {
             ["rows", "full"].into_iter().flat_map(|patches| {
                 [5, 10, 15, 20, 25]
-                    .map(|cutoff| format!("--method stripe-global --patches {patches} --cutoff {cutoff}"))
+                    .map(|cutoff| format!("--method stripe-global:patches={patches},cutoff={cutoff}"))
             })
         };
         let local = |faces: &str| {
             ["arbitrary", "look-ahead", "alternate", "random", "sequential"]
-                .map(|ties| format!("--method stripe-local --triangulation {faces} --ties {ties}"))
+                .map(|ties| format!("--method stripe-local:triangulation={faces},ties={ties}"))
         };
         match self {
             Self::Global => global().collect(),
@@ -433,9 +433,9 @@ pub(crate) struct LeftOut {
 
 #[cfg(test)]
 mod tests {
+    use super::super::recipe::parse_flags;
     use super::*;
     use std::collections::BTreeSet;
-    use tristrip_pipeline::parse_method;
 
     #[test]
     fn variants_are_those_of_the_paper() {
@@ -447,10 +447,11 @@ mod tests {
         ] {
             let flags = among.flags();
             assert_eq!(flags.iter().collect::<BTreeSet<_>>().len(), count);
-            assert!(flags.iter().all(|flags| parse_method(flags).is_ok()));
+            assert!(flags.iter().all(|flags| parse_flags(flags).is_ok()));
         }
         // What table 1 names as `stripe`.
-        let published = "--method stripe-global --patches rows --cutoff 5 --ties sequential";
-        assert_eq!(parse_method("--method stripe").unwrap(), parse_method(published).unwrap());
+        let published = "--method stripe-global:patches=rows,cutoff=5,ties=sequential";
+        let parsed = |flags| parse_flags(flags).unwrap().stripify;
+        assert_eq!(parsed("--method stripe"), parsed(published));
     }
 }

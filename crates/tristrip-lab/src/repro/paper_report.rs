@@ -44,7 +44,7 @@ pub(crate) struct RowReport {
 #[derive(Debug, Serialize)]
 pub(crate) struct CellReport {
     pub(crate) column: String,
-    /// The flags of `tristrip strip` or `tristrip lod`, if strips were measured.
+    /// The flags of `tristrip strip` or `tristrip-lab levels`, if strips were measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) flags: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -57,8 +57,8 @@ pub(crate) fn load(keys: &BTreeSet<String>) -> Result<Vec<Paper>, Error> {
 #[cfg(test)]
 mod tests {
     use super::super::paper::{Quantity, Statistic};
+    use super::super::recipe::parse_flags;
     use super::*;
-    use tristrip_pipeline::{parse_levels, parse_method};
 
     #[test]
     fn every_paper_is_complete() {
@@ -78,11 +78,11 @@ mod tests {
                 }
                 for column in &table.columns {
                     match &column.quantity {
-                        Quantity::Strips { flags, .. } | Quantity::Views { flags, .. } => {
-                            assert!(parse_method(flags).is_ok(), "{flags}");
-                        }
-                        Quantity::Levels { flags, .. } | Quantity::Recovery { flags, .. } => {
-                            assert!(parse_levels(flags).is_ok(), "{flags}")
+                        Quantity::Strips { flags, .. }
+                        | Quantity::Views { flags, .. }
+                        | Quantity::Levels { flags, .. }
+                        | Quantity::Recovery { flags, .. } => {
+                            assert!(parse_flags(flags).is_ok(), "{flags}");
                         }
                         _ => (),
                     }

@@ -1,5 +1,8 @@
 //! Recipes: how strips are computed for a measurement, in the flags of the command.
 
+use tristrip::Error;
+use tristrip_pipeline::{LevelsOptions, parse_method};
+
 /// How strips are computed: flags of `tristrip strip`, and the number of node accesses after which a search is stopped.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Recipe {
@@ -11,4 +14,21 @@ impl From<&str> for Recipe {
     fn from(flags: &str) -> Self {
         Self { flags: flags.into(), steps: None }
     }
+}
+
+/// Parses the flags of a recipe: `--method METHOD`, and `--price PRICE` of the collapses of levels.
+pub(crate) fn parse_flags(flags: &str) -> Result<LevelsOptions, Error> {
+    let words: Vec<&str> = flags.split_whitespace().collect();
+    let mut options = LevelsOptions::default();
+    for pair in words.chunks(2) {
+        options = match pair {
+            ["--method", method] => options.with_stripify(parse_method(method)?),
+            ["--price", price] => options.with_price(price.parse()?),
+            _ => {
+                let expected = "`--method METHOD` and `--price PRICE`";
+                return Err(Error::Parameter { name: "flags", found: format!("`{flags}`"), expected });
+            }
+        };
+    }
+    Ok(options)
 }

@@ -310,7 +310,7 @@ mod tests {
     /// Measures two details, and two panels of a picture, with both orders.
     fn measured(model: &tristrip_io::Model) -> Result<ViewFigures, Error> {
         let prepared = PreparedModel::new(model, false);
-        let options = parse_method("--method sgi")?;
+        let options = parse_method("sgi")?;
         let strips = prepared.find_strips(&options, &())?;
         let camera = serde_json::from_str(r#"{"eye": [9, 2, 9], "look_at": [0, 0, 0]}"#).unwrap();
         let panel = |percent, strips| ViewPanel { percent, camera, seen_from: None, strips };

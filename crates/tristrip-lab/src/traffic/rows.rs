@@ -1,4 +1,4 @@
-//! The rows of tables of levels; the keys are those of the JSON report of `tristrip lod`.
+//! The rows of tables of levels; the keys are those of the JSON report of `tristrip-lab levels`.
 
 use serde::{Serialize, Serializer};
 use tristrip_pipeline::DisplayFilter;

@@ -7,6 +7,7 @@ use super::{json, lab, model};
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use serde_json::Value;
+use tristrip_pipeline::{ViewModelOptions, parse_method, view_model};
 
 fn fly(arguments: &[&str]) -> assert_cmd::Command {
     let mut command = lab();
@@ -141,4 +142,29 @@ fn wrong_flags_are_refused() {
         let run = lab().args(["fly", "a.ply"]).args(arguments).assert();
         run.code(2).stdout(is_empty()).stderr(contains("error: ").and(contains(message)));
     }
+}
+
+#[test]
+fn a_flight_over_a_file_is_that_over_its_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    let (path, page) = (dir.path().join("fish.tlod"), dir.path().join("fish.md"));
+    let source = model("fish_control.ply");
+    let options = ViewModelOptions::default().with_stripify(parse_method("stripe").unwrap());
+    let built = view_model(tristrip_io::read_path(&source).unwrap(), &options, &()).unwrap();
+    fs::write(&path, built.encode().unwrap().bytes).unwrap();
+    let fly = |input: &Path, method: &[&str]| {
+        let mut command = lab();
+        command.args(["fly", "--json", "--frames", "5"]).args(method).arg("--report").arg(&page).arg(input);
+        let report = json(&mut command);
+        (report, fs::read_to_string(&page).unwrap())
+    };
+    let (of_file, of_mesh) = (fly(&path, &[]), fly(&source, &["-m", "stripe"]));
+    let drawn = |report: &Value| {
+        let frames = report["frames"].as_array().unwrap().iter();
+        frames.map(|frame| (frame["triangles"].clone(), frame["vertices_sent"].clone())).collect::<Vec<_>>()
+    };
+    assert_eq!(drawn(&of_file.0), drawn(&of_mesh.0));
+    let refused = lab().args(["fly", "-m", "stripe"]).arg(&path).assert().code(2);
+    refused.stderr(contains("fish.tlod: has strips of its own; leave out --method"));
+    assert_ne!(of_file.1, of_mesh.1, "the page of a file names no method");
 }

@@ -70,13 +70,13 @@ fn points_equal_the_results_of_the_methods() {
     let report = json(pareto(&dir.path().join("a.svg"), "wingnut.ply", &[]).arg("--json"));
     let source = tristrip_io::read_path(model("wingnut.ply")).unwrap();
     for (label, flags) in [
-        ("sgi", "--method sgi"),
-        ("stripe", "--method stripe"),
-        ("quad-rows", "--method quad-rows"),
-        ("guided-tunnels", "--method guided-tunnels"),
-        ("best 2", "--method best --effort 2"),
-        ("fewest 5", "--method fewest"),
-        ("cache misses 2", "--method cache --objective misses"),
+        ("sgi", "sgi"),
+        ("stripe", "stripe"),
+        ("quad-rows", "quad-rows"),
+        ("guided-tunnels", "guided-tunnels"),
+        ("best 2", "best"),
+        ("fewest 5", "fewest"),
+        ("cache misses 2", "cache:objective=misses"),
     ] {
         let options = StripOptions::default().with_stripify(parse_method(flags).unwrap());
         let alone = serde_json::to_value(strip(&source, &options).unwrap().figures).unwrap();

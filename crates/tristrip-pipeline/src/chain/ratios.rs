@@ -1,5 +1,6 @@
 //! The levels of a chain as typed: `100%,50%,25%,10%`.
 
+use std::fmt;
 use std::str::FromStr;
 
 use crate::goal::Ratio;
@@ -31,6 +32,20 @@ impl ChainRatios {
     }
 }
 
+/// The full mesh, a half, a quarter and a tenth of it.
+impl Default for ChainRatios {
+    fn default() -> Self {
+        Self([1.0, 0.5, 0.25, 0.1].into_iter().filter_map(Ratio::new).collect())
+    }
+}
+
+impl fmt::Display for ChainRatios {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let percent: Vec<String> = self.0.iter().map(|ratio| format!("{}%", ratio.value() * 100.0)).collect();
+        f.write_str(&percent.join(","))
+    }
+}
+
 impl FromStr for ChainRatios {
     type Err = String;
 
@@ -57,6 +72,8 @@ mod tests {
         for wrong in ["", "50%,", "50%,50%", "50%,100%", "101%", "a"] {
             assert!(read(wrong).is_err(), "{wrong}");
         }
+        assert_eq!(ChainRatios::default().to_string(), "100%,50%,25%,10%");
+        assert_eq!("100%,50%,25%,10%".parse(), Ok(ChainRatios::default()));
         let many: Vec<String> = (0..17).rev().map(|i| format!("{i}%")).collect();
         assert!(read(&many.join(",")).is_err() && read(&many[1..].join(",")) == Ok(16));
     }

@@ -4,7 +4,6 @@ use tristrip::StripifyOptions;
 use tristrip::simplify::Price;
 
 use crate::goal::Ratio;
-use crate::method::parse_with_price;
 
 /// How levels of detail are built. The base mesh of the default is what the surface allows; everything is proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,21 +50,4 @@ impl LevelsOptions {
     pub fn with_verify(self, verify: bool) -> Self {
         Self { verify, ..self }
     }
-}
-
-/// Parses the flags of levels of detail: those of the method, and `--price` of their collapses.
-///
-/// # Errors
-/// As of [`parse_method`](crate::parse_method), or the price is unknown.
-///
-/// ```
-/// use tristrip::simplify::Price;
-/// use tristrip_pipeline::parse_levels;
-/// assert_eq!(parse_levels("--method stripe --price quadric")?.price, Price::Quadric);
-/// assert!(parse_levels("--price low").is_err());
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-pub fn parse_levels(flags: &str) -> Result<LevelsOptions, tristrip::Error> {
-    let (stripify, price) = parse_with_price(flags)?;
-    Ok(LevelsOptions::default().with_stripify(stripify).with_price(price))
 }

@@ -18,11 +18,11 @@ pub enum ModelKind {
     /// [`ProgressiveStrips`] with [`Encoding::Naive`].
     Naive,
     /// [`ProgressiveStrips`] with [`Encoding::Offsets`].
-    #[default]
     Progressive,
     /// [`Sets`].
     Sets,
     /// [`Blocks`] with [`BlockOptions::default`].
+    #[default]
     Blocks,
     /// Skip Strips: a vertex tree over the strips of the full mesh, of which each view may also have its own detail.
     Skip,

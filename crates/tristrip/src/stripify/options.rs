@@ -129,13 +129,13 @@ impl Method {
                 "Fast, with few indices: cheapest runs first, swaps only where they cost less than a restart"
             }
             Self::Best => {
-                "A search for the least cost, see --cost and --effort; the default effort takes less than a second for a million triangles"
+                "A search for the minimum cost; the default effort takes less than a second per million triangles"
             }
-            Self::Fewest => "A search for the fewest strips, see --effort",
-            Self::Cache => "Strips ordered for a vertex cache, see --vertex-cache and --objective",
+            Self::Fewest => "A search for the fewest strips",
+            Self::Cache => "Strips ordered for a vertex cache",
             Self::Input => "Strips in the order of the input",
             Self::QuadRows { .. } => {
-                "Rows of patches of quadrilaterals, which grow at both ends, with the diagonals of a strip chosen together"
+                "Rows of patches of quadrilaterals that grow at both ends; the diagonals of a strip are chosen together"
             }
             Self::Sgi { .. } => "The SGI algorithm: least adjacency, one level of look-ahead",
             Self::StripeLocal { .. } => "STRIPE's local algorithms",

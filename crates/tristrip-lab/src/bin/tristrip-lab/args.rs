@@ -10,9 +10,9 @@ use tristrip::vertex_cache::VertexCache;
 use tristrip::{Effort, StripifyOptions};
 use tristrip_lab::flight::Axis;
 use tristrip_lab::recovery::Sweep;
-use tristrip_pipeline::{Level, Ratio};
+use tristrip_pipeline::{Level, Ratio, parse_method};
 
-use crate::values::{effort, image_size, method, numbers};
+use crate::values::{effort, image_size, numbers};
 
 /// Reproduce papers on triangle strips, compare methods and level models, and fly cameras
 #[derive(Debug, Parser)]
@@ -133,7 +133,7 @@ pub(crate) struct LevelsArgs {
 #[derive(Debug, Args)]
 pub(crate) struct MethodArgs {
     /// The method of the strips and its options, such as stripe-global:patches=full,cutoff=10
-    #[arg(short, long = "method", value_name = "METHOD", value_parser = method, default_value = "best")]
+    #[arg(short, long = "method", value_name = "METHOD", value_parser = parse_method, default_value = "best")]
     pub(crate) options: StripifyOptions,
 }
 
@@ -255,7 +255,7 @@ pub(crate) struct FlyArgs {
     #[arg(long)]
     pub(crate) no_verify: bool,
     /// The method of the strips and its options, such as stripe-global:patches=full,cutoff=10 [default: best]
-    #[arg(short, long, value_name = "METHOD", value_parser = method)]
+    #[arg(short, long, value_name = "METHOD", value_parser = parse_method)]
     pub(crate) method: Option<StripifyOptions>,
 }
 

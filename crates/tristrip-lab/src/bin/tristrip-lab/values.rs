@@ -2,21 +2,7 @@
 
 use std::str::FromStr;
 
-use tristrip::{Effort, StripifyOptions};
-use tristrip_pipeline::method_of_flags;
-
-/// Parses a method with its options: `stripe-global:patches=full,cutoff=10`.
-pub(crate) fn method(text: &str) -> Result<StripifyOptions, String> {
-    let (name, options) = text.split_once(':').unwrap_or((text, ""));
-    let mut flags = vec![("--method".to_owned(), name.to_owned())];
-    for option in options.split(',').filter(|option| !option.is_empty()) {
-        let (key, value) =
-            option.split_once('=').ok_or_else(|| format!("found {option}, expected KEY=VALUE"))?;
-        flags.push((format!("--{key}"), value.to_owned()));
-    }
-    let flags: Vec<(&str, &str)> = flags.iter().map(|(name, value)| (&name[..], &value[..])).collect();
-    method_of_flags(&flags).map_err(|error| error.to_string())
-}
+use tristrip::Effort;
 
 /// Parses a search effort.
 pub(crate) fn effort(text: &str) -> Result<Effort, String> {

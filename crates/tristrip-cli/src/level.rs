@@ -1,4 +1,4 @@
-//! `tristrip lod`: levels of detail drawn with the strips of the full mesh.
+//! `tristrip level` and `tristrip camera-level`: one level or one view drawn with the strips of the full mesh.
 
 mod report;
 
@@ -18,11 +18,11 @@ use crate::job::Job;
 use crate::output::{self, WriteReport};
 use crate::search::interrupted;
 use crate::stage::{Stages, load_job, show_search};
-use crate::task::LodTask;
+use crate::task::LevelTask;
 use report::LodReport;
 
 /// Processes all inputs in order; returns whether all succeeded.
-pub(crate) fn run(task: &LodTask, console: &mut Console) -> bool {
+pub(crate) fn run(task: &LevelTask, console: &mut Console) -> bool {
     let new_report = |job: &Job| LodReport::new(job.input.name(), MethodReport::of(&task.options), task);
     let process =
         |job: &Job, console: &mut Console, report: &mut LodReport| run_stages(job, task, console, report);
@@ -37,7 +37,7 @@ pub(crate) fn run(task: &LodTask, console: &mut Console) -> bool {
 /// Runs all stages on one input; after a failure the report has the results of the stages before.
 fn run_stages(
     job: &Job,
-    task: &LodTask,
+    task: &LevelTask,
     console: &mut Console,
     report: &mut LodReport,
 ) -> Result<(), Failure> {
@@ -133,7 +133,7 @@ fn draw(
     levels: &ModelLevels,
     level: usize,
     job: &Job,
-    task: &LodTask,
+    task: &LevelTask,
     console: &mut Console,
     report: &mut LodReport,
 ) -> Result<(), Failure> {
@@ -167,7 +167,7 @@ fn draw_view(
     (model, levels): (&Model, &ModelLevels),
     (camera, criteria): &(Camera, ViewCriteria),
     job: &Job,
-    task: &LodTask,
+    task: &LevelTask,
     console: &mut Console,
     report: &mut LodReport,
 ) -> Result<(), Failure> {
@@ -187,7 +187,7 @@ fn draw_view(
 /// Writes the file of a job that has one.
 fn write(
     job: &Job,
-    task: &LodTask,
+    task: &LevelTask,
     has_strips: bool,
     console: &mut Console,
     report: &mut LodReport,

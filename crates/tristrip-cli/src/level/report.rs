@@ -1,10 +1,10 @@
-//! The report of `tristrip lod`: the keys are those of the JSON output.
+//! The report of `tristrip level` and `tristrip camera-level`: the keys are those of the JSON output.
 
 use serde::Serialize;
 use tristrip_pipeline::{Figures, MethodReport, Stopped};
 
 use crate::batch::{InputReport, Outcome};
-use crate::task::LodTask;
+use crate::task::LevelTask;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -54,7 +54,7 @@ pub(crate) struct LodReport {
 
 impl LodReport {
     /// Creates the report of an input that is yet to be processed.
-    pub(crate) fn new(file: String, method: MethodReport, task: &LodTask) -> Self {
+    pub(crate) fn new(file: String, method: MethodReport, task: &LevelTask) -> Self {
         Self {
             file,
             method,

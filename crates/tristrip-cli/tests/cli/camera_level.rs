@@ -1,4 +1,4 @@
-//! `tristrip lod` with a camera.
+//! `tristrip camera-level`: what one camera sees.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -15,9 +15,9 @@ fn number(value: &Value) -> u64 {
 fn a_camera_draws_one_view() {
     let dir = tempfile::tempdir().unwrap();
     let view = |distance: &str, more: &[&str]| {
-        let camera = ["--camera", distance, "--look-at", "0,0,0"];
+        let camera = ["--eye", distance, "--look-at", "0,0,0"];
         let mut command = tristrip();
-        command.args(["lod", "--json", "-m", "stripe", "--model", "skip"]).args(camera).args(more);
+        command.args(["camera-level", "--json", "-m", "stripe"]).args(camera).args(more);
         json(command.arg(model("hand.ply")).current_dir(&dir))
     };
     let near = view("0,0,30", &["--pixels", "0.5", "-o", "frame.glb"]);
@@ -72,8 +72,8 @@ fn parts_share_the_triangles_of_a_view() {
     }
     fs::write(dir.path().join("two.obj"), text).unwrap();
     let view = |more: &[&str]| {
-        let camera = ["--model", "skip", "--camera", "15,5,40", "--look-at", "15,5,0", "--pixels", "0.1"];
-        json(tristrip().args(["lod", "two.obj", "--json"]).args(camera).args(more).current_dir(&dir))
+        let camera = ["--eye", "15,5,40", "--look-at", "15,5,0", "--pixels", "0.1"];
+        json(tristrip().args(["camera-level", "two.obj", "--json"]).args(camera).args(more).current_dir(&dir))
     };
     let (all, some) = (view(&[]), view(&["--triangles", "200"]));
     assert!(number(&all["triangles"]) > 350 && some["parts"] == 2, "{all}");
@@ -92,7 +92,7 @@ fn a_part_that_a_node_scales_has_the_detail_of_its_size() {
         fs::write(&path, scene.to_string()).unwrap();
         let camera = format!("0,0,{}", 3.0 * scale);
         let mut command = tristrip();
-        command.args(["lod", "--json", "-m", "stripe", "--model", "skip", "--look-at", "0,0,0", "--camera"]);
+        command.args(["camera-level", "--json", "-m", "stripe", "--look-at", "0,0,0", "--eye"]);
         json(command.arg(camera).args(more).arg(&path))["triangles"].clone()
     };
     // The picture is the same, and so is everything that a power of two scales.
@@ -105,40 +105,24 @@ fn a_part_that_a_node_scales_has_the_detail_of_its_size() {
 
 #[test]
 fn cameras_of_levels_are_checked() {
-    let camera = ["--model", "skip", "--camera", "0,0,9", "--look-at", "0,0,0"];
+    let camera = ["--eye", "0,0,9", "--look-at", "0,0,0"];
     for (arguments, message) in [
-        (&["--camera", "0,0,NaN", "--look-at", "0,0,0"][..], "expected three finite numbers"),
-        (&["--model", "skip", "--camera", "0,0,9"], "--look-at <X,Y,Z>"),
-        (
-            &["--camera", "0,0,9", "--look-at", "0,0,0"],
-            "--camera belongs to --model skip, not to progressive",
-        ),
-        (&["--model", "skip", "--camera", "1,1,1", "--look-at", "1,1,1"], "expected another point"),
-        (&["--model", "skip", "--no-frustum"], "--camera <X,Y,Z>"),
-        (&["--model", "skip", "--light", "0,1,0"], "--camera <X,Y,Z>"),
-        (&["--model", "skip", "--image", "9x9"], "--camera <X,Y,Z>"),
-        (
-            &["--model", "skip", "--camera", "0,0,9", "--look-at", "0,0,0", "--light", "0,0,0"],
-            "expected a direction",
-        ),
-        (
-            &["--triangles", "5", "--pixels", "1", "--distance", "5"],
-            "--triangles cannot be used with --pixels",
-        ),
-        (&["--chain", "100%,50%", "--no-frustum"], "cannot be used with"),
+        (&["--eye", "0,0,NaN", "--look-at", "0,0,0"][..], "expected three finite numbers"),
+        (&["--eye", "0,0,9"], "--look-at <X,Y,Z>"),
+        (&["--eye", "1,1,1", "--look-at", "1,1,1"], "expected another point"),
+        (&["--no-frustum"], "--eye <X,Y,Z>"),
+        (&["--light", "0,1,0"], "--eye <X,Y,Z>"),
+        (&["--image", "9x9"], "--eye <X,Y,Z>"),
+        (&["--eye", "0,0,9", "--look-at", "0,0,0", "--light", "0,0,0"], "expected a direction"),
     ] {
-        let run = tristrip().args(["lod", "a.ply"]).args(arguments).assert();
+        let run = tristrip().args(["camera-level", "a.ply"]).args(arguments).assert();
         run.code(2).stdout(is_empty()).stderr(contains(message));
     }
-    for more in [
-        &["--level", "5"][..],
-        &["--error", "1"],
-        &["--pixels", "1", "--distance", "5"],
-        &["--chain", "100%,50%"],
-    ] {
-        let run = tristrip().args(["lod", "a.ply"]).args(camera).args(more).assert();
-        run.code(2).stderr(contains("cannot be used with"));
+    for more in [&["--level", "5"][..], &["--error", "1"], &["--distance", "5"], &["--model", "sets"]] {
+        let run = tristrip().args(["camera-level", "a.ply"]).args(camera).args(more).assert();
+        run.code(2).stderr(contains("unexpected argument"));
     }
-    let wide = tristrip().args(["lod", "a.ply"]).args(camera).args(["--field-of-view", "0"]).assert();
+    let wide =
+        tristrip().args(["camera-level", "a.ply"]).args(camera).args(["--field-of-view", "0"]).assert();
     wide.code(2).stderr(contains("found 0, expected an angle"));
 }
