@@ -321,8 +321,14 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
         Command::Pack(_) => "pack",
         Command::Unpack(_) => "unpack",
         Command::Inspect(_) => "inspect",
-        Command::Serve { .. } => "serve",
-        Command::View { .. } => "view",
+        #[cfg(feature = "serve")]
+        Command::Serve(_) => "serve",
+        #[cfg(feature = "serve")]
+        Command::View(_) => "view",
+        #[cfg(not(feature = "serve"))]
+        Command::Serve => "serve",
+        #[cfg(not(feature = "serve"))]
+        Command::View => "view",
         Command::Completions(_) => "completions",
         Command::Man(_) => "man",
         Command::Help(HelpArgs { name: Some(name) }) if Topic::find(name).is_none() => {
