@@ -35,34 +35,23 @@
 
 mod blocks;
 mod filter;
-mod geomorph;
-mod hysteresis;
-mod index_map;
-mod level_mesh;
-mod level_model;
-mod level_table;
+mod level;
 mod model_kind;
-mod multiresolution;
 mod progressive;
 mod repair;
-mod replay;
 #[cfg(test)]
 pub(crate) mod samples;
 mod sets;
-mod shortened;
 mod skip;
-mod strip_graph;
-mod strip_states;
-mod vertex_ranges;
-mod view;
 
 pub use blocks::{BlockOptions, Blocks, BlocksCursor};
 pub use filter::{DrawCost, Filter, FilterCosts};
-pub use geomorph::{Geomorph, Transit};
-pub use hysteresis::Hysteresis;
-pub use index_map::RESTART;
-pub use level_model::{LevelCursor, LevelModel};
-pub use level_table::LevelTable;
+pub use level::geomorph::{Geomorph, Transit};
+pub use level::hysteresis::Hysteresis;
+pub use level::index_map::RESTART;
+pub use level::level_model::{LevelCursor, LevelModel};
+pub use level::level_table::LevelTable;
+pub use level::view::View;
 pub use model_kind::ModelKind;
 pub use progressive::{
     Encoding, ProgressiveMesh, ProgressiveMeshCursor, ProgressiveStrips, ProgressiveStripsCursor, SlotUpdate,
@@ -75,18 +64,17 @@ pub use skip::{
     Camera, Foveation, RepairedView, SkipLevelCursor, SkipStrips, SkipView, ViewCriteria, ViewGeomorphs,
     ViewSnapshot, ViewUpdate,
 };
-pub use view::View;
 
 /// What the models of strips by states share, for models outside this crate: the baselines of `tristrip-lab`. It may change with any
 /// version.
 #[doc(hidden)]
 pub mod strip_graphs {
-    pub use super::multiresolution::{
+    pub use crate::csr::Csr;
+    pub use crate::lod::sets::multiresolution::{
         Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists,
     };
-    pub use super::shortened::{NONE, SlotEdit, edits_of};
-    pub use super::strip_graph::StripGraph;
-    pub use super::strip_states::StripState;
-    pub use crate::csr::Csr;
+    pub use crate::lod::sets::shortened::{NONE, SlotEdit, edits_of};
+    pub use crate::lod::sets::strip_graph::StripGraph;
+    pub use crate::lod::sets::strip_states::StripState;
     pub use crate::packed::{Packed, PackedRow, bits_for};
 }

@@ -41,13 +41,13 @@ mod upload_order;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::index_map::RESTART;
-use super::level_model::{LevelCursor, LevelModel};
-use super::level_table::LevelTable;
-use super::replay::MAX_SLOTS_PER_ENTRY;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::index::Index;
+use crate::lod::level::index_map::RESTART;
+use crate::lod::level::level_model::{LevelCursor, LevelModel};
+use crate::lod::level::level_table::LevelTable;
+use crate::lod::level::replay::MAX_SLOTS_PER_ENTRY;
 use crate::packed::{Packed, bits_for};
 use crate::strip::Strips;
 use changed_ranges::ChangedRanges;

@@ -31,7 +31,7 @@ mod valid;
 #[cfg(test)]
 mod tests;
 
-use super::index_map::RESTART;
+use crate::lod::level::index_map::RESTART;
 use crate::names::names;
 use crate::strip::Strips;
 pub use costs::FilterCosts;

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::level_model::LevelModel;
 use super::{BlockOptions, Blocks, Encoding, ProgressiveMesh, ProgressiveStrips, Sets, SkipStrips};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
+use crate::lod::level::level_model::LevelModel;
 use crate::names::names;
 use crate::strip::Strips;
 

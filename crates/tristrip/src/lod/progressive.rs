@@ -33,13 +33,13 @@ pub use pm::{ProgressiveMesh, ProgressiveMeshCursor, VertexSplit};
 use std::sync::Arc;
 
 use super::filter::Filter;
-use super::index_map::RESTART;
-use super::level_model::{LevelCursor, LevelModel};
-use super::level_table::LevelTable;
-pub use super::replay::SlotUpdate;
-use super::replay::{Records, Replay};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
+use crate::lod::level::index_map::RESTART;
+use crate::lod::level::level_model::{LevelCursor, LevelModel};
+use crate::lod::level::level_table::LevelTable;
+pub use crate::lod::level::replay::SlotUpdate;
+use crate::lod::level::replay::{Records, Replay};
 use crate::names::names;
 use crate::strip::Strips;
 

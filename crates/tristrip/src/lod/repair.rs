@@ -70,11 +70,11 @@ pub(crate) use paths::{RepairedPaths, walk_steps};
 
 use std::sync::Arc;
 
-use super::level_mesh::LevelMesh;
-use super::level_model::LevelCursor;
-use super::level_table::LevelTable;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
+use crate::lod::level::level_mesh::LevelMesh;
+use crate::lod::level::level_model::LevelCursor;
+use crate::lod::level::level_table::LevelTable;
 use crate::strip::{Cost, Strips};
 use options::{SEARCH_AMOUNTS, SearchAmount};
 use pairing::{Pairing, TwinChanges};

@@ -34,14 +34,21 @@
 //! Building takes time proportional to the stored successors and a logarithm. A move takes a step per strip, and per vertex of the strips that changed
 //! a step, and a binary search at the first visit. The bunny's 69,451 triangles take 24 bytes each.
 
+pub(crate) mod multiresolution;
+pub(crate) mod shortened;
+pub(crate) mod strip_graph;
+pub(crate) mod strip_states;
+
 use std::sync::Arc;
 
-use super::level_model::{LevelCursor, LevelModel};
-use super::level_table::LevelTable;
-use super::multiresolution::{Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists};
-use super::strip_graph::StripGraph;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
+use crate::lod::level::level_model::{LevelCursor, LevelModel};
+use crate::lod::level::level_table::LevelTable;
+use crate::lod::sets::multiresolution::{
+    Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists,
+};
+use crate::lod::sets::strip_graph::StripGraph;
 use crate::packed::{Packed, PackedRow, bits_for};
 use crate::strip::Strips;
 
@@ -283,7 +290,7 @@ impl SortedNode {
 mod tests {
     use super::*;
     use crate::collapse::Rename;
-    use crate::lod::shortened::{NONE, edits_of};
+    use crate::lod::sets::shortened::{NONE, edits_of};
 
     /// The strip a to h of the paper's figures as 0 to 7, and its four collapses.
     fn figures() -> (Strips, CollapseSequence) {

@@ -57,10 +57,10 @@ mod tests;
 mod vertex_tree;
 mod view;
 
-use super::level_table::LevelTable;
 use crate::collapse::{Collapse, CollapseSequence};
 use crate::error::Error;
 use crate::ids::OptionalId;
+use crate::lod::level::level_table::LevelTable;
 use crate::mesh::{Positions, canonical_triangles, triangles_of};
 use crate::strip::Strips;
 use bounds::Bounds;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::BlockOptions;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
-use crate::lod::index_map::RESTART;
-use crate::lod::level_model::LevelCursor;
+use crate::lod::level::index_map::RESTART;
+use crate::lod::level::level_model::LevelCursor;
 use crate::lod::repair::Repair;
 use crate::strip::Strips;
 

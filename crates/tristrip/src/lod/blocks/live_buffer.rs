@@ -16,8 +16,8 @@
 //! renamed slot.
 
 use crate::collapse::Rename;
-use crate::lod::index_map::RESTART;
-use crate::lod::replay::VertexSlots;
+use crate::lod::level::index_map::RESTART;
+use crate::lod::level::replay::VertexSlots;
 use crate::mesh::is_degenerate;
 
 /// What a collapse writes into a slot, ordered by what it overwrites.

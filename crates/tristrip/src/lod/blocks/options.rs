@@ -2,7 +2,7 @@
 
 use crate::effort::Effort;
 use crate::lod::RepairOptions;
-use crate::lod::level_table::LevelTable;
+use crate::lod::level::level_table::LevelTable;
 use crate::packed::bits_for;
 use crate::strip::Strips;
 

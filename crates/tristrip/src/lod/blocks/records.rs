@@ -11,7 +11,7 @@ use std::ops::Range;
 use super::live_buffer::Change;
 use crate::error::Error;
 use crate::index::Index;
-use crate::lod::index_map::RESTART;
+use crate::lod::level::index_map::RESTART;
 use crate::packed::{Packed, bits_for};
 
 /// The flags of a word, below its slot. The last word of a collapse is one of a rename, too.

@@ -18,7 +18,7 @@
 //! For each triangle a step per pair of intervals that contain it and the one before it, of which there are at most ten. Long strips are taken in
 //! segments of [`SEGMENT`] triangles, each at the least cost, so that the memory is limited.
 
-use crate::lod::index_map::RESTART;
+use crate::lod::level::index_map::RESTART;
 use crate::mesh::is_degenerate;
 
 /// What a cut costs: two vertices again, and a restart.

@@ -27,7 +27,7 @@
 
 use super::scanner::{Scanner, Sink};
 use super::valid::{BLOCK, Gatherer};
-use crate::lod::index_map::RESTART;
+use crate::lod::level::index_map::RESTART;
 
 /// The state of the scan after a block.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -5,7 +5,7 @@
 
 #![allow(clippy::needless_bitwise_bool, reason = "a lazy operator would be a branch")]
 
-use crate::lod::index_map::RESTART;
+use crate::lod::level::index_map::RESTART;
 
 /// The key of the first position of a map.
 pub(super) const FIRST_KEY: u32 = 2;

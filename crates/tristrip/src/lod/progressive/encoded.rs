@@ -32,8 +32,8 @@
 
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
-use crate::lod::index_map::RESTART;
-use crate::lod::replay::{Records, VertexSlots};
+use crate::lod::level::index_map::RESTART;
+use crate::lod::level::replay::{Records, VertexSlots};
 
 /// The number of vertices whose ids are below the symbols.
 pub(super) const MAX_VERTEX_COUNT: u32 = u32::MAX - 4;

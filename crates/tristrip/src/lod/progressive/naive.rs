@@ -11,7 +11,7 @@
 
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
-use crate::lod::replay::{Records, VertexSlots};
+use crate::lod::level::replay::{Records, VertexSlots};
 
 /// Records all collapses over a map of vertices and restarts; returns the entries of the full mesh, and the records. The entries from `live(level)` on are not drawn at that level or below it,
 /// and stay as they were.

@@ -25,9 +25,9 @@ use super::naive;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::ids::OptionalId;
-use crate::lod::level_model::{LevelCursor, LevelModel};
-use crate::lod::level_table::LevelTable;
-use crate::lod::replay::{Records, Replay};
+use crate::lod::level::level_model::{LevelCursor, LevelModel};
+use crate::lod::level::level_table::LevelTable;
+use crate::lod::level::replay::{Records, Replay};
 use crate::mesh::{is_degenerate, triangles_of};
 use crate::strip::Strips;
 

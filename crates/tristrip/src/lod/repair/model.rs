@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::{Repair, RepairOptions};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
-use crate::lod::level_mesh::LevelMesh;
-use crate::lod::level_model::{LevelCursor, LevelModel};
-use crate::lod::level_table::LevelTable;
+use crate::lod::level::level_mesh::LevelMesh;
+use crate::lod::level::level_model::{LevelCursor, LevelModel};
+use crate::lod::level::level_table::LevelTable;
 use crate::strip::Strips;
 
 /// The strips of a mesh at all levels, repaired by each cursor as it moves: the full strips and the collapses.

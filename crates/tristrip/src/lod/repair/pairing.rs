@@ -23,7 +23,7 @@ use std::collections::BTreeSet;
 
 use crate::collapse::Collapse;
 use crate::cover::priced::PricedPaths;
-use crate::lod::level_mesh::LevelMesh;
+use crate::lod::level::level_mesh::LevelMesh;
 
 /// A side without a twin: the lower and the higher vertex of its edge, and its half-edge.
 type UnpairedSide = [u32; 3];

@@ -3,7 +3,7 @@
 use crate::collapse::CollapseSequence;
 use crate::cover::priced::TRIANGLE_LIMIT;
 use crate::error::Error;
-use crate::lod::level_mesh::LevelMesh;
+use crate::lod::level::level_mesh::LevelMesh;
 use crate::mesh::canonical_triangle;
 use crate::strip::{Strips, strip_triangles};
 

@@ -1,7 +1,7 @@
 //! The camera of a frame.
 
 use crate::error::Error;
-use crate::lod::view::View;
+use crate::lod::level::view::View;
 use crate::vector::{Point, cross, dot, sub, unit};
 
 /// Where a camera is, where it looks, and its image.

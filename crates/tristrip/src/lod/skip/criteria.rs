@@ -30,7 +30,7 @@ use super::camera::CameraFrame;
 use super::cone::Facing;
 use super::foveation::{Blur, Foveation, Gaze};
 use crate::error::Error;
-use crate::lod::hysteresis::Hysteresis;
+use crate::lod::level::hysteresis::Hysteresis;
 use crate::vector::{Point, dot, sub, unit};
 
 const BACK_TOLERANCE: f64 = 4.0;

@@ -36,7 +36,7 @@ use super::vertex_tree::{NodeNumbers, VertexTree};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::csr::Csr;
 use crate::ids::OptionalId;
-use crate::lod::level_mesh::LevelMesh;
+use crate::lod::level::level_mesh::LevelMesh;
 use crate::packed::PackedRows;
 
 /// The most triangles of a kept vertex whose neighbours count.

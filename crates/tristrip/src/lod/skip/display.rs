@@ -18,7 +18,7 @@ use std::ops::Range;
 use super::original_strips::{AHEAD, Chunk, OriginalStrips};
 use crate::lod::filter::{BLOCK, Dtfs, Filter, Gatherer, Linked, Scanner, Sink, Stss};
 use crate::lod::filter::{replace_last_triangle, replace_last_vertex, reverse_but_for_start};
-use crate::lod::index_map::RESTART;
+use crate::lod::level::index_map::RESTART;
 use crate::strip::Strips;
 
 /// The display strips by any filter.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::{SkipStrips, SkipView};
 use crate::error::Error;
 use crate::lod::filter::Filter;
-use crate::lod::level_model::{LevelCursor, LevelModel};
-use crate::lod::level_table::LevelTable;
+use crate::lod::level::level_model::{LevelCursor, LevelModel};
+use crate::lod::level::level_table::LevelTable;
 use crate::strip::Strips;
 
 /// A view that moves between the levels of a model.

@@ -13,7 +13,7 @@
 use super::vertex_tree::{NodeNumbers, VertexTree};
 use crate::csr::Csr;
 use crate::lod::filter::BLOCK;
-use crate::lod::index_map::RESTART;
+use crate::lod::level::index_map::RESTART;
 use crate::packed::PackedRows;
 use crate::strip::Strips;
 

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use super::{Camera, SkipStrips, SkipView, ViewCriteria, ViewUpdate};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
-use crate::lod::level_model::LevelCursor;
+use crate::lod::level::level_model::LevelCursor;
 use crate::lod::repair::{Repair, RepairOptions};
 use crate::strip::Strips;
 

@@ -18,7 +18,7 @@
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::ids::OptionalId;
-use crate::lod::vertex_ranges::{CollapseTree, ends};
+use crate::lod::level::vertex_ranges::{CollapseTree, ends};
 use crate::mesh::{SPARSE, VertexSubset};
 use crate::packed::PackedRows;
 

@@ -16,7 +16,7 @@ use super::state::ViewState;
 use crate::error::Error;
 use crate::ids::OptionalId;
 use crate::lod::filter::Filter;
-use crate::lod::index_map::RESTART;
+use crate::lod::level::index_map::RESTART;
 use crate::mesh::is_degenerate;
 use crate::strip::{Strips, strip_triangles};
 pub use geomorphs::{ViewGeomorphs, ViewSnapshot};

@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use super::SkipView;
 use crate::error::Error;
-use crate::lod::geomorph::{Geomorph, Transit};
+use crate::lod::level::geomorph::{Geomorph, Transit};
 use crate::lod::skip::SkipStrips;
 use crate::lod::skip::vertex_tree::VertexTree;
 

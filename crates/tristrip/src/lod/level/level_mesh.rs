@@ -28,7 +28,7 @@ use crate::mesh::is_degenerate;
 
 /// The triangles of a level under collapses and splits. Corner e of triangle t is 3 t + e.
 #[derive(Debug, Clone)]
-pub(super) struct LevelMesh {
+pub(crate) struct LevelMesh {
     /// The current vertex at each corner, or the one at the time when its triangle was dropped.
     corners: Vec<u32>,
     /// The ring of each vertex: its corners and its head. Heads are numbered after all corners.
@@ -47,13 +47,13 @@ struct FullMesh {
 
 impl LevelMesh {
     /// Builds the full mesh, of which collapses may be done and undone in any order in which what they depend on is done.
-    pub(super) fn in_any_order(sequence: &Arc<CollapseSequence>) -> Self {
+    pub(crate) fn in_any_order(sequence: &Arc<CollapseSequence>) -> Self {
         let full = FullMesh { sequence: Arc::clone(sequence), ranges: VertexRanges::new(sequence) };
         Self { full: Some(full), ..Self::new(sequence) }
     }
 
     /// Builds the full mesh. Triangles that are not drawn are in no ring.
-    pub(super) fn new(sequence: &CollapseSequence) -> Self {
+    pub(crate) fn new(sequence: &CollapseSequence) -> Self {
         let corners = sequence.triangles().to_vec();
         let ring = 0..(corners.len() + sequence.vertex_count()) as u32;
         let mut surface =
@@ -72,43 +72,43 @@ impl LevelMesh {
     }
 
     /// Returns the memory of the mesh in bytes.
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         let ranges = self.full.as_ref().map_or(0, |full| full.ranges.memory());
         let lists = [&self.corners, &self.next, &self.previous].map(|list| size_of_val(&list[..]));
         ranges + lists.iter().sum::<usize>()
     }
 
-    pub(super) fn triangle_count(&self) -> usize {
+    pub(crate) fn triangle_count(&self) -> usize {
         self.corners.len() / 3
     }
 
     /// Returns whether a triangle is drawn. A dropped triangle is degenerate.
-    pub(super) fn is_drawn(&self, t: u32) -> bool {
+    pub(crate) fn is_drawn(&self, t: u32) -> bool {
         !is_degenerate(self.triangle(t))
     }
 
     /// Returns the vertices of a triangle.
-    pub(super) fn triangle(&self, t: u32) -> [u32; 3] {
+    pub(crate) fn triangle(&self, t: u32) -> [u32; 3] {
         [0, 1, 2].map(|e| self.corners[3 * t as usize + e])
     }
 
     /// Returns the vertices at which a half-edge begins and ends. Half-edges are numbered by fours, as in priced paths: edge e of triangle t
     /// is 4 t + e.
-    pub(super) fn edge(&self, half_edge: u32) -> [u32; 2] {
+    pub(crate) fn edge(&self, half_edge: u32) -> [u32; 2] {
         let triangle = self.triangle(half_edge / 4);
         let e = half_edge as usize % 4;
         [triangle[e], triangle[(e + 1) % 3]]
     }
 
     /// Iterates over the corners at a vertex that is not removed.
-    pub(super) fn around(&self, v: u32) -> impl Iterator<Item = u32> {
+    pub(crate) fn around(&self, v: u32) -> impl Iterator<Item = u32> {
         let head = self.head(v);
         std::iter::successors(Some(self.next[head as usize]), |&corner| Some(self.next[corner as usize]))
             .take_while(move |&corner| corner != head)
     }
 
     /// Applies a collapse.
-    pub(super) fn collapse(&mut self, collapse: &Collapse<'_>) {
+    pub(crate) fn collapse(&mut self, collapse: &Collapse<'_>) {
         for rename in collapse.renames {
             let (from, to) = (self.head(rename.removed), self.head(rename.kept));
             let (first, last) = (self.next[from as usize], self.previous[from as usize]);
@@ -126,7 +126,7 @@ impl LevelMesh {
     }
 
     /// Undoes a collapse: the last applied one, or in a mesh of any order one that no other depends on.
-    pub(super) fn split(&mut self, collapse: &Collapse<'_>) {
+    pub(crate) fn split(&mut self, collapse: &Collapse<'_>) {
         if let Some(full) = self.full.take() {
             self.split_in_any_order(collapse, &full);
             self.full = Some(full);
@@ -183,7 +183,7 @@ impl LevelMesh {
     }
 
     /// Returns the edges that two triangles share, by the half-edges of the two sides, numbered as in [`LevelMesh::edge`].
-    pub(super) fn shared(&self, t: u32, u: u32) -> impl Iterator<Item = [u32; 2]> {
+    pub(crate) fn shared(&self, t: u32, u: u32) -> impl Iterator<Item = [u32; 2]> {
         let [from, to] = [t, u].map(|t| self.triangle(t));
         let edges = (0..3_u32).flat_map(|e| (0..3_u32).map(move |f| (e, f)));
         edges.filter_map(move |(e, f)| {

@@ -44,7 +44,7 @@ pub trait LevelModel: Send + Sync {
     /// Returns the triangles and the error of each level.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?;
     /// assert_eq!((model.levels().collapse_count(), model.levels().triangle_count(0)?), (2, 1));
     /// # Ok::<(), tristrip::Error>(())
@@ -54,7 +54,7 @@ pub trait LevelModel: Send + Sync {
     /// Returns the memory of the model in bytes, without that of its cursors.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let memory = |encoding| ProgressiveStrips::new(&strips, &sequence, encoding).map(|model| model.memory());
     /// // One slot less to store.
     /// assert_eq!((memory(Encoding::Naive)?, memory(Encoding::Offsets)?), (92, 84));
@@ -65,7 +65,7 @@ pub trait LevelModel: Send + Sync {
     /// Returns a cursor at the level of the full mesh.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let model: Arc<dyn LevelModel> = Arc::new(ProgressiveMesh::new(&sequence)?);
     /// // Two instances of the object share the model; the one in the distance is drawn coarser.
     /// let (mut near, mut far) = (Arc::clone(&model).start(), model.start());
@@ -81,7 +81,7 @@ pub trait LevelCursor: Send {
     /// Returns the triangles and the error of each level.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
     /// let level = cursor.levels().level_of_triangles(2);
     /// cursor.set_level(level)?;
@@ -93,7 +93,7 @@ pub trait LevelCursor: Send {
     /// Returns the current level: 0 for the base mesh, the number of collapses for the full mesh.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
     /// assert_eq!(cursor.level(), 2);
     /// cursor.set_error(1.0)?;
@@ -108,7 +108,7 @@ pub trait LevelCursor: Send {
     /// There is no such level; the cursor stays where it is.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
     /// cursor.set_level(1)?;
     /// assert!(cursor.set_level(3).is_err());
@@ -120,7 +120,7 @@ pub trait LevelCursor: Send {
     /// Returns the display strips of the level.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?).start();
     /// assert_eq!(cursor.strips().vertices(), [0, 1, 2, 3, 4]);
     /// cursor.set_level(1)?;
@@ -132,7 +132,7 @@ pub trait LevelCursor: Send {
     /// Returns the memory of the cursor in bytes, without that of the model.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Naive)?).start();
     /// let before = cursor.memory();
     /// let display = cursor.strips().memory();
@@ -148,7 +148,7 @@ pub trait LevelCursor: Send {
     /// The error is negative or not a number.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
     /// // The collapses have errors of 0.25 and 0.5.
     /// assert_eq!((cursor.set_error(0.6)?, cursor.set_error(0.3)?, cursor.set_error(0.1)?), (0, 1, 2));
@@ -167,7 +167,7 @@ pub trait LevelCursor: Send {
     /// [`LevelCursor::set_level`] fails, which it does not for a level of [`LevelCursor::levels`].
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
     /// assert_eq!((cursor.set_triangles(2)?, cursor.strips().triangles().count()), (1, 2));
     /// assert_eq!(cursor.set_triangles(0)?, 0);
@@ -185,7 +185,7 @@ pub trait LevelCursor: Send {
     /// The number of pixels is negative or not a number.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
     /// // At four pixels per mesh unit, an error of 0.25 covers one pixel, and 0.5 two.
     /// let view = View::parallel(4.0)?;
@@ -204,7 +204,7 @@ pub trait LevelCursor: Send {
     /// The error is negative or not a number.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
     /// // Levels 0, 1 and 2 have errors of 0.5, 0.25 and 0. The full mesh is not too fine before a coarser level is within half of the error.
     /// let half = Hysteresis::new(0.5)?;
@@ -225,7 +225,7 @@ pub trait LevelCursor: Send {
     /// The number of pixels is negative or not a number.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
     /// let view = View::parallel(4.0)?;
     /// assert_eq!(cursor.follow_pixels(1.5, view, Hysteresis::default())?, 1);

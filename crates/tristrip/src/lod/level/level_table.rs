@@ -25,7 +25,7 @@ impl LevelTable {
     /// Builds the table of a sequence of collapses.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let levels = LevelTable::of(&sequence);
     /// let table = (0..=2).map(|level| Ok((levels.triangle_count(level)?, levels.error(level)?)));
     /// assert_eq!(table.collect::<Result<Vec<_>, tristrip::Error>>()?, [(1, 0.5), (2, 0.25), (3, 0.0)]);
@@ -128,7 +128,7 @@ impl LevelTable {
     }
 
     /// Returns the number of triangles at a level that exists.
-    pub(super) fn triangles_at(&self, level: usize) -> usize {
+    pub(crate) fn triangles_at(&self, level: usize) -> usize {
         self.triangle_counts[level] as usize
     }
 

@@ -8,7 +8,7 @@ use crate::ids::OptionalId;
 
 /// The numbers of vertices in an order in which the vertices below each one in the tree of collapses follow it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct VertexRanges {
+pub(crate) struct VertexRanges {
     numbers: Vec<u32>,
     /// The end of the numbers below each vertex, by number.
     ends: Vec<u32>,
@@ -16,7 +16,7 @@ pub(super) struct VertexRanges {
 
 impl VertexRanges {
     /// Numbers the vertices of a sequence.
-    pub(super) fn new(sequence: &CollapseSequence) -> Self {
+    pub(crate) fn new(sequence: &CollapseSequence) -> Self {
         let mut links = CollapseTree::new(sequence.vertex_count());
         for rename in sequence.iter().flat_map(|collapse| collapse.renames) {
             links.add(rename.removed, rename.kept);
@@ -31,18 +31,18 @@ impl VertexRanges {
 
     /// Checks whether a vertex is another one or below it.
     #[inline]
-    pub(super) fn contains(&self, vertex: u32, other: u32) -> bool {
+    pub(crate) fn contains(&self, vertex: u32, other: u32) -> bool {
         let [first, number] = [vertex, other].map(|v| self.numbers[v as usize]);
         (first..self.ends[first as usize]).contains(&number)
     }
 
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         size_of_val(&self.numbers[..]) + size_of_val(&self.ends[..])
     }
 }
 
 /// The vertices that each vertex replaces, as linked lists of children, the last one first.
-pub(super) struct CollapseTree {
+pub(crate) struct CollapseTree {
     parent: Vec<OptionalId>,
     first_child: Vec<OptionalId>,
     next: Vec<OptionalId>,
@@ -50,13 +50,13 @@ pub(super) struct CollapseTree {
 
 impl CollapseTree {
     /// Creates the tree of vertices without collapses.
-    pub(super) fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         let none = || vec![OptionalId::NONE; count];
         Self { parent: none(), first_child: none(), next: none() }
     }
 
     /// Adds a child, unless one of the two was removed before.
-    pub(super) fn add(&mut self, removed: u32, kept: u32) -> bool {
+    pub(crate) fn add(&mut self, removed: u32, kept: u32) -> bool {
         let is_there = |v: u32| self.parent.get(v as usize).is_some_and(|parent| parent.is_none());
         if !is_there(removed) || !is_there(kept) || removed == kept {
             return false;
@@ -68,12 +68,12 @@ impl CollapseTree {
     }
 
     /// Returns the vertex that replaces a vertex.
-    pub(super) fn parent(&self, v: u32) -> Option<u32> {
+    pub(crate) fn parent(&self, v: u32) -> Option<u32> {
         self.parent[v as usize].get()
     }
 
     /// Returns all vertices, each before its children.
-    pub(super) fn depth_first(&self) -> Vec<u32> {
+    pub(crate) fn depth_first(&self) -> Vec<u32> {
         let mut order = Vec::with_capacity(self.parent.len());
         let mut stack = Vec::new();
         for root in (0..self.parent.len() as u32).filter(|&v| self.parent[v as usize].is_none()) {
@@ -93,7 +93,7 @@ impl CollapseTree {
 }
 
 /// Returns the end of the subtree of each node, given the parents of nodes in depth-first order.
-pub(super) fn ends(parents: &[OptionalId]) -> Vec<u32> {
+pub(crate) fn ends(parents: &[OptionalId]) -> Vec<u32> {
     let mut ends: Vec<u32> = (1..=parents.len() as u32).collect();
     for node in (0..parents.len()).rev() {
         if let Some(parent) = parents[node].get() {

@@ -28,7 +28,7 @@ pub struct Transit {
 /// The vertices that move between two levels.
 ///
 /// ```
-#[doc = include_str!("example.txt")]
+#[doc = include_str!("../example.txt")]
 /// let geomorph = Geomorph::between(&sequence, 2, 0)?;
 /// assert_eq!(geomorph.transits(), [Transit { vertex: 3, target: 2 }, Transit { vertex: 4, target: 2 }]);
 /// // One value per vertex; half of the way.
@@ -46,7 +46,7 @@ pub struct Geomorph {
 
 impl Geomorph {
     /// Creates a geomorph of vertices, which rise, in a mesh of this many.
-    pub(super) fn new(transits: Vec<Transit>, vertex_count: usize) -> Self {
+    pub(crate) fn new(transits: Vec<Transit>, vertex_count: usize) -> Self {
         Self { transits, vertex_count }
     }
 
@@ -56,7 +56,7 @@ impl Geomorph {
     /// There is no such level.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// assert_eq!(Geomorph::between(&sequence, 1, 2)?, Geomorph::between(&sequence, 2, 1)?);
     /// assert!(Geomorph::between(&sequence, 1, 1)?.transits().is_empty());
     /// assert!(Geomorph::between(&sequence, 1, 3).is_err());
@@ -73,7 +73,7 @@ impl Geomorph {
     /// Returns the vertices that move, rising.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// assert_eq!(Geomorph::between(&sequence, 1, 0)?.transits(), [Transit { vertex: 3, target: 2 }]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -89,7 +89,7 @@ impl Geomorph {
     /// The weight is not from 0 to 1, or one of the slices does not have `components` numbers per vertex.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// let geomorph = Geomorph::between(&sequence, 2, 1)?;
     /// let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.0, 2.0]];
     /// let mut drawn = points;

@@ -69,7 +69,7 @@ impl Hysteresis {
     /// The error is negative or not a number.
     ///
     /// ```
-    #[doc = include_str!("example.txt")]
+    #[doc = include_str!("../example.txt")]
     /// // Level 1 has an error of 0.25.
     /// let (levels, half) = (LevelTable::of(&sequence), Hysteresis::new(0.5)?);
     /// assert_eq!((half.level(&levels, 1, 0.25)?, half.level(&levels, 1, 0.5)?, half.level(&levels, 1, 1.0)?), (1, 1, 0));

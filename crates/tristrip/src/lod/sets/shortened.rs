@@ -18,10 +18,10 @@
 //! # Complexity
 //! A constant number of steps per renamed slot, and temporarily 20 bytes per slot and 4 per vertex.
 
-use super::replay::{MAX_SLOTS_PER_ENTRY, VertexSlots};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::csr::Csr;
 use crate::error::Error;
+use crate::lod::level::replay::{MAX_SLOTS_PER_ENTRY, VertexSlots};
 use crate::mesh::{canonical_triangle, is_degenerate};
 use crate::strip::Strips;
 
@@ -60,7 +60,7 @@ pub fn edits_of(strips: &Strips, sequence: &CollapseSequence) -> Result<Csr<Slot
 
 /// The strips while they follow the collapses. The slots are those of the full mesh, counted over all strips; removed ones stay empty.
 #[derive(Debug)]
-pub(super) struct ShortenedStrips {
+pub(crate) struct ShortenedStrips {
     vertices: Vec<u32>,
     ends: Vec<u32>,
     strip_of: Vec<u32>,
@@ -78,7 +78,7 @@ pub(super) struct ShortenedStrips {
 
 impl ShortenedStrips {
     /// Starts with the strips of the full mesh, whose vertices are below `vertex_count`.
-    pub(super) fn new(strips: &Strips, vertex_count: usize) -> Self {
+    pub(crate) fn new(strips: &Strips, vertex_count: usize) -> Self {
         let vertices = strips.vertices().to_vec();
         let slot_count = vertices.len() as u32;
         let (mut ends, mut strip_of) = (Vec::with_capacity(strips.len()), Vec::with_capacity(vertices.len()));

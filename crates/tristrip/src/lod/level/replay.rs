@@ -5,7 +5,7 @@ use crate::error::Error;
 
 /// The most renamed slots per entry of a map, over all collapses: meshes have about five, a hostile sequence has as many as there are
 /// collapses.
-pub(super) const MAX_SLOTS_PER_ENTRY: usize = 256;
+pub(crate) const MAX_SLOTS_PER_ENTRY: usize = 256;
 
 /// What a vertex split writes: one vertex, into some slots of the index map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,13 +18,13 @@ pub struct SlotUpdate<'a> {
 
 /// The entries of a map at a level, which records lead to other levels.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Replay {
-    pub(super) entries: Vec<u32>,
-    pub(super) level: usize,
+pub(crate) struct Replay {
+    pub(crate) entries: Vec<u32>,
+    pub(crate) level: usize,
 }
 
 impl Replay {
-    pub(super) fn refine(&mut self, records: &Records) -> bool {
+    pub(crate) fn refine(&mut self, records: &Records) -> bool {
         if self.level >= records.len() {
             return false;
         }
@@ -33,7 +33,7 @@ impl Replay {
         true
     }
 
-    pub(super) fn coarsen(&mut self, records: &Records) -> bool {
+    pub(crate) fn coarsen(&mut self, records: &Records) -> bool {
         if self.level == 0 {
             return false;
         }
@@ -43,7 +43,7 @@ impl Replay {
     }
 
     /// Moves to a level, which must exist.
-    pub(super) fn go_to(&mut self, level: usize, records: &Records) {
+    pub(crate) fn go_to(&mut self, level: usize, records: &Records) {
         while self.level < level && self.refine(records) {}
         while self.level > level && self.coarsen(records) {}
     }
@@ -51,25 +51,25 @@ impl Replay {
 
 /// What the collapses write and where. The models add them in the order from the full mesh to the base mesh, and find them by level.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Records {
+pub(crate) struct Records {
     /// The end of each collapse among the vertices.
     vertex_ends: Vec<u32>,
     /// The removed vertices.
-    pub(super) vertices: Vec<u32>,
+    pub(crate) vertices: Vec<u32>,
     /// The end of each vertex among the slots.
     slot_ends: Vec<u32>,
-    pub(super) slots: Vec<u32>,
+    pub(crate) slots: Vec<u32>,
     /// What the collapse writes into each slot.
     coarse: Vec<u32>,
 }
 
 impl Records {
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.vertex_ends.len()
     }
 
     /// Returns the memory of the records in bytes.
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         let lists = [&self.vertex_ends, &self.vertices, &self.slot_ends, &self.slots, &self.coarse];
         lists.map(|list| size_of_val(&list[..])).iter().sum()
     }
@@ -79,12 +79,12 @@ impl Records {
         self.len() - 1 - level
     }
 
-    pub(super) fn vertices_of(&self, level: usize) -> std::ops::Range<usize> {
+    pub(crate) fn vertices_of(&self, level: usize) -> std::ops::Range<usize> {
         range(&self.vertex_ends, self.number(level))
     }
 
     /// Writes the vertices of a collapse into their slots; collapses have the numbers from 0 in the order in which they were added.
-    pub(super) fn split(&self, number: usize, entries: &mut [u32]) {
+    pub(crate) fn split(&self, number: usize, entries: &mut [u32]) {
         for i in range(&self.vertex_ends, number) {
             let slots = &self.slots[range(&self.slot_ends, i)];
             slots.iter().for_each(|&slot| entries[slot as usize] = self.vertices[i]);
@@ -92,7 +92,7 @@ impl Records {
     }
 
     /// Writes what the slots of a collapse had before [`Records::split`].
-    pub(super) fn collapse(&self, number: usize, entries: &mut [u32]) {
+    pub(crate) fn collapse(&self, number: usize, entries: &mut [u32]) {
         // From the last one back, so that a slot that is written twice gets its first entry.
         for i in range(&self.vertex_ends, number).rev() {
             let range = range(&self.slot_ends, i);
@@ -103,13 +103,13 @@ impl Records {
     }
 
     /// Returns the updates of the split from `level`, which must be less than [`Records::len`].
-    pub(super) fn split_of(&self, level: usize) -> impl ExactSizeIterator<Item = SlotUpdate<'_>> {
+    pub(crate) fn split_of(&self, level: usize) -> impl ExactSizeIterator<Item = SlotUpdate<'_>> {
         self.vertices_of(level)
             .map(|i| SlotUpdate { vertex: self.vertices[i], slots: &self.slots[range(&self.slot_ends, i)] })
     }
 
     /// Adds a removed vertex and what is written into its slots, rising, to the open collapse.
-    pub(super) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
+    pub(crate) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
         self.vertices.push(vertex);
         for (slot, entry) in written {
             self.slots.push(slot);
@@ -119,7 +119,7 @@ impl Records {
     }
 
     /// Ends a collapse, unless there are too many slots for a map of `entry_count` entries.
-    pub(super) fn end(&mut self, entry_count: usize) -> Result<(), Error> {
+    pub(crate) fn end(&mut self, entry_count: usize) -> Result<(), Error> {
         self.vertex_ends.push(self.vertices.len() as u32);
         let limit = entry_count.saturating_mul(MAX_SLOTS_PER_ENTRY).min(u32::MAX as usize);
         if self.slots.len() > limit {
@@ -136,7 +136,7 @@ fn range(ends: &[u32], i: usize) -> std::ops::Range<usize> {
 
 /// The slots of each vertex, as linked lists through the map.
 #[derive(Debug)]
-pub(super) struct VertexSlots {
+pub(crate) struct VertexSlots {
     /// The first slot of each vertex, plus one; 0 if there is none.
     first: Vec<u32>,
     /// The next slot of the same vertex after each one, plus one.
@@ -145,7 +145,7 @@ pub(super) struct VertexSlots {
 
 impl VertexSlots {
     /// Lists the slots of a map for which `is_listed` holds.
-    pub(super) fn of(map: &[u32], vertex_count: usize, is_listed: impl Fn(usize) -> bool) -> Self {
+    pub(crate) fn of(map: &[u32], vertex_count: usize, is_listed: impl Fn(usize) -> bool) -> Self {
         let mut slots = Self { first: vec![0; vertex_count], next: vec![0; map.len()] };
         for (slot, &vertex) in map.iter().enumerate().rev() {
             if vertex != RESTART && is_listed(slot) {
@@ -155,12 +155,12 @@ impl VertexSlots {
         slots
     }
 
-    pub(super) fn add(&mut self, vertex: u32, slot: u32) {
+    pub(crate) fn add(&mut self, vertex: u32, slot: u32) {
         self.next[slot as usize] = std::mem::replace(&mut self.first[vertex as usize], slot + 1);
     }
 
     /// Removes and returns all slots of a vertex, rising.
-    pub(super) fn take(&mut self, vertex: u32, taken: &mut Vec<u32>) {
+    pub(crate) fn take(&mut self, vertex: u32, taken: &mut Vec<u32>) {
         taken.clear();
         let mut slot = std::mem::take(&mut self.first[vertex as usize]);
         while slot > 0 {

@@ -10,13 +10,13 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use super::level_model::LevelCursor;
-use super::level_table::LevelTable;
-use super::replay::MAX_SLOTS_PER_ENTRY;
 use super::shortened::edits_of;
 use super::strip_graph::StripGraph;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
+use crate::lod::level::level_model::LevelCursor;
+use crate::lod::level::level_table::LevelTable;
+use crate::lod::level::replay::MAX_SLOTS_PER_ENTRY;
 use crate::packed::{Packed, PackedRow, bits_for};
 use crate::strip::Strips;
 

@@ -1,0 +1,11 @@
+//! Levels: the traits of models and cursors, tables of triangles and errors, the choice of a level by a view, and the way between two levels.
+
+pub(crate) mod geomorph;
+pub(crate) mod hysteresis;
+pub(crate) mod index_map;
+pub(crate) mod level_mesh;
+pub(crate) mod level_model;
+pub(crate) mod level_table;
+pub(crate) mod replay;
+pub(crate) mod vertex_ranges;
+pub(crate) mod view;
