@@ -8,7 +8,7 @@ use tristrip::simplify::{MergeOrder, Price};
 use tristrip::stream::{StreamLimits, StreamOptions};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{Cost, Method, StripifyOptions};
-use tristrip_pipeline::{ChainRatios, Deviation, DisplayFilter, Goal, Normals, SimplifyOptions};
+use tristrip_pipeline::{ChainRatios, Deviation, DisplayFilter, Goal, Normals, simplify};
 
 use super::tristrip;
 
@@ -99,7 +99,7 @@ fn methods_and_efforts_have_one_default() {
 
 #[test]
 fn simplification_has_one_default() {
-    let rust = SimplifyOptions::new(Goal::default());
+    let rust = simplify::Options::default();
     let python = |flag: bool| if flag { "True" } else { "False" };
     for function in ["simplify", "Scene.simplify"] {
         assert_eq!(of_python(function, "fit"), python(rust.fit), "{function}");
