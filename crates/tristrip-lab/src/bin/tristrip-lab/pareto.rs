@@ -74,7 +74,10 @@ fn measure(
 ) -> Result<Vec<ParetoPoint>, Failure> {
     let (model, _) = load(input, console)?;
     let options = StripifyOptions::default().with_weld(args.weld).with_seed(args.seed);
-    let options = options.with_vertex_cache(args.vertex_cache);
+    let mut options = options.with_vertex_cache(args.vertex_cache);
+    if let Some(effort) = args.effort {
+        options = options.with_effort(effort);
+    }
     let prepared = PreparedModel::new(&model, args.weld);
     let (measured, seconds) = timed(|| pareto::measure(&prepared, &options, args.effort, &()));
     let (points, notes) = measured?;
