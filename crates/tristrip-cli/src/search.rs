@@ -62,9 +62,10 @@ impl SearchWatch {
             _ => false,
         };
         if searches {
+            // Counted first: from the moment at which the handler is installed, Ctrl-C stops the search.
+            SEARCHES.fetch_add(1, Ordering::SeqCst);
             // Without a handler Ctrl-C ends the command as usual.
             HANDLER.call_once(|| ctrlc::set_handler(on_interrupt).unwrap_or_default());
-            SEARCHES.fetch_add(1, Ordering::SeqCst);
         }
         Self {
             bar,

@@ -140,6 +140,6 @@ mod tests {
         let mut strips = Strips::default();
         strips.push(&[0, 1, 3]);
         let wrong = model.check_drawings(&[Drawing::Strips(&strips)]).unwrap_err();
-        assert_eq!(wrong.to_string(), "face 0, corner 2: found vertex index 3, expected less than 3");
+        assert_eq!(wrong.to_string(), "strip 0, vertex 2: found vertex index 3, expected less than 3");
     }
 }

@@ -294,7 +294,7 @@ mod tests {
         let with = |method| labels(&StripifyOptions::default().with_method(method), None);
         assert_eq!(with(Method::Best).len(), 15);
         assert_eq!(with(Method::STRIPE).len(), 15);
-        assert_eq!(with(Method::Tunnel { length: 9 }).last().map(String::as_str), Some("tunnel 9"));
+        assert_eq!(with(Method::Tunnel { length: 9 }).last().map(String::as_str), Some("tunnel"));
         let opengl = StripifyOptions::default().with_cost(tristrip::Cost::OpenGl);
         assert_eq!(labels(&opengl, None).last().map(String::as_str), Some("best opengl 2"));
     }

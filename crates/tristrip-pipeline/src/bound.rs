@@ -83,7 +83,7 @@ fn proof_name(proof: BoundMethod) -> &'static str {
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
 /// let found = bound::run(&model, &bound::Options::default(), &())?;
 /// assert_eq!((found.bound.strips, found.bound.vertices_sent, found.sequential[0]), (1, 4, true));
-/// assert_eq!((found.components.len(), found.components[0].proof), (1, "one-strip"));
+/// assert_eq!((found.components.len(), found.components[0].proof), (1, "exact"));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
 pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {

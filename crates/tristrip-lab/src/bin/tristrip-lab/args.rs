@@ -133,7 +133,7 @@ pub(crate) struct LevelsArgs {
 #[derive(Debug, Args)]
 pub(crate) struct MethodArgs {
     /// The method of the strips and its options, such as stripe-global:patches=full,cutoff=10
-    #[arg(short, long = "method", value_name = "METHOD", value_parser = parse_method, default_value = "best")]
+    #[arg(short = 'm', long = "method", value_name = "METHOD", value_parser = parse_method, default_value = "best")]
     pub(crate) options: StripifyOptions,
 }
 

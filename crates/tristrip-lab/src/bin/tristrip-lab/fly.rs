@@ -91,7 +91,8 @@ pub(crate) fn run(args: &FlyArgs, console: &Console) -> Result<(), Failure> {
 fn of_argument(error: &tristrip::Error) -> Failure {
     Failure::Usage(match error {
         tristrip::Error::Parameter { name, found, expected } => {
-            format!("--{}: found {found}, expected {expected}", name.replace('_', "-"))
+            let flag = if *name == "growth" { "foveation".into() } else { name.replace('_', "-") };
+            format!("--{flag}: found {found}, expected {expected}")
         }
         other => other.to_string(),
     })
