@@ -33,6 +33,11 @@ pub(crate) struct Seconds {
 }
 
 impl Seconds {
+    /// Returns whether the command reports no times.
+    pub(crate) fn has_no_keys(&self) -> bool {
+        self.keys.is_empty()
+    }
+
     /// Returns the sum of the times of stages; `None` if none of them ran.
     fn of(&self, stages: &[Stage]) -> Option<f64> {
         stages.iter().filter_map(|stage| self.times.get(stage)).copied().reduce(|a, b| a + b)

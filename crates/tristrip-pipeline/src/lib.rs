@@ -39,12 +39,13 @@ mod figures;
 #[cfg(feature = "fs")]
 mod files;
 mod goal;
+pub mod inspect;
 mod join;
 mod levels;
 mod method;
 mod metrics;
 mod observer;
-mod pack;
+pub mod pack;
 mod parts;
 mod places;
 mod prepared;
@@ -53,7 +54,7 @@ mod stream;
 pub mod strip;
 mod surface_change;
 pub mod text;
-mod unpack;
+pub mod unpack;
 pub mod verify;
 mod view_model;
 
@@ -76,16 +77,12 @@ pub use levels::{
 pub use method::{MethodReport, method_help, parse_method, with_method_parameter};
 pub use metrics::{StripMetrics, rounded};
 pub use observer::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
-pub use pack::{PackOptions, Packed, PackedReport, pack};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
 pub use simplify::{CollapseRules, LevelOrder, Normals};
 pub use stream::{StreamedMesh, stream_of_mesh};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
-pub use unpack::{
-    ChunkFigures, ComponentBits, StreamFigures, StreamGoal, StreamReport, Unpacked, UnpackedReport,
-    stream_figures, unpack,
-};
+pub use unpack::StreamGoal;
 pub use view_model::{
     EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, prove_view, view_model,
 };

@@ -20,6 +20,8 @@ use crate::metrics::StripMetrics;
 pub enum Stage {
     /// The caller reads the model. The pipeline reads and writes no files, so it never starts this stage nor [`Stage::Write`].
     Load,
+    /// Chunks of a stream are decoded.
+    Decode,
     /// The indices of a file are counted and vertex caches simulated.
     Analyze,
     /// Faces are prepared and dual graphs built.
@@ -58,6 +60,7 @@ impl fmt::Display for Stage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Load => "load",
+            Self::Decode => "decode",
             Self::Analyze => "analyze",
             Self::Prepare => "dual graph",
             Self::Survey => "mesh",

@@ -287,7 +287,7 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    use tristrip_pipeline::{PackOptions, pack};
+    use tristrip_pipeline::pack;
 
     use super::*;
 
@@ -303,7 +303,7 @@ mod tests {
 
     fn folder_of_models(dir: &Path) -> Folder {
         let model = tristrip_io::read(&grid(), Format::Obj).unwrap();
-        let packed = pack(&model, &PackOptions::default(), &()).unwrap();
+        let packed = pack::run(&model, &pack::Options::default(), &()).unwrap();
         let plain =
             tristrip_io::write(&model, &[tristrip_io::Drawing::Faces], Format::Glb, tristrip::Layout::List);
         fs::create_dir_all(dir.join("b c")).unwrap();
@@ -349,7 +349,7 @@ mod tests {
     #[test]
     fn sizes_are_found_without_the_bytes_before_the_stream() {
         let model = tristrip_io::read(&grid(), Format::Obj).unwrap();
-        let packed = pack(&model, &PackOptions::default(), &()).unwrap();
+        let packed = pack::run(&model, &pack::Options::default(), &()).unwrap();
         let size = Some((59 * 59 * 2, 3600));
         let whole = Contents { is_progressive: true, size };
         assert_eq!(contents_of_bytes(&packed.bytes), whole);
