@@ -28,7 +28,7 @@
 pub mod analyze;
 pub mod bound;
 mod bounds;
-mod chain;
+pub mod chain;
 mod collapses;
 pub mod compare;
 pub mod convert;
@@ -56,12 +56,10 @@ mod surface_change;
 pub mod text;
 pub mod unpack;
 pub mod verify;
-mod view_model;
+pub mod view_model;
 
 pub use bounds::{BoundGap, Bounds};
-pub use chain::{
-    Chain, ChainLevel, ChainOptions, ChainRatios, EncodedChain, LevelReport, chain, chain_observed,
-};
+pub use chain::ChainRatios;
 pub use collapses::{Collapses, KeptVertices};
 pub use drawing::{DrawCost, Drawn, DrawnAs, DrawnParts, FileCost};
 pub use error::{Error, UnprovenMetrics};
@@ -83,6 +81,3 @@ pub use simplify::{CollapseRules, LevelOrder, Normals};
 pub use stream::{StreamedMesh, stream_of_mesh};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
 pub use unpack::StreamGoal;
-pub use view_model::{
-    EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, prove_view, view_model,
-};
