@@ -41,7 +41,7 @@ mod files;
 mod goal;
 pub mod inspect;
 mod join;
-mod levels;
+pub mod levels;
 mod method;
 mod metrics;
 mod observer;
@@ -69,12 +69,11 @@ pub use files::{Target, WRITTEN_FORMATS, WrittenFiles, format_to_write, layout_t
 pub use goal::{Amount, Deviation, Goal, Ratio};
 pub use join::{Joined, join};
 pub use levels::{
-    DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
-    ModelLevels, levels, levels_observed,
+    DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, ModelCursor, ModelLevels,
 };
 pub use method::{MethodReport, method_help, parse_method, with_method_parameter};
 pub use metrics::{StripMetrics, rounded};
-pub use observer::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
+pub use observer::{Observer, Search, SimplifyProgress, Stage, Stopped};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
 pub use simplify::{CollapseRules, LevelOrder, Normals};
