@@ -14,7 +14,7 @@ use tristrip_bench::text::Table;
 use tristrip_io::read_path;
 use tristrip_lab::baselines::ComparedModel;
 use tristrip_lab::recovery::ModelRecovery;
-use tristrip_pipeline::{LevelPart, LevelsOptions, Ratio, levels};
+use tristrip_pipeline::{LevelPart, Ratio, levels};
 
 /// The models that `blocks` is compared with.
 const PUBLISHED: [ComparedModel; 3] =
@@ -91,8 +91,8 @@ pub(super) fn build_all(sources: &[Source]) -> Result<Option<BuildFigures>, Fail
 /// Returns the largest part of a model with its collapses.
 fn part_of(source: &Source, method: Method) -> Result<LevelPart, Failure> {
     let stripify = StripifyOptions::default().with_method(method);
-    let options = LevelsOptions::default().with_stripify(stripify).with_base(Ratio::ZERO);
-    let levels = levels(&read_path(&source.path)?, &options)?;
+    let options = levels::Options::default().with_stripify(stripify).with_base(Ratio::ZERO);
+    let levels = levels::run(&read_path(&source.path)?, &options, &())?.model;
     let largest = levels.parts.into_iter().max_by_key(|part| part.strips().vertices_sent());
     largest.ok_or_else(|| format!("{}: no part", source.name).into())
 }

@@ -9,7 +9,7 @@ use tristrip_bench::text::Table;
 use tristrip_io::{Model, read_path};
 use tristrip_lab::baselines::ComparedModel;
 use tristrip_lab::recovery::{ModelRecovery, SHARES, Sweep, measure};
-use tristrip_pipeline::{Amount, Deviation, Goal, LevelsOptions, Ratio, levels, simplify};
+use tristrip_pipeline::{Amount, Deviation, Goal, Ratio, levels, simplify};
 
 /// The model of the paper.
 const SETS: ComparedModel = ComparedModel::Library(ModelKind::Sets);
@@ -53,7 +53,7 @@ pub(super) fn measure_all(sources: &[Source], rounds: usize) -> Result<Vec<Recov
 
 fn of_model(name: &str, model: &Model, rounds: usize) -> Result<RecoveryFigures, Failure> {
     let stripify = StripifyOptions::default().with_method(Method::STRIPE);
-    let levels = levels(model, &LevelsOptions::default().with_stripify(stripify).with_base(Ratio::ZERO))?;
+    let levels = levels::run(model, &levels::Options::default().with_stripify(stripify).with_base(Ratio::ZERO), &())?.model;
     Ok(RecoveryFigures {
         model: name.into(),
         triangles: levels.triangle_count(levels.collapse_count())?,
