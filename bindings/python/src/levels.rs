@@ -9,9 +9,7 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 use serde::Serialize;
 use tristrip::Layout;
 use tristrip::lod::{ModelKind, View};
-use tristrip_pipeline::{
-    Error, LevelGoal, ModelCursor, ModelLevels, Ratio, Stopped, levels, rounded,
-};
+use tristrip_pipeline::{Error, LevelGoal, ModelCursor, ModelLevels, Ratio, Stopped, levels, rounded};
 
 use crate::arguments::Arguments;
 use crate::arrays::indices_to_array;
@@ -123,7 +121,15 @@ impl Levels {
         let (built, cursor) = ended.result()?;
         let (stopped, notes) = (built.stopped, built.notes);
         let state = Mutex::new(State { cursor, buffers: HashMap::new() });
-        Ok(Self { built: Arc::new(built.model), stopped, notes, scene, kind, arguments: kept.unbind(), state })
+        Ok(Self {
+            built: Arc::new(built.model),
+            stopped,
+            notes,
+            scene,
+            kind,
+            arguments: kept.unbind(),
+            state,
+        })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {

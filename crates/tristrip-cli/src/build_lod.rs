@@ -1,9 +1,9 @@
 //! `tristrip build-lod`: builds the model of view-dependent detail, and writes it as `.tlod`.
 
 use serde::Serialize;
+use tristrip_pipeline::Stage;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::view_model::{self, ViewModel};
-use tristrip_pipeline::Stage;
 use tristrip_render::text;
 
 use crate::clock::{SecondsKeys, StageClock};

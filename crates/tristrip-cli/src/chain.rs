@@ -105,9 +105,8 @@ impl Writer<'_> {
     /// Writes all levels as one GLB.
     fn write_scene(&mut self, target: &Output, outcome: &mut chain::Outcome) -> Result<(), Failure> {
         let (options, writing) = (self.options(target), self.clock.fresh());
-        let file = output::encode(target, &writing, |observer| {
-            self.chain.encode(self.model, &options, observer)
-        })?;
+        let file =
+            output::encode(target, &writing, |observer| self.chain.encode(self.model, &options, observer))?;
         self.write(&file.encoded, target, &writing, &mut outcome.notes)?;
         for (level, bytes) in outcome.levels.iter_mut().zip(file.level_bytes) {
             level.bytes = Some(bytes);
@@ -157,11 +156,7 @@ fn row(level: &chain::Level) -> Vec<String> {
         format!("{:.3} %", level.surface_error_percent),
         format!("{:.2} %", 100.0 * level.screen_coverage),
         level.bytes.map_or_else(|| "-".into(), bytes),
-        if level.reached {
-            String::new()
-        } else {
-            format!("{} not reached", count(level.target_triangles))
-        },
+        if level.reached { String::new() } else { format!("{} not reached", count(level.target_triangles)) },
     ]
 }
 

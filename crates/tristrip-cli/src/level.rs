@@ -4,7 +4,9 @@ use serde::Serialize;
 use tristrip::lod::{Camera, ModelKind, ViewCriteria};
 use tristrip_io::Model;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Error, LevelGoal, ModelLevels, Observer, Stage, StripMetrics, encode, levels, rounded};
+use tristrip_pipeline::{
+    Error, LevelGoal, ModelLevels, Observer, Stage, StripMetrics, encode, levels, rounded,
+};
 
 use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
@@ -60,9 +62,8 @@ struct Drawn {
 
 /// Processes all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &LevelTask, console: &mut Console) -> bool {
-    let process = |job: &Job, console: &mut Console, clock: &StageClock| {
-        Drawing { job, task, clock }.process(console)
-    };
+    let process =
+        |job: &Job, console: &mut Console, clock: &StageClock| Drawing { job, task, clock }.process(console);
     let show = |job: &Job, leveled: &Leveled, title: &str, console: &mut Console| {
         let metrics = figures::summary(&leveled.drawn.metrics);
         console.result(&format!("{title}{metrics}"), job.output.is_none());

@@ -199,7 +199,8 @@ mod tests {
             (0..rim).map(corner).chain(["v 0 0 1\n".into()]).chain((0..rim).map(face)).collect();
         let model = read(text.as_bytes(), Format::Obj).unwrap();
         let stripify = StripifyOptions::default().with_method(Method::Sequential);
-        let levels = levels::run(&model, &levels::Options::default().with_stripify(stripify), &()).unwrap().model;
+        let levels =
+            levels::run(&model, &levels::Options::default().with_stripify(stripify), &()).unwrap().model;
         let measured = measure(&levels, &[Sweep::Linear], 1).unwrap();
         let of = |kind: ComparedModel| measured.iter().find(|model| model.model == kind.name()).unwrap();
         for kind in [ComparedModel::Library(ModelKind::Sets), ComparedModel::Mts] {

@@ -17,10 +17,10 @@ use tristrip::{CollapseSequence, Faces, Mesh, StripifyOptions, Strips};
 use tristrip_io::tlod::{self, TlodLimits, TlodModel};
 use tristrip_io::{Model, Part};
 
-use crate::error::Error;
-use crate::join::{Joined, join};
 use crate::encode::true_or_null;
+use crate::error::Error;
 use crate::figures::MeshProperties;
+use crate::join::{Joined, join};
 use crate::method::MethodReport;
 use crate::observer::{Observer, Stage, Stopped, begin};
 use crate::prepared::Survey;

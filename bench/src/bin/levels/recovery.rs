@@ -53,7 +53,9 @@ pub(super) fn measure_all(sources: &[Source], rounds: usize) -> Result<Vec<Recov
 
 fn of_model(name: &str, model: &Model, rounds: usize) -> Result<RecoveryFigures, Failure> {
     let stripify = StripifyOptions::default().with_method(Method::STRIPE);
-    let levels = levels::run(model, &levels::Options::default().with_stripify(stripify).with_base(Ratio::ZERO), &())?.model;
+    let levels =
+        levels::run(model, &levels::Options::default().with_stripify(stripify).with_base(Ratio::ZERO), &())?
+            .model;
     Ok(RecoveryFigures {
         model: name.into(),
         triangles: levels.triangle_count(levels.collapse_count())?,

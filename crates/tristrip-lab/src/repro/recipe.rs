@@ -1,7 +1,7 @@
 //! Recipes: how strips are computed for a measurement, in the flags of the command.
 
 use tristrip::Error;
-use tristrip_pipeline::{parse_method, levels};
+use tristrip_pipeline::{levels, parse_method};
 
 /// How strips are computed: flags of `tristrip strip`, and the number of node accesses after which a search is stopped.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]

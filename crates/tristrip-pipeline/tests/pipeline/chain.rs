@@ -6,9 +6,7 @@ use std::path::Path;
 
 use tristrip::{Layout, Method, StripifyOptions};
 use tristrip_io::{Format, Model, read, read_path};
-use tristrip_pipeline::{
-    Amount, Deviation, Error, Goal, Normals, chain, encode, simplify, verify,
-};
+use tristrip_pipeline::{Amount, Deviation, Error, Goal, Normals, chain, encode, simplify, verify};
 
 fn model(name: &str) -> Model {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models");
@@ -43,7 +41,8 @@ fn each_level_is_the_simplification_to_its_size() {
             assert_eq!(figures.reached, simplified.collapses.reached, "{name}, level {level}");
             let error = simplified.collapses.surface_error;
             assert!((figures.surface_error - error).abs() <= 1e-6 * error, "{name}, level {level}");
-            let file = all.chain.encode_level(&source, level, &encode::Options::new(Format::Ply), &()).unwrap();
+            let file =
+                all.chain.encode_level(&source, level, &encode::Options::new(Format::Ply), &()).unwrap();
             let again = read(&file.bytes, Format::Ply).unwrap();
             assert!(
                 verify::run(&simplified.redrawn.model, &again, &()).unwrap().proven,
@@ -89,7 +88,8 @@ fn one_scene_holds_all_levels_over_no_more_vertices_than_the_source() {
     let vertices: usize = source.parts.iter().map(|part| part.mesh.vertex_count()).sum();
     assert!(all.levels[0].vertices <= vertices);
     for layout in Layout::ALL {
-        let file = all.chain.encode(&source, &encode::Options::new(Format::Glb).with_layout(layout), &()).unwrap();
+        let file =
+            all.chain.encode(&source, &encode::Options::new(Format::Glb).with_layout(layout), &()).unwrap();
         let triangles = all.levels.iter().map(|level| level.triangles).sum::<usize>();
         assert_eq!(file.encoded.faces, Some(triangles), "{layout:?}");
         // The error limit ends the two coarsest levels at the same collapse.
@@ -116,7 +116,8 @@ fn a_level_beyond_the_error_limit_is_not_reached() {
     // Levels that are the same share their mesh.
     let file = all.chain.encode(&source, &encode::Options::new(Format::Glb), &()).unwrap();
     assert!(read(&file.encoded.bytes, Format::Glb).unwrap().parts.len() <= 4);
-    let any = chain::run(&source, &options(Format::Glb).with_deviation(Deviation::Percent(100.0)), &()).unwrap();
+    let any =
+        chain::run(&source, &options(Format::Glb).with_deviation(Deviation::Percent(100.0)), &()).unwrap();
     assert_eq!((any.warning, any.levels.iter().all(|level| level.reached)), (None, true));
 }
 
@@ -159,7 +160,10 @@ fn the_bytes_do_not_depend_on_the_threads() {
 fn a_chain_is_written_in_its_format() {
     let source = model("fish_control.ply");
     let all = chain::run(&source, &options(Format::Ply), &()).unwrap();
-    assert!(all.chain.encode(&source, &encode::Options::new(Format::Ply), &()).is_err(), "one level per file");
+    assert!(
+        all.chain.encode(&source, &encode::Options::new(Format::Ply), &()).is_err(),
+        "one level per file"
+    );
     assert!(all.chain.encode(&source, &encode::Options::new(Format::Glb), &()).is_err(), "numbered for PLY");
     assert!(matches!(
         all.chain.encode_level(&source, 4, &encode::Options::new(Format::Ply), &()),

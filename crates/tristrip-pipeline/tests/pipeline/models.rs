@@ -11,7 +11,10 @@ use tristrip::lod::RepairOptions;
 use tristrip::stripify::{Progress, Watch};
 use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
-use tristrip_pipeline::{Amount, Deviation, DisplayFilter, Error, Goal, ModelLevels, Observer, PreparedModel, Search, Stage, Stopped, bound, convert, encode, levels, simplify, strip, verify};
+use tristrip_pipeline::{
+    Amount, Deviation, DisplayFilter, Error, Goal, ModelLevels, Observer, PreparedModel, Search, Stage,
+    Stopped, bound, convert, encode, levels, simplify, strip, verify,
+};
 
 /// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.
 fn two_parts() -> Model {
@@ -104,7 +107,9 @@ fn both_sides_of_a_shared_border_are_simplified_together() {
 #[test]
 fn every_level_and_filter_is_proven_and_can_be_written() {
     let model = two_parts();
-    let all = levels::run(&model, &levels::Options::default().with_base("10%".parse().unwrap()), &()).unwrap().model;
+    let all = levels::run(&model, &levels::Options::default().with_base("10%".parse().unwrap()), &())
+        .unwrap()
+        .model;
     let last = all.collapse_count();
     assert!(last > 20, "{last}");
     for level in [0, 1, last / 2, last] {

@@ -12,8 +12,8 @@ use tristrip_lab::flight::{
     CameraPath, FlightObserver, FlightOptions, FlightReport, FrameRow, Lens, MAX_FRAMES, as_markdown,
     as_text, draw, fly,
 };
-use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::MethodReport;
+use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::view_model::{self, ViewModel};
 use tristrip_render::images::{RenderOptions, strips_seen, triangles_seen};
 
