@@ -461,7 +461,8 @@ impl Levels {
         let (built, scene) = (Arc::clone(&self.built), Arc::clone(&self.scene));
         let arguments = self.arguments.clone_ref(py);
         let state = Mutex::new(State { cursor, buffers: HashMap::new() });
-        Ok(Self { built, scene, kind: self.kind, arguments, state })
+        let (stopped, notes) = (self.stopped, self.notes.clone());
+        Ok(Self { built, stopped, notes, scene, kind: self.kind, arguments, state })
     }
 
     /// Return the figures of levels from the base mesh to the full mesh: a list of dictionaries.

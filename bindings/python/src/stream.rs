@@ -9,7 +9,7 @@ use serde::Serialize;
 use tristrip::Layout;
 use tristrip::stream::StreamOptions;
 use tristrip_io::gltf::ProgressiveGlb;
-use tristrip_io::{Drawing, Error as FileError, Format, Model};
+use tristrip_io::{Drawing, Error as FileError, Format};
 use tristrip_pipeline::{
     Level, StreamGoal, Target, encode, inspect as inspect_stream, join, pack as pack_scene,
     unpack as unpack_stream,
@@ -49,7 +49,7 @@ pub(crate) fn pack_options(arguments: &Arguments<'_>) -> PyResult<pack_scene::Op
 
 /// The report of a packed model; the keys are those of the JSON report of `tristrip pack`.
 #[derive(Debug, Serialize)]
-struct PackReport {
+struct PackedFile {
     #[serde(flatten)]
     packed: pack_scene::Outcome,
     output: Option<String>,
@@ -61,13 +61,13 @@ fn pack_model(
     options: &pack_scene::Options,
     output: Option<&Path>,
     watcher: &Watcher,
-) -> Result<PackReport, Failure> {
+) -> Result<PackedFile, Failure> {
     let model = scene.model_for(&Target::new(output, Format::Glb));
     let packed = pack_scene::run(&model, options, watcher)?;
     if let Some(path) = output {
         tristrip_io::replace_file(path, &packed.bytes)?;
     }
-    Ok(PackReport { packed, output: output.map(|path| path.display().to_string()) })
+    Ok(PackedFile { packed, output: output.map(|path| path.display().to_string()) })
 }
 
 /// Packs a scene; returns a `tristrip.Packed`.
@@ -148,7 +148,7 @@ pub(crate) fn pack<'py>(
 
 /// The report of a level; the keys are those of the JSON report of `tristrip unpack`.
 #[derive(Debug, Serialize)]
-struct UnpackReport {
+struct UnpackedLevel {
     proven: Option<bool>,
     #[serde(flatten)]
     unpacked: unpack_stream::Outcome,
@@ -162,13 +162,13 @@ fn unpack_source(
     destination: Option<&Destination<'_>>,
     verify: bool,
     watcher: &Watcher,
-) -> Result<UnpackReport, Failure> {
+) -> Result<UnpackedLevel, Failure> {
     let base_dir = source.path().and_then(Path::parent).map(Path::to_path_buf);
     let options = unpack_stream::Options::default().with_goal(goal).with_base_dir(base_dir);
     let mut unpacked = unpack_stream::run(&opened(source.bytes()?)?, &options, watcher)?;
     tristrip_io::embed_images(&mut unpacked.model, source.path())?;
     let Some(destination) = destination else {
-        return Ok(UnpackReport { proven: None, unpacked, output: None });
+        return Ok(UnpackedLevel { proven: None, unpacked, output: None });
     };
     let options = encode::Options::new(destination.target.format).with_layout(Layout::List);
     let drawings = vec![Drawing::Faces; unpacked.model.parts.len()];
@@ -178,7 +178,7 @@ fn unpack_source(
     unpacked.notes.extend(encoded.all_notes());
     unpacked.notes.extend(written.warnings);
     let output = destination.target.path.map(|path| path.display().to_string());
-    Ok(UnpackReport { proven: verify.then_some(true), unpacked, output })
+    Ok(UnpackedLevel { proven: verify.then_some(true), unpacked, output })
 }
 
 /// Opens a progressive GLB, which may be cut off.

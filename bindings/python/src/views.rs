@@ -16,7 +16,7 @@ use tristrip_io::Model;
 use tristrip_io::tlod::{self, TlodLimits};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::view_model::{self, prove_view};
-use tristrip_pipeline::{DisplayFilter, MethodReport, Stopped};
+use tristrip_pipeline::{DisplayFilter, MethodDescription, Stopped};
 use tristrip_render::images::{RenderOptions, strips_seen, triangles_seen};
 
 use crate::arguments::{Arguments, Keywords};
@@ -64,7 +64,7 @@ pub(crate) struct ViewModel {
 #[derive(Debug, Clone, Default, Serialize)]
 struct Built {
     #[serde(flatten)]
-    method: Option<MethodReport>,
+    method: Option<MethodDescription>,
     order: Option<&'static str>,
     proven: Option<bool>,
     parts: Option<usize>,
@@ -76,7 +76,7 @@ struct Built {
 
 /// The report of a model; the keys are those of the JSON report of `tristrip build-lod`.
 #[derive(Serialize)]
-struct BuildReport<'a> {
+struct DescribedModel<'a> {
     #[serde(flatten)]
     built: &'a Built,
     vertices: usize,
@@ -326,7 +326,7 @@ impl ViewModel {
     /// "triangles", "strips", "collapses", "levels" (of the merge tree), "height", "bytes" (None: the file is not written yet), "stopped", "notes".
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let found = BuildReport {
+        let found = DescribedModel {
             built: &self.built,
             vertices: self.model.mesh.vertex_count(),
             triangles: self.model.triangle_count(),

@@ -25,6 +25,9 @@ pub(crate) const STRIP_SECONDS: SecondsKeys = &[
     ("write", &[Stage::Reorder, Stage::Encode, Stage::Write]),
 ];
 
+/// The stages of packing a model.
+pub(crate) const PACKING: &[Stage] = &[Stage::Simplify, Stage::Encode, Stage::ReadBack];
+
 /// The time of each stage in seconds; serialized as a map with the keys of its command, `null` for stages that did not run.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Seconds {

@@ -5,7 +5,7 @@ use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{Stage, pack};
 use tristrip_render::text;
 
-use crate::clock::{SecondsKeys, StageClock};
+use crate::clock::{PACKING, SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
@@ -13,9 +13,6 @@ use crate::output::write_file;
 use crate::report::{self, Batch};
 use crate::stage::load_job;
 use crate::task::PackTask;
-
-/// The stages of packing.
-pub(crate) const PACKING: &[Stage] = &[Stage::Simplify, Stage::Encode, Stage::ReadBack];
 
 /// The keys of `seconds`.
 const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("pack", PACKING), ("write", &[Stage::Write])];

@@ -13,11 +13,10 @@ use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Stage, pack};
 use tristrip_serve::{Content, MemoryFile, Server};
 
-use crate::clock::StageClock;
+use crate::clock::{PACKING, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
-use crate::pack::PACKING;
 use crate::report::{self, Batch, Report};
 use crate::serve::until_signal;
 use crate::stage::load_job;

@@ -33,7 +33,7 @@ use crate::encode::{kept_groups, true_or_null};
 use crate::error::Error;
 use crate::figures::MeshProperties;
 use crate::goal::{Amount, Deviation, Ratio};
-use crate::method::MethodReport;
+use crate::method::MethodDescription;
 use crate::observer::{Observer, Stage, begin};
 use crate::prepared::Survey;
 use crate::simplify::{
@@ -167,7 +167,7 @@ pub struct Outcome {
     pub mesh: MeshProperties,
     /// The method of the strips and those of its options that apply to it.
     #[serde(flatten)]
-    pub method: MethodReport,
+    pub method: MethodDescription,
     /// Whether the collapses are proven; otherwise the proof was not requested.
     #[serde(serialize_with = "true_or_null")]
     pub proven: bool,
@@ -269,7 +269,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     let expected = expected.collect();
     let options = Options { stripify: surveyed.options, ..options.clone() };
     Ok(Outcome {
-        method: MethodReport::of(&options.stripify),
+        method: MethodDescription::of(&options.stripify),
         proven: options.verify,
         target_error: collapses.target_error,
         triangles_before: collapses.triangles_before,

@@ -24,7 +24,7 @@ use crate::collapses::{Collapses, percent_of};
 use crate::error::Error;
 use crate::figures::MeshProperties;
 use crate::goal::Amount;
-use crate::method::MethodReport;
+use crate::method::MethodDescription;
 use crate::metrics::StripMetrics;
 use crate::observer::{Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
@@ -70,7 +70,7 @@ pub struct Outcome {
     pub strips_full: usize,
     /// The method of the strips and those of its options that apply to it.
     #[serde(flatten)]
-    pub method: MethodReport,
+    pub method: MethodDescription,
     /// The number of collapses, which is the level of the full mesh.
     pub levels: usize,
     /// The number of triangles of the base mesh.
@@ -146,7 +146,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     Ok(Outcome {
         mesh,
         strips_full: strips.iter().map(Strips::len).sum(),
-        method: MethodReport::of(&stripify),
+        method: MethodDescription::of(&stripify),
         levels: model.collapse_count(),
         triangles_base: model.collapses.triangles_after,
         triangles_full: model.collapses.triangles_before,

@@ -71,7 +71,7 @@ pub use join::{Joined, join};
 pub use levels::{
     DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, ModelCursor, ModelLevels,
 };
-pub use method::{MethodReport, method_help, parse_method, with_method_parameter};
+pub use method::{MethodDescription, method_help, parse_method, with_method_parameter};
 pub use metrics::{StripMetrics, rounded};
 pub use observer::{Observer, Search, SimplifyProgress, Stage, Stopped};
 pub use parts::{PreparedPart, meshes};

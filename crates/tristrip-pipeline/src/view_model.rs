@@ -21,7 +21,7 @@ use crate::encode::true_or_null;
 use crate::error::Error;
 use crate::figures::MeshProperties;
 use crate::join::{Joined, join};
-use crate::method::MethodReport;
+use crate::method::MethodDescription;
 use crate::observer::{Observer, Stage, Stopped, begin};
 use crate::prepared::Survey;
 
@@ -87,7 +87,7 @@ pub struct Outcome {
     pub mesh: MeshProperties,
     /// The method and those of its options that apply to it.
     #[serde(flatten)]
-    pub method: MethodReport,
+    pub method: MethodDescription,
     /// The order in which the collapses of a level were chosen.
     pub order: &'static str,
     /// Whether the strips are proven to draw exactly the faces of the mesh; otherwise the proof was not requested.
@@ -160,7 +160,7 @@ pub fn run(model: Model, options: &Options, observer: &dyn Observer) -> Result<O
     let model = ViewModel { mesh: part.mesh, strips, sequence: Arc::new(tree.sequence) };
     Ok(Outcome {
         mesh: properties,
-        method: MethodReport::of(&stripify),
+        method: MethodDescription::of(&stripify),
         order: options.order.name(),
         proven: options.verify,
         vertices: model.mesh.vertex_count(),

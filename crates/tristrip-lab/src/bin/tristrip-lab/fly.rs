@@ -12,7 +12,7 @@ use tristrip_lab::flight::{
     CameraPath, FlightObserver, FlightOptions, FlightReport, FrameRow, Lens, MAX_FRAMES, as_markdown,
     as_text, draw, fly,
 };
-use tristrip_pipeline::MethodReport;
+use tristrip_pipeline::MethodDescription;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::view_model::{self, ViewModel};
 use tristrip_render::images::{RenderOptions, strips_seen, triangles_seen};
@@ -42,7 +42,7 @@ struct FlyReport {
     file: String,
     /// None for a `.tlod` file, which has strips of its own.
     #[serde(flatten)]
-    method: Option<MethodReport>,
+    method: Option<MethodDescription>,
     filter: String,
     /// The name of the path, or its file.
     path: String,
@@ -170,7 +170,7 @@ fn view_model_of(task: &Task<'_>, console: &Console, report: &mut FlyReport) -> 
     let (model, seconds) = load(&args.input, console)?;
     report.seconds.load = Some(seconds);
     let stripify = args.method.unwrap_or_default();
-    report.method = Some(MethodReport::of(&stripify));
+    report.method = Some(MethodDescription::of(&stripify));
     let options = view_model::Options::default().with_stripify(stripify).with_verify(!args.no_verify);
     let (built, seconds) = timed(|| view_model::run(model, &options, &()));
     report.seconds.build = Some(seconds);
@@ -227,7 +227,12 @@ fn flown(task: &Task<'_>, console: &Console, report: &mut FlyReport) -> Result<(
 }
 
 /// Returns the page of a flight.
-fn page(task: &Task<'_>, method: Option<&MethodReport>, model: &SkipStrips, rows: &[FrameRow]) -> String {
+fn page(
+    task: &Task<'_>,
+    method: Option<&MethodDescription>,
+    model: &SkipStrips,
+    rows: &[FrameRow],
+) -> String {
     let criteria = &task.criteria;
     let [columns, height] = task.lens.image;
     let pixels = criteria.pixels;

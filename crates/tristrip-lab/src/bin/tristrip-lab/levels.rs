@@ -9,7 +9,7 @@ use tristrip_lab::traffic::{
     self, FilterTotal, LevelRow, TrafficModel, measure_levels, totals, totals_as_text,
 };
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{MethodReport, ModelLevels, levels};
+use tristrip_pipeline::{MethodDescription, ModelLevels, levels};
 
 use crate::args::LevelsArgs;
 use crate::console::Console;
@@ -35,7 +35,7 @@ struct LevelsSeconds {
 struct LevelsReport {
     file: String,
     #[serde(flatten)]
-    method: MethodReport,
+    method: MethodDescription,
     /// The effort of the filter `repair`.
     filter_effort: u8,
     seconds: LevelsSeconds,
@@ -66,7 +66,7 @@ pub(crate) fn run(args: &LevelsArgs, console: &Console) -> Result<(), Failure> {
     for input in &args.inputs {
         let mut report = LevelsReport {
             file: input.display().to_string(),
-            method: MethodReport::of(&args.method.options),
+            method: MethodDescription::of(&args.method.options),
             filter_effort: args.filter_effort.level(),
             ..LevelsReport::default()
         };
