@@ -70,7 +70,6 @@ fn json_has_the_documented_keys_in_order() {
         "before",
         "after",
         "vertex_order",
-        "pareto",
         "error",
     ]);
     assert_eq!(keys(&report), expected);
