@@ -20,7 +20,7 @@ use tristrip_bench::failure::Failure;
 use tristrip_bench::text::Table;
 use tristrip_io::gltf::{ProgressiveGlb, Scene};
 use tristrip_io::read_path;
-use tristrip_pipeline::{PackOptions, pack};
+use tristrip_pipeline::pack;
 use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
 /// The chunks that are compared with the full mesh, about: each takes ten seconds for a million triangles.
@@ -61,7 +61,7 @@ fn main() -> Result<(), Failure> {
     let args = Args::parse();
     let model = read_path(&args.model)?;
     let mesh = &model.parts.first().ok_or("no mesh")?.mesh;
-    let packed = pack(&model, &PackOptions::default(), &())?;
+    let packed = pack::run(&model, &pack::Options::default(), &())?;
     let mut curves = vec![("tristrip".to_owned(), progressive(mesh, packed.bytes, args.megabits)?)];
     for (name, path) in &args.whole {
         curves.push((name.clone(), vec![whole(mesh, path, args.megabits)?]));

@@ -51,7 +51,7 @@ struct Args {
 
 /// The figures of a run; none if it was ended.
 #[derive(Debug, Clone, Copy)]
-struct Figures {
+struct Measured {
     triangles: f64,
     seconds: f64,
     proof_seconds: f64,
@@ -107,7 +107,7 @@ fn one(shape: &str, method: &str, triangles: u32) -> Result<ExitCode, Failure> {
 }
 
 /// Runs a shape in a process of its own; returns `None` if it takes too long.
-fn run(shape: &str, method: &str, triangles: u32, limit: u64) -> Result<Option<Figures>, Failure> {
+fn run(shape: &str, method: &str, triangles: u32, limit: u64) -> Result<Option<Measured>, Failure> {
     let mut child = Command::new(std::env::current_exe()?)
         .args(["--triangles", &triangles.to_string(), "--one", shape, method])
         .stdout(Stdio::piped())
@@ -124,7 +124,7 @@ fn run(shape: &str, method: &str, triangles: u32, limit: u64) -> Result<Option<F
     }
     let figures: Value = serde_json::from_str(&text)?;
     let number = |key: &str| figures[key].as_f64().ok_or_else(|| format!("no {key}"));
-    Ok(Some(Figures {
+    Ok(Some(Measured {
         triangles: number("triangles")?,
         seconds: number("seconds")?,
         proof_seconds: number("proof")?,
@@ -144,7 +144,11 @@ fn ends_within(child: &mut Child, limit: Duration) -> Result<bool, Failure> {
 }
 
 /// Returns how a run violates the bar.
-fn violation(method: &HostileMethod, small: Option<Figures>, large: Option<Figures>) -> Option<&'static str> {
+fn violation(
+    method: &HostileMethod,
+    small: Option<Measured>,
+    large: Option<Measured>,
+) -> Option<&'static str> {
     let Some(large) = large else { return Some("limit") };
     if large.seconds > 1.0 + 1e-6 * method.microseconds * large.triangles {
         return Some("time");
@@ -156,8 +160,8 @@ fn violation(method: &HostileMethod, small: Option<Figures>, large: Option<Figur
 fn row(
     shape: &str,
     method: &HostileMethod,
-    small: Option<Figures>,
-    large: Option<Figures>,
+    small: Option<Measured>,
+    large: Option<Measured>,
     violation: Option<&str>,
     limit: u64,
 ) -> Vec<String> {
@@ -186,8 +190,8 @@ fn row(
 fn table_line(
     shape: &str,
     method: &HostileMethod,
-    small: Option<Figures>,
-    large: Option<Figures>,
+    small: Option<Measured>,
+    large: Option<Measured>,
     violation: Option<&str>,
 ) -> String {
     row(shape, method, small, large, violation, 0).join("\t")

@@ -69,7 +69,7 @@ fn main() -> Result<(), Failure> {
     }
     let heads = ["scene", "by", "before", "after", "textured %", "normals %", "uv %", "holes", "grown"];
     let mut table = Table::new(2, &heads);
-    let mut sums = [Figures::default(); 2];
+    let mut sums = [ComparedPictures::default(); 2];
     for source in &sources {
         for share in SHARES {
             let found = measure(source, share, &args)?;
@@ -94,13 +94,13 @@ fn main() -> Result<(), Failure> {
 
 /// The triangles of a scene or of all, and the pixels that differ.
 #[derive(Debug, Clone, Copy, Default)]
-struct Figures {
+struct ComparedPictures {
     before: usize,
     after: usize,
     found: [Differences; 3],
 }
 
-impl Figures {
+impl ComparedPictures {
     fn new(before: &TexturedModel, after: &TexturedModel) -> Result<Self, Failure> {
         let found = MODES.map(|mode| compare(before, after, mode));
         let [textured, normals, uv] = found;
@@ -143,7 +143,7 @@ impl Figures {
 }
 
 /// Simplifies a scene with both programs, and returns the figures of each.
-fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<Figures>, Failure> {
+fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<ComparedPictures>, Failure> {
     let model = read_path(source)?;
     let before = TexturedModel::new(&model)?;
     before.notes().iter().for_each(|note| println!("{}: {note}", name(source)));
@@ -172,7 +172,7 @@ fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<Figures>, Failu
             replace_file(folder.join(file), &rows_of_sides(&models, mode, PICTURE_SIZE)?)?;
         }
     }
-    shown().map(|after| Figures::new(&before, after)).collect()
+    shown().map(|after| ComparedPictures::new(&before, after)).collect()
 }
 
 /// Returns the options of a simplification without a limit to its error.

@@ -239,7 +239,7 @@ fn killed(directory: &Path) -> Result<bool, Failure> {
     let server = Process::start(directory, None)?;
     let (status, second) = get(server.address, "/packed/second.obj.glb")?;
     let model = tristrip_io::read_path(directory.join("second.obj"))?;
-    let expected = tristrip_pipeline::pack(&model, &tristrip_pipeline::PackOptions::default(), &())?;
+    let expected = tristrip_pipeline::pack::run(&model, &tristrip_pipeline::pack::Options::default(), &())?;
     let is_right = status == 200 && second == expected.bytes;
     println!(
         "killed {} times while packing: cache intact {intact} times, the file is packed afterwards: {is_right}",

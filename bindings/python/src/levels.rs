@@ -9,9 +9,7 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 use serde::Serialize;
 use tristrip::Layout;
 use tristrip::lod::{ModelKind, View};
-use tristrip_pipeline::{
-    Error, LevelGoal, LevelsOptions, ModelCursor, ModelLevels, Ratio, Stopped, levels_observed, rounded,
-};
+use tristrip_pipeline::{Error, LevelGoal, ModelCursor, ModelLevels, Ratio, Stopped, levels, rounded};
 
 use crate::arguments::Arguments;
 use crate::arrays::indices_to_array;
@@ -66,6 +64,9 @@ use crate::strips::{Strips, index_bits, layout_of};
 #[pyclass(frozen, module = "tristrip")]
 pub(crate) struct Levels {
     built: Arc<ModelLevels>,
+    /// Why the search for the strips was stopped, if it was.
+    stopped: Option<Stopped>,
+    notes: Vec<String>,
     scene: Arc<SceneData>,
     kind: ModelKind,
     /// The arguments of `Scene.levels`, from which a pickle builds it again.
@@ -113,13 +114,22 @@ impl Levels {
             .unwrap_or_default();
         let options = options_of(arguments)?;
         let ended = watching.run(kept.py(), |watcher| {
-            let levels = levels_observed(scene.as_read(), &options, watcher)?;
-            let cursor = levels.cursor(kind)?;
-            Ok((levels, cursor))
+            let built = levels::run(scene.as_read(), &options, watcher)?;
+            let cursor = built.model.cursor(kind)?;
+            Ok((built, cursor))
         })?;
-        let (levels, cursor) = ended.result()?;
+        let (built, cursor) = ended.result()?;
+        let (stopped, notes) = (built.stopped, built.notes);
         let state = Mutex::new(State { cursor, buffers: HashMap::new() });
-        Ok(Self { built: Arc::new(levels), scene, kind, arguments: kept.unbind(), state })
+        Ok(Self {
+            built: Arc::new(built.model),
+            stopped,
+            notes,
+            scene,
+            kind,
+            arguments: kept.unbind(),
+            state,
+        })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -262,13 +272,13 @@ impl Levels {
     /// Notes on what was dropped or is unusual.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.built.notes.clone()
+        self.notes.clone()
     }
 
     /// Why the search for the strips was stopped: "budget", "interrupt", or None.
     #[getter]
     fn stopped(&self) -> Option<&'static str> {
-        self.built.stopped.map(|stopped| if stopped == Stopped::Budget { "budget" } else { "interrupt" })
+        self.stopped.map(|stopped| if stopped == Stopped::Budget { "budget" } else { "interrupt" })
     }
 
     /// Return the positions of a part, which are the same at all levels: float32 of shape (n, 3).
@@ -451,7 +461,8 @@ impl Levels {
         let (built, scene) = (Arc::clone(&self.built), Arc::clone(&self.scene));
         let arguments = self.arguments.clone_ref(py);
         let state = Mutex::new(State { cursor, buffers: HashMap::new() });
-        Ok(Self { built, scene, kind: self.kind, arguments, state })
+        let (stopped, notes) = (self.stopped, self.notes.clone());
+        Ok(Self { built, stopped, notes, scene, kind: self.kind, arguments, state })
     }
 
     /// Return the figures of levels from the base mesh to the full mesh: a list of dictionaries.
@@ -515,8 +526,8 @@ impl Levels {
 }
 
 /// Takes the options of levels from the arguments of `Scene.levels`; all that are left belong to the method.
-fn options_of(arguments: &Arguments<'_>) -> PyResult<LevelsOptions> {
-    let mut options = LevelsOptions::default();
+fn options_of(arguments: &Arguments<'_>) -> PyResult<levels::Options> {
+    let mut options = levels::Options::default();
     if let Some(price) = arguments.extract::<String>("price")? {
         options = options.with_price(price.parse().map_err(Failure::from)?);
     }

@@ -9,10 +9,10 @@ use serde::Serialize;
 use tristrip::Layout;
 use tristrip::stream::StreamOptions;
 use tristrip_io::gltf::ProgressiveGlb;
-use tristrip_io::{Drawing, Error as FileError, Format, Model};
+use tristrip_io::{Drawing, Error as FileError, Format};
 use tristrip_pipeline::{
-    Level, PackOptions, PackedReport, StreamGoal, StreamReport, Target, UnpackedReport, encode, join,
-    stream_figures, unpack as unpack_stream,
+    Level, StreamGoal, Target, encode, inspect as inspect_stream, join, pack as pack_scene,
+    unpack as unpack_stream,
 };
 
 use crate::arguments::{Arguments, Keywords};
@@ -31,7 +31,7 @@ const POSITION_BITS: std::ops::RangeInclusive<u32> = 4..=16;
 const USUAL_POSITION_BITS: u32 = 14;
 
 /// Takes the options of a packing from keyword arguments with the names of the command's flags.
-pub(crate) fn pack_options(arguments: &Arguments<'_>) -> PyResult<PackOptions> {
+pub(crate) fn pack_options(arguments: &Arguments<'_>) -> PyResult<pack_scene::Options> {
     let (eye, bits): (Option<[f32; 3]>, Option<u32>) =
         (arguments.extract("eye")?, arguments.extract("position_bits")?);
     let verify = arguments.extract("verify")?.unwrap_or(true);
@@ -44,52 +44,37 @@ pub(crate) fn pack_options(arguments: &Arguments<'_>) -> PyResult<PackOptions> {
         return Err(Failure::option("position_bits", bits, "4 to 16").into());
     }
     let stream = StreamOptions::default().with_position_bits(bits);
-    Ok(PackOptions::default().with_stream(stream).with_eye(eye).with_verify(verify))
+    Ok(pack_scene::Options::default().with_stream(stream).with_eye(eye).with_verify(verify))
 }
 
 /// The report of a packed model; the keys are those of the JSON report of `tristrip pack`.
 #[derive(Debug, Serialize)]
-struct PackReport {
-    proven: Option<bool>,
-    parts: usize,
+struct PackedFile {
     #[serde(flatten)]
-    packed: PackedReport,
-    notes: Vec<String>,
+    packed: pack_scene::Outcome,
     output: Option<String>,
 }
 
 /// Packs a scene, and writes the file if there is one.
 fn pack_model(
     scene: &SceneData,
-    options: PackOptions,
+    options: &pack_scene::Options,
     output: Option<&Path>,
     watcher: &Watcher,
-) -> Result<(Vec<u8>, PackReport), Failure> {
+) -> Result<PackedFile, Failure> {
     let model = scene.model_for(&Target::new(output, Format::Glb));
-    let mut report = PackReport {
-        proven: None,
-        parts: model.parts.len(),
-        packed: PackedReport::default(),
-        notes: model.notes.clone(),
-        output: output.map(|path| path.display().to_string()),
-    };
-    let packed = tristrip_pipeline::pack(&model, &options, watcher)?;
-    report.packed = packed.report();
-    report.proven = packed.proven.map(|_| true);
-    report.notes.extend(packed.notes);
-    report.notes.extend(packed.losses);
-    let bytes = packed.bytes;
+    let packed = pack_scene::run(&model, options, watcher)?;
     if let Some(path) = output {
-        tristrip_io::replace_file(path, &bytes)?;
+        tristrip_io::replace_file(path, &packed.bytes)?;
     }
-    Ok((bytes, report))
+    Ok(PackedFile { packed, output: output.map(|path| path.display().to_string()) })
 }
 
 /// Packs a scene; returns a `tristrip.Packed`.
 pub(crate) fn pack_object<'py>(
     py: Python<'py>,
     load: impl FnOnce() -> Result<Arc<SceneData>, Failure> + Send,
-    options: PackOptions,
+    options: pack_scene::Options,
     output: Option<&Path>,
     watching: Watching,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -99,9 +84,10 @@ pub(crate) fn pack_object<'py>(
         let found = path.display();
         return Err(Failure::Parameter(format!("output: found {found}, expected the extension .glb")).into());
     }
-    let ended = watching.run(py, |watcher| pack_model(&*load()?, options, output, watcher));
-    let (bytes, packed) = ended?.result()?;
-    result_class(py, "Packed")?.call1((report(py, &packed)?, PyBytes::new(py, &bytes)))
+    let ended = watching.run(py, |watcher| pack_model(&*load()?, &options, output, watcher));
+    let packed = ended?.result()?;
+    let bytes = PyBytes::new(py, &packed.packed.bytes);
+    result_class(py, "Packed")?.call1((report(py, &packed)?, bytes))
 }
 
 /// Returns a class of results.
@@ -162,11 +148,10 @@ pub(crate) fn pack<'py>(
 
 /// The report of a level; the keys are those of the JSON report of `tristrip unpack`.
 #[derive(Debug, Serialize)]
-struct UnpackReport {
+struct UnpackedLevel {
     proven: Option<bool>,
     #[serde(flatten)]
-    unpacked: UnpackedReport,
-    notes: Vec<String>,
+    unpacked: unpack_stream::Outcome,
     output: Option<String>,
 }
 
@@ -177,27 +162,23 @@ fn unpack_source(
     destination: Option<&Destination<'_>>,
     verify: bool,
     watcher: &Watcher,
-) -> Result<(Model, UnpackReport), Failure> {
-    let bytes = source.bytes()?;
-    let unpacked = unpack_stream(&opened(bytes)?, goal, source.path().and_then(Path::parent))?;
-    let counts = unpacked.report();
-    let mut model = unpacked.model;
-    tristrip_io::embed_images(&mut model, source.path())?;
-    let mut report =
-        UnpackReport { proven: None, unpacked: counts, notes: model.notes.clone(), output: None };
-    report.notes.extend(unpacked.problem);
-    if let Some(destination) = destination {
-        let options = encode::Options::new(destination.target.format).with_layout(Layout::List);
-        let drawings = vec![Drawing::Faces; model.parts.len()];
-        let encoded = encode::run(&model, &drawings, &options.with_verify(verify), watcher);
-        let encoded = encoded.map_err(|error| destination.unproven(error.into()))?;
-        let written = destination.write(&encoded)?;
-        report.notes.extend(encoded.all_notes());
-        report.notes.extend(written.warnings);
-        report.output = destination.target.path.map(|path| path.display().to_string());
-        report.proven = verify.then_some(true);
-    }
-    Ok((model, report))
+) -> Result<UnpackedLevel, Failure> {
+    let base_dir = source.path().and_then(Path::parent).map(Path::to_path_buf);
+    let options = unpack_stream::Options::default().with_goal(goal).with_base_dir(base_dir);
+    let mut unpacked = unpack_stream::run(&opened(source.bytes()?)?, &options, watcher)?;
+    tristrip_io::embed_images(&mut unpacked.model, source.path())?;
+    let Some(destination) = destination else {
+        return Ok(UnpackedLevel { proven: None, unpacked, output: None });
+    };
+    let options = encode::Options::new(destination.target.format).with_layout(Layout::List);
+    let drawings = vec![Drawing::Faces; unpacked.model.parts.len()];
+    let encoded = encode::run(&unpacked.model, &drawings, &options.with_verify(verify), watcher);
+    let encoded = encoded.map_err(|error| destination.unproven(error.into()))?;
+    let written = destination.write(&encoded)?;
+    unpacked.notes.extend(encoded.all_notes());
+    unpacked.notes.extend(written.warnings);
+    let output = destination.target.path.map(|path| path.display().to_string());
+    Ok(UnpackedLevel { proven: verify.then_some(true), unpacked, output })
 }
 
 /// Opens a progressive GLB, which may be cut off.
@@ -263,7 +244,8 @@ pub(crate) fn unpack<'py>(
     let destination = output.as_deref().map(file).transpose()?;
     let source = input.source();
     let ended = watching.run(py, |watcher| {
-        let (model, report) = unpack_source(source, goal, destination.as_ref(), verify, watcher)?;
+        let mut report = unpack_source(source, goal, destination.as_ref(), verify, watcher)?;
+        let model = std::mem::take(&mut report.unpacked.model);
         Ok((join(model.clone())?.mesh, model, report))
     });
     let (mesh, model, unpacked) = ended?.result()?;
@@ -300,14 +282,6 @@ fn level_of(given: &Bound<'_, PyAny>) -> Result<Level, Failure> {
     given.extract::<usize>().map(Level::Number).map_err(|_| wrong())
 }
 
-/// The report of a stream; the keys are those of the JSON report of `tristrip inspect`.
-#[derive(Debug, Serialize)]
-struct InspectReport {
-    #[serde(flatten)]
-    stream: StreamReport,
-    notes: Vec<String>,
-}
-
 /// Return what a progressive GLB holds, and what its bits are spent on. A file that is cut off or damaged is shown as far as it is complete, with a note.
 ///
 /// Args:
@@ -334,7 +308,7 @@ struct InspectReport {
 pub(crate) fn inspect<'py>(py: Python<'py>, input: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let input = Input::file(input)?;
     let source = input.source();
-    let ended = Watching::default().run(py, |_| Ok(stream_figures(&opened(source.bytes()?)?)));
-    let figures = ended?.result()?;
-    report(py, &InspectReport { stream: figures.report(), notes: figures.problem.into_iter().collect() })
+    let ended =
+        Watching::default().run(py, |watcher| Ok(inspect_stream::run(&opened(source.bytes()?)?, watcher)?));
+    report(py, &ended?.result()?)
 }

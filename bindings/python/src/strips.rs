@@ -11,7 +11,7 @@ use tristrip::stripify::{Watch, plan_watched};
 use tristrip::verify::{verify, verify_drawing};
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{DualGraph, Layout, Mesh, PreparedFaces, StripifyOptions, stripify_indices_watched};
-use tristrip_pipeline::{MethodReport, Stopped, StripMetrics};
+use tristrip_pipeline::{MethodDescription, Stopped, StripMetrics};
 
 use crate::arrays::{GivenFaces, indices_of, indices_to_array, positions};
 use crate::errors::Failure;
@@ -134,7 +134,7 @@ impl Strips {
     /// The method and its options, as the command prints them; None for strips that were not built here.
     #[getter]
     fn method(&self) -> Option<String> {
-        self.options.map(|options| MethodReport::of(&options).description())
+        self.options.map(|options| MethodDescription::of(&options).description())
     }
 
     /// Why the search was stopped before its end: "budget", "interrupt", or None.

@@ -15,9 +15,8 @@ use tristrip::simplify::MergeOrder;
 use tristrip_io::Model;
 use tristrip_io::tlod::{self, TlodLimits};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{
-    DisplayFilter, MethodReport, Stopped, ViewModelOptions, ViewModelReport, prove_view, view_model,
-};
+use tristrip_pipeline::view_model::{self, prove_view};
+use tristrip_pipeline::{DisplayFilter, MethodDescription, Stopped};
 use tristrip_render::images::{RenderOptions, strips_seen, triangles_seen};
 
 use crate::arguments::{Arguments, Keywords};
@@ -56,7 +55,7 @@ const MIDDLE: [f32; 2] = [0.5, 0.5];
 /// True
 #[pyclass(frozen, module = "tristrip")]
 pub(crate) struct ViewModel {
-    model: Arc<tristrip_pipeline::ViewModel>,
+    model: Arc<view_model::ViewModel>,
     tree: Arc<SkipStrips>,
     built: Built,
 }
@@ -65,21 +64,28 @@ pub(crate) struct ViewModel {
 #[derive(Debug, Clone, Default, Serialize)]
 struct Built {
     #[serde(flatten)]
-    method: Option<MethodReport>,
+    method: Option<MethodDescription>,
     order: Option<&'static str>,
     proven: Option<bool>,
     parts: Option<usize>,
+    /// The levels of the merge tree.
+    levels: Option<usize>,
+    stopped: Option<Stopped>,
+    notes: Vec<String>,
 }
 
 /// The report of a model; the keys are those of the JSON report of `tristrip build-lod`.
 #[derive(Serialize)]
-struct BuildReport<'a> {
+struct DescribedModel<'a> {
     #[serde(flatten)]
     built: &'a Built,
-    #[serde(flatten)]
-    model: ViewModelReport,
-    stopped: Option<Stopped>,
-    notes: &'a [String],
+    vertices: usize,
+    triangles: usize,
+    strips: usize,
+    collapses: usize,
+    height: u32,
+    /// The size of the file: none is written yet.
+    bytes: Option<usize>,
 }
 
 impl ViewModel {
@@ -87,22 +93,26 @@ impl ViewModel {
     pub(crate) fn of_model(
         py: Python<'_>,
         load: impl FnOnce() -> Result<Model, Failure> + Send,
-        options: ViewModelOptions,
+        options: view_model::Options,
         watching: Watching,
     ) -> PyResult<Bound<'_, Self>> {
         let ended = watching.run(py, move |watcher| {
-            let model = load()?;
-            let parts = Some(model.parts.len());
-            let model = view_model(model, &options, watcher)?;
-            let method = Some(MethodReport::of(&options.stripify));
-            let order = Some(options.order.name());
-            let built = Built { method, order, proven: options.verify.then_some(true), parts };
-            Self::new(model, built)
+            let built = view_model::run(load()?, &options, watcher)?;
+            let of_model = Built {
+                method: Some(built.method),
+                order: Some(built.order),
+                proven: built.proven.then_some(true),
+                parts: Some(built.parts),
+                levels: Some(built.levels),
+                stopped: built.stopped,
+                notes: built.notes,
+            };
+            Self::new(built.model, of_model)
         })?;
         ended.object(py, |model| model)
     }
 
-    fn new(model: tristrip_pipeline::ViewModel, built: Built) -> Result<Self, Failure> {
+    fn new(model: view_model::ViewModel, built: Built) -> Result<Self, Failure> {
         let tree = Arc::new(model.vertex_tree()?);
         Ok(Self { model: Arc::new(model), tree, built })
     }
@@ -114,7 +124,7 @@ impl ViewModel {
 }
 
 /// Takes the options of a model from keyword arguments, all of which that are left belong to the method of the strips.
-fn options(arguments: &Arguments<'_>) -> PyResult<ViewModelOptions> {
+fn options(arguments: &Arguments<'_>) -> PyResult<view_model::Options> {
     let order: Option<String> = arguments.extract("order")?;
     let order: MergeOrder = order.as_deref().unwrap_or("quadric").parse().map_err(Failure::from)?;
     let verify = arguments.extract("verify")?.unwrap_or(true);
@@ -122,7 +132,7 @@ fn options(arguments: &Arguments<'_>) -> PyResult<ViewModelOptions> {
     if stripify.weld {
         return Err(Failure::option("weld", "True", "False: each vertex keeps its attributes").into());
     }
-    Ok(ViewModelOptions::default().with_stripify(stripify).with_order(order).with_verify(verify))
+    Ok(view_model::Options::default().with_stripify(stripify).with_order(order).with_verify(verify))
 }
 
 #[pymethods]
@@ -316,16 +326,22 @@ impl ViewModel {
     /// "triangles", "strips", "collapses", "levels" (of the merge tree), "height", "bytes" (None: the file is not written yet), "stopped", "notes".
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let mut model = self.model.report();
-        model.height = Some(self.height(py));
-        let (stopped, notes) = (self.model.stopped, &self.model.notes[..]);
-        report(py, &BuildReport { built: &self.built, model, stopped, notes })
+        let found = DescribedModel {
+            built: &self.built,
+            vertices: self.model.mesh.vertex_count(),
+            triangles: self.model.triangle_count(),
+            strips: self.model.strips.len(),
+            collapses: self.model.sequence.len(),
+            height: self.height(py),
+            bytes: None,
+        };
+        report(py, &found)
     }
 
     /// Notes on what was dropped or is unusual.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.model.notes.clone()
+        self.built.notes.clone()
     }
 
     /// Start a view at the base mesh.
@@ -356,7 +372,7 @@ impl ViewModel {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, this) = (slf.py(), slf.get());
         let bytes = this.to_bytes(py)?.into_any();
-        let levels = this.model.levels.into_pyobject(py)?.into_any();
+        let levels = this.built.levels.into_pyobject(py)?.into_any();
         let notes = this.notes().into_pyobject(py)?.into_any();
         Ok((slf.get_type().getattr("_restore")?, PyTuple::new(py, [bytes, levels, notes])?))
     }
@@ -369,9 +385,7 @@ impl ViewModel {
         notes: Vec<String>,
     ) -> PyResult<Self> {
         let read = tlod::read(bytes, &TlodLimits::default()).map_err(Failure::from)?;
-        let mut model = tristrip_pipeline::ViewModel::from(read);
-        (model.levels, model.notes) = (levels, notes);
-        Ok(Self::new(model, Built::default())?)
+        Ok(Self::new(read.into(), Built { levels, notes, ..Built::default() })?)
     }
 
     fn __repr__(&self) -> String {
@@ -434,7 +448,7 @@ impl Detail {
 /// model share it; `copy.copy` makes another one in the same state.
 #[pyclass(frozen, module = "tristrip")]
 pub(crate) struct View {
-    model: Arc<tristrip_pipeline::ViewModel>,
+    model: Arc<view_model::ViewModel>,
     filter: DisplayFilter,
     state: Mutex<State>,
 }

@@ -178,7 +178,7 @@ def test_levels_of_a_textured_scene(model: Callable[[str], Path]) -> None:
 def test_levels_pickle() -> None:
     ball = meshes.sphere(3)
     uv = (ball.vertices[:, :2]).astype(np.float32)
-    levels = tristrip.Levels(ball.vertices, ball.faces, model="mts", base=0.1, uv=uv, method="sequential")
+    levels = tristrip.Levels(ball.vertices, ball.faces, model="sets", base=0.1, uv=uv, method="sequential")
     levels.set_level("40%")
     again = pickle.loads(pickle.dumps(levels))
     assert repr(again) == repr(levels)

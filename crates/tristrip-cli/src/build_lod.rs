@@ -1,157 +1,101 @@
 //! `tristrip build-lod`: builds the model of view-dependent detail, and writes it as `.tlod`.
 
-use std::path::Path;
-
 use serde::Serialize;
-use tristrip_io::Model;
+use tristrip_pipeline::Stage;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{
-    Event, MethodReport, Stopped, ViewModel, ViewModelOptions, ViewModelReport, view_model,
-};
+use tristrip_pipeline::view_model::{self, ViewModel};
 use tristrip_render::text;
 
-use crate::batch::{self, InputReport, Outcome};
+use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::stage::{Stages, load_timed, show_search, timed};
+use crate::report::{self, Batch};
+use crate::stage::{load_timed, show_mesh};
 use crate::task::BuildLodTask;
 
-/// The time of each stage in seconds; `null` for a stage that did not run.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-struct BuildSeconds {
-    load: Option<f64>,
-    dual: Option<f64>,
-    stripify: Option<f64>,
-    collapse: Option<f64>,
-    verify: Option<f64>,
-    write: Option<f64>,
-}
+/// The keys of `seconds`.
+const SECONDS: SecondsKeys = &[
+    ("load", &[Stage::Load]),
+    ("dual", &[Stage::Prepare]),
+    ("stripify", &[Stage::Stripify]),
+    ("collapse", &[Stage::Simplify]),
+    ("verify", &[Stage::Prove, Stage::ReadBack]),
+    ("write", &[Stage::Write]),
+];
 
-/// The report of the input; the keys are those of the JSON output.
+/// What was done with the input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct BuildReport {
-    file: String,
+struct Built {
     #[serde(flatten)]
-    method: MethodReport,
-    order: &'static str,
-    proven: Option<bool>,
-    seconds: BuildSeconds,
+    outcome: view_model::Outcome,
     #[serde(flatten)]
-    model: ViewModelReport,
-    /// Why the search for strips was stopped early, if it was.
-    stopped: Option<Stopped>,
-    parts: Option<usize>,
-    notes: Vec<String>,
-    output: Option<String>,
-    error: Option<String>,
-}
-
-impl InputReport for BuildReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
-    }
+    file: view_model::File,
+    output: String,
 }
 
 /// Builds the model of the input; returns whether this succeeded.
 pub(crate) fn run(task: &BuildLodTask, console: &mut Console) -> bool {
-    let new_report = |task: &BuildLodTask| BuildReport {
-        file: task.input.name(),
-        method: MethodReport::of(&task.options),
-        order: task.order.name(),
-        proven: None,
-        seconds: BuildSeconds::default(),
-        model: ViewModelReport::default(),
-        stopped: None,
-        parts: None,
-        notes: Vec::new(),
-        output: None,
-        error: None,
+    let show = |_: &BuildLodTask, built: &Built, _: &str, console: &mut Console| {
+        console.result(&summary(built), false);
     };
-    let process =
-        |task: &BuildLodTask, console: &mut Console, report: &mut BuildReport| build(task, console, report);
-    let show = |_: &BuildLodTask, report: &BuildReport, _: &str, console: &mut Console| {
-        console.result(&summary(report), false);
-    };
-    let reports = batch::process_all(std::slice::from_ref(task), None, console, new_report, process, show);
-    batch::finish(reports, console)
+    let batch = Batch { budget: task.budget, ..Batch::new(SECONDS) };
+    let tasks = std::slice::from_ref(task);
+    let reports = batch.process(tasks, console, |task| task.input.name(), build, show);
+    report::finish(&reports, console)
 }
 
-/// Takes the input through all stages; the report holds the stages reached.
-fn build(task: &BuildLodTask, console: &mut Console, report: &mut BuildReport) -> Result<(), Failure> {
+/// Takes the input through all stages.
+fn build(task: &BuildLodTask, console: &mut Console, clock: &StageClock) -> Result<Built, Failure> {
     let (model, load) = load_timed(&task.input, console)?;
-    report.parts = Some(model.parts.len());
-    report.seconds.load = Some(load);
-    let built = built(model, task, load, console, report)?;
-    console.doing("verify");
-    let (encoded, seconds) = timed(|| built.encode());
-    let encoded = encoded?;
-    report.model.height = Some(encoded.height);
-    report.proven = Some(true);
-    report.seconds.verify = Some(report.seconds.verify.unwrap_or(0.0) + seconds);
-    let what = format!("proven: the file holds the same model, of height {}", count(encoded.height as usize));
-    console.stage("verify", &what, Some(seconds));
-    write(&task.output, &encoded.bytes, console, report)
-}
-
-/// Builds the strips of all parts together, proves them, and builds their merge tree.
-fn built(
-    model: Model,
-    task: &BuildLodTask,
-    load: f64,
-    console: &Console,
-    report: &mut BuildReport,
-) -> Result<ViewModel, Failure> {
-    let show = |event: Event<'_>, seconds: f64| match event {
-        Event::Prepared => report.seconds.dual = Some(seconds),
-        Event::Surveyed { notes, .. } => report.notes = notes.to_vec(),
-        Event::Stripified { strips, stopped } => {
-            (report.seconds.stripify, report.stopped) = (Some(seconds), stopped);
-            let what = format!("{} ({})", counted(strips, "strip"), report.method.description());
-            show_search(&what, seconds, stopped, console, &mut report.notes);
-        }
-        Event::Proven { faces } => {
-            report.seconds.verify = Some(seconds);
-            let what = format!("proven: the strips draw exactly the {}", counted(faces, "face"));
-            console.stage("verify", &what, Some(seconds));
-        }
-        Event::Merged { collapses, levels } => {
-            report.seconds.collapse = Some(seconds);
-            let (collapses, levels) = (counted(collapses, "collapse"), counted(levels, "level"));
-            let what = format!("{collapses} in {levels} ({})", task.order.name());
-            console.stage("collapse", &what, Some(seconds));
-        }
-        _ => (),
-    };
-    let options = ViewModelOptions::default().with_stripify(task.options).with_order(task.order);
-    let stages = Stages::new(console, load, show).with_budget(task.budget);
-    let built = view_model(model, &options, &stages)?;
-    report.model = built.report();
-    Ok(built)
-}
-
-/// Writes the file under a temporary name, and renames it.
-fn write(path: &Path, bytes: &[u8], console: &Console, report: &mut BuildReport) -> Result<(), Failure> {
-    let (written, seconds) = timed(|| tristrip_io::replace_file(path, bytes));
+    clock.add_seconds(Stage::Load, load);
+    let options = view_model::Options::default().with_stripify(task.options).with_order(task.order);
+    let mut outcome = clock.observe(|observer| view_model::run(model, &options, observer))?;
+    show_stages(&outcome, clock, console);
+    let mut file = encode(&outcome.model, clock, console)?;
+    // The report does not need the model nor the bytes.
+    outcome.model = ViewModel::default();
+    let path = &task.output;
+    let written = clock.timed(Stage::Write, || tristrip_io::replace_file(path, &file.bytes));
     written.map_err(|error| Failure::writing(&error))?;
-    let what = format!("{}, {}", path.display(), text::bytes(bytes.len()));
-    console.stage("write", &what, Some(seconds));
-    report.model.bytes = Some(bytes.len());
-    report.seconds.write = Some(seconds);
-    report.output = Some(path.display().to_string());
-    Ok(())
+    let what = format!("{}, {}", path.display(), text::bytes(file.file_bytes));
+    console.stage("write", &what, clock.seconds(&[Stage::Write]));
+    file.bytes = Vec::new();
+    Ok(Built { outcome, file, output: path.display().to_string() })
+}
+
+/// Prints a line on each stage up to the collapses.
+fn show_stages(outcome: &view_model::Outcome, clock: &StageClock, console: &Console) {
+    // The parts are one mesh.
+    show_mesh(&outcome.mesh, 1, &outcome.notes, clock, console);
+    let what = format!("{} ({})", counted(outcome.strips, "strip"), outcome.method.description());
+    console.stage("stripify", &what, clock.seconds(&[Stage::Stripify]));
+    let what = format!("proven: the strips draw exactly the {}", counted(outcome.mesh.faces, "face"));
+    console.stage("verify", &what, clock.seconds(&[Stage::Prove]));
+    let (collapses, levels) = (counted(outcome.collapses, "collapse"), counted(outcome.levels, "level"));
+    let what = format!("{collapses} in {levels} ({})", outcome.order);
+    console.stage("collapse", &what, clock.seconds(&[Stage::Simplify]));
+}
+
+/// Encodes the model, and reads the bytes back.
+fn encode(model: &ViewModel, clock: &StageClock, console: &Console) -> Result<view_model::File, Failure> {
+    let encoding = clock.fresh();
+    let file = encoding.timed(Stage::ReadBack, || model.encode())?;
+    let what = format!("proven: the file holds the same model, of height {}", count(file.height as usize));
+    console.stage("verify", &what, encoding.seconds(&[Stage::ReadBack]));
+    clock.add(&encoding);
+    Ok(file)
 }
 
 /// Returns a table of the counts.
-fn summary(report: &BuildReport) -> String {
-    let model = &report.model;
-    let row = |name: &str, n: Option<usize>| vec![format!("  {name}"), count(n.unwrap_or(0))];
+fn summary(Built { outcome, file, .. }: &Built) -> String {
+    let row = |name: &str, n: usize| vec![format!("  {name}"), count(n)];
     let rows = [
-        row("vertices", model.vertices),
-        row("triangles", model.triangles),
-        row("strips", model.strips),
-        row("collapses", model.collapses),
-        row("levels of the merge tree", model.levels),
-        row("height", model.height.map(|height| height as usize)),
+        row("vertices", outcome.vertices),
+        row("triangles", outcome.triangles),
+        row("strips", outcome.strips),
+        row("collapses", outcome.collapses),
+        row("levels of the merge tree", outcome.levels),
+        row("height", file.height as usize),
     ];
     text::table(&rows, 1..2)
 }

@@ -1,139 +1,169 @@
 //! `tristrip chain`: several levels of detail over one vertex buffer, in one GLB or in a file each.
 
-mod report;
-
+use serde::Serialize;
 use tristrip_io::{Format, Model};
-use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{Chain, Event, MethodReport, Stage, chain_observed, encode};
+use tristrip_pipeline::chain::{self, Chain};
+use tristrip_pipeline::text::{count, counted};
+use tristrip_pipeline::{Stage, encode};
+use tristrip_render::text::{bytes, table};
 
-use crate::batch;
-use crate::clock::StageClock;
-use crate::collapses::collapse_fields;
+use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::{Job, Output};
 use crate::output;
+use crate::report::{self, Batch};
 use crate::search::interrupted;
-use crate::stage::{Stages, load_job};
+use crate::stage::{load_job, show_mesh};
 use crate::task::ChainTask;
-use report::ChainReport;
+
+/// The keys of `seconds`.
+const SECONDS: SecondsKeys = &[
+    ("load", &[Stage::Load]),
+    ("dual", &[Stage::Prepare]),
+    ("simplify", &[Stage::Simplify]),
+    ("stripify", &[Stage::Stripify]),
+    ("verify", &[Stage::Prove, Stage::ReadBack]),
+    ("write", &[Stage::Encode, Stage::Write]),
+];
+
+/// What was done with one input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Chained {
+    #[serde(flatten)]
+    outcome: chain::Outcome,
+    /// The file with all levels; `null` where each level has its own.
+    output: Option<String>,
+    layout: Option<&'static str>,
+}
 
 /// Processes all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &ChainTask, console: &mut Console) -> bool {
-    let new_report = |job: &Job| ChainReport::new(job.input.name(), MethodReport::of(&task.options.stripify));
-    let process =
-        |job: &Job, console: &mut Console, report: &mut ChainReport| run_stages(job, task, console, report);
-    let show = |job: &Job, report: &ChainReport, title: &str, console: &mut Console| {
-        console.result(&format!("{title}{}", report.summary()), job.output.is_none());
+    let process = |job: &Job, console: &mut Console, clock: &StageClock| build(job, task, console, clock);
+    let show = |job: &Job, chained: &Chained, title: &str, console: &mut Console| {
+        console.result(&format!("{title}{}", summary(&chained.outcome)), job.output.is_none());
     };
-    let reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
-    batch::finish(reports, console)
+    let batch = Batch { budget: task.budget, ..Batch::new(SECONDS) };
+    let reports = batch.process(&task.jobs, console, |job| job.input.name(), process, show);
+    report::finish(&reports, console)
 }
 
-/// Builds the levels of one input and writes them; after a failure the report has the results of the stages before.
-fn run_stages(
-    job: &Job,
-    task: &ChainTask,
-    console: &mut Console,
-    report: &mut ChainReport,
-) -> Result<(), Failure> {
+/// Builds the levels of one input and writes them.
+fn build(job: &Job, task: &ChainTask, console: &mut Console, clock: &StageClock) -> Result<Chained, Failure> {
     if interrupted() {
         return Err(Failure::Input("not done: interrupted".into()));
     }
     let (model, load) = load_job(job, console)?;
-    report.seconds.load = Some(load);
+    clock.add_seconds(Stage::Load, load);
     let format = job.output.as_ref().map_or(Format::Glb, |output| output.format);
     let options = task.options.clone().with_format(format);
-    let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
-    let chain = chain_observed(&model, &options, &Stages::new(console, load, show))?;
-    if !task.options.verify {
+    let mut outcome = clock.observe(|observer| chain::run(&model, &options, observer))?;
+    show_stages(&outcome, &job.input.name(), clock, console);
+    // The report does not need the models.
+    let chain = std::mem::take(&mut outcome.chain);
+    let mut output = None;
+    if let Some(target) = &job.output {
+        let mut writer = Writer { model: &model, chain: &chain, task, console, clock };
+        if target.in_directory {
+            writer.write_levels(target, &mut outcome)?;
+        } else {
+            writer.write_scene(target, &mut outcome)?;
+            output = Some(target.name());
+        }
+    }
+    Ok(Chained { outcome, output, layout: job.output.as_ref().map(|target| target.layout.name()) })
+}
+
+/// Prints a line on each stage of the collapses.
+fn show_stages(outcome: &chain::Outcome, name: &str, clock: &StageClock, console: &Console) {
+    show_mesh(&outcome.mesh, outcome.parts, &outcome.notes, clock, console);
+    let collapses = &outcome.collapses;
+    let coarsest = counted(collapses.triangles_after, "triangle");
+    let what = format!("{} to a coarsest level of {coarsest}", counted(collapses.collapse_count, "collapse"));
+    console.stage("simplify", &what, clock.seconds(&[Stage::Simplify]));
+    if let Some(warning) = &outcome.warning {
+        console.warning(name, warning);
+    }
+    if outcome.proven {
+        let what = "proven: replaying the collapses removes exactly these triangles";
+        console.stage("verify", what, clock.seconds(&[Stage::Prove]));
+    } else {
         console.stage("verify", "skipped", None);
     }
-    report.chain = chain.level_reports();
-    let Some(target) = &job.output else { return Ok(()) };
-    report.layout = Some(target.layout.name());
-    if target.in_directory {
-        for level in 0..chain.levels.len() {
-            let target = target.of_level(level);
-            let bytes = write_level(&model, &chain, level, &target, task, console, report)?;
-            let level = &mut report.chain[level];
-            (level.bytes, level.output) = (Some(bytes), Some(target.name()));
+}
+
+/// Writes the files of a chain.
+struct Writer<'a> {
+    model: &'a Model,
+    chain: &'a Chain,
+    task: &'a ChainTask,
+    console: &'a mut Console,
+    clock: &'a StageClock,
+}
+
+impl Writer<'_> {
+    /// Writes all levels as one GLB.
+    fn write_scene(&mut self, target: &Output, outcome: &mut chain::Outcome) -> Result<(), Failure> {
+        let (options, writing) = (self.options(target), self.clock.fresh());
+        let file =
+            output::encode(target, &writing, |observer| self.chain.encode(self.model, &options, observer))?;
+        self.write(&file.encoded, target, &writing, &mut outcome.notes)?;
+        for (level, bytes) in outcome.levels.iter_mut().zip(file.level_bytes) {
+            level.bytes = Some(bytes);
         }
-        return Ok(());
+        Ok(())
     }
-    let bytes = write_scene(&model, &chain, target, task, console, report)?;
-    report.chain.iter_mut().zip(bytes).for_each(|(level, bytes)| level.bytes = Some(bytes));
-    report.output = Some(target.name());
-    Ok(())
-}
 
-/// Prints and reports an event of the collapses.
-fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut ChainReport) {
-    match event {
-        Event::Simplified(collapses) => {
-            report.seconds.simplify = Some(seconds);
-            report.record(collapses);
-            let coarsest = counted(collapses.triangles_after, "triangle");
-            let what = format!(
-                "{} to a coarsest level of {coarsest}",
-                counted(collapses.collapse_count, "collapse")
-            );
-            console.stage("simplify", &what, Some(seconds));
+    /// Writes each level as a file of its own.
+    fn write_levels(&mut self, target: &Output, outcome: &mut chain::Outcome) -> Result<(), Failure> {
+        for level in &mut outcome.levels {
+            let target = target.of_level(level.number);
+            let (options, writing) = (self.options(&target), self.clock.fresh());
+            let encoded = output::encode(&target, &writing, |observer| {
+                self.chain.encode_level(self.model, level.number, &options, observer)
+            })?;
+            level.bytes = Some(self.write(&encoded, &target, &writing, &mut outcome.notes)?);
+            level.output = Some(target.name());
         }
-        other => collapse_fields!(report).show(other, seconds, console),
+        Ok(())
+    }
+
+    fn options(&self, target: &Output) -> encode::Options {
+        let options = encode::Options::new(target.format).with_layout(target.layout);
+        options.with_list(self.task.list).with_verify(self.task.options.verify)
+    }
+
+    /// Writes a file, and adds the times; returns its size.
+    fn write(
+        &mut self,
+        encoded: &encode::Outcome,
+        target: &Output,
+        writing: &StageClock,
+        notes: &mut Vec<String>,
+    ) -> Result<usize, Failure> {
+        let size = output::write(target, target.layout.name(), encoded, notes, writing, self.console)?;
+        self.clock.add(writing);
+        Ok(size)
     }
 }
 
-/// Writes all levels as one GLB; returns the bytes that each of them uses.
-fn write_scene(
-    model: &Model,
-    chain: &Chain,
-    target: &Output,
-    task: &ChainTask,
-    console: &mut Console,
-    report: &mut ChainReport,
-) -> Result<Vec<usize>, Failure> {
-    let (options, clock) = (encode_options(target, task), StageClock::new(console, task.budget));
-    let file = output::encode(target, &clock, |observer| chain.encode(model, &options, observer))?;
-    write(&file.encoded, target, &clock, console, report)?;
-    Ok(file.level_bytes)
+/// Returns the row of a level in the table.
+fn row(level: &chain::Level) -> Vec<String> {
+    vec![
+        format!("  level {}", level.number),
+        count(level.triangles),
+        count(level.vertices),
+        format!("{:.3} %", level.surface_error_percent),
+        format!("{:.2} %", 100.0 * level.screen_coverage),
+        level.bytes.map_or_else(|| "-".into(), bytes),
+        if level.reached { String::new() } else { format!("{} not reached", count(level.target_triangles)) },
+    ]
 }
 
-/// Writes a level as a file of its own; returns the size of the file.
-fn write_level(
-    model: &Model,
-    chain: &Chain,
-    level: usize,
-    target: &Output,
-    task: &ChainTask,
-    console: &mut Console,
-    report: &mut ChainReport,
-) -> Result<usize, Failure> {
-    let (options, clock) = (encode_options(target, task), StageClock::new(console, task.budget));
-    let encoded =
-        output::encode(target, &clock, |observer| chain.encode_level(model, level, &options, observer))?;
-    write(&encoded, target, &clock, console, report)
-}
-
-fn encode_options(target: &Output, task: &ChainTask) -> encode::Options {
-    let options = encode::Options::new(target.format).with_layout(target.layout);
-    options.with_list(task.list).with_verify(task.options.verify)
-}
-
-/// Writes a file, and adds its times to the report.
-fn write(
-    encoded: &encode::Outcome,
-    target: &Output,
-    clock: &StageClock,
-    console: &mut Console,
-    report: &mut ChainReport,
-) -> Result<usize, Failure> {
-    let size = output::write(target, target.layout.name(), encoded, &mut report.notes, clock, console)?;
-    let add = |sum: &mut Option<f64>, stages: &[Stage]| {
-        *sum = sum.iter().copied().chain(clock.seconds(stages)).reduce(|a, b| a + b);
-    };
-    add(&mut report.seconds.stripify, &[Stage::Stripify]);
-    add(&mut report.seconds.verify, &[Stage::ReadBack]);
-    add(&mut report.seconds.write, &[Stage::Encode, Stage::Write]);
-    Ok(size)
+/// Returns a table of the levels.
+fn summary(outcome: &chain::Outcome) -> String {
+    let head = ["", "triangles", "vertices", "error", "down to coverage", "size", ""];
+    let rows: Vec<Vec<String>> =
+        std::iter::once(head.map(str::to_owned).to_vec()).chain(outcome.levels.iter().map(row)).collect();
+    table(&rows, 1..6)
 }

@@ -25,6 +25,9 @@ pub(crate) const STRIP_SECONDS: SecondsKeys = &[
     ("write", &[Stage::Reorder, Stage::Encode, Stage::Write]),
 ];
 
+/// The stages of packing a model.
+pub(crate) const PACKING: &[Stage] = &[Stage::Simplify, Stage::Encode, Stage::ReadBack];
+
 /// The time of each stage in seconds; serialized as a map with the keys of its command, `null` for stages that did not run.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Seconds {
@@ -33,6 +36,11 @@ pub(crate) struct Seconds {
 }
 
 impl Seconds {
+    /// Returns whether the command reports no times.
+    pub(crate) fn has_no_keys(&self) -> bool {
+        self.keys.is_empty()
+    }
+
     /// Returns the sum of the times of stages; `None` if none of them ran.
     fn of(&self, stages: &[Stage]) -> Option<f64> {
         stages.iter().filter_map(|stage| self.times.get(stage)).copied().reduce(|a, b| a + b)

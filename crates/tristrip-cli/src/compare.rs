@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use tristrip::StripifyOptions;
 use tristrip_pipeline::text::{counted, grouped};
-use tristrip_pipeline::{MethodReport, Observer, Search, Stage, StripMetrics, compare};
+use tristrip_pipeline::{MethodDescription, Observer, Search, Stage, StripMetrics, compare};
 use tristrip_render::text::{markdown, table};
 
 use crate::clock::{SecondsKeys, StageClock};
@@ -117,7 +117,7 @@ impl Observer for MethodClocks<'_> {
     }
 
     fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
-        self.console.doing(&MethodReport::of(options).label());
+        self.console.doing(&MethodDescription::of(options).label());
         self.clock.search(options)
     }
 }

@@ -1,93 +1,80 @@
 //! `tristrip inspect`: what a progressive GLB holds, and what it costs.
 
 use serde::Serialize;
+use tristrip_pipeline::Stage;
+use tristrip_pipeline::inspect::{self, ComponentBits};
 use tristrip_pipeline::text::count;
-use tristrip_pipeline::{ComponentBits, StreamFigures, StreamReport, stream_figures};
 use tristrip_render::{rate, text};
 
-use crate::batch::{self, InputReport, Outcome};
+use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::short_name;
 use crate::job::Input;
-use crate::stage::timed;
+use crate::report::{self, Batch, Report};
 use crate::task::InspectTask;
 use crate::unpack::open;
 
-/// The time of each stage in seconds; `null` for a stage that did not run.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-struct InspectSeconds {
-    decode: Option<f64>,
-}
+/// The stages of decoding.
+const DECODING: &[Stage] = &[Stage::Load, Stage::Decode];
 
-/// The report of one input; the keys are those of the JSON output.
-#[derive(Debug, Default, Serialize)]
-struct InspectReport {
-    file: String,
-    seconds: InspectSeconds,
+/// The keys of `seconds`.
+const SECONDS: SecondsKeys = &[("decode", DECODING)];
+
+/// What was found in one input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Inspected {
     #[serde(flatten)]
-    stream: StreamReport,
-    notes: Vec<String>,
+    outcome: inspect::Outcome,
     plot: Option<String>,
-    error: Option<String>,
-}
-
-impl InputReport for InspectReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: None, error: &mut self.error }
-    }
 }
 
 /// Inspects all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &InspectTask, console: &mut Console) -> bool {
-    let new_report = |input: &Input| InspectReport { file: input.name(), ..InspectReport::default() };
-    let process =
-        |input: &Input, console: &mut Console, report: &mut InspectReport| inspect(input, console, report);
-    let show = |_: &Input, report: &InspectReport, title: &str, console: &mut Console| {
-        console.result(&format!("{title}{}", summary(report, task.chunks)), true);
+    let show = |_: &Input, inspected: &Inspected, title: &str, console: &mut Console| {
+        console.result(&format!("{title}{}", summary(&inspected.outcome, task.chunks)), true);
     };
-    let mut reports = batch::process_all(&task.inputs, None, console, new_report, process, show);
+    let mut reports = Batch::new(SECONDS).process(&task.inputs, console, Input::name, inspect, show);
     if let Some(path) = &task.plot {
-        let done: Vec<&InspectReport> = reports.iter().filter(|report| report.error.is_none()).collect();
-        if !done.is_empty() {
-            let curve = |report: &&InspectReport| {
-                let points = report.stream.chunks.iter().map(|chunk| (chunk.end, chunk.error)).collect();
-                (short_name(&report.file), points)
-            };
-            let chart = rate::draw(&done.iter().map(curve).collect::<Vec<_>>()).map_err(Failure::from);
-            if batch::write_chart(path, chart, &mut reports, console) {
-                let done = reports.iter_mut().filter(|report| report.error.is_none());
-                done.for_each(|report| report.plot = Some(path.display().to_string()));
+        let curves: Vec<_> = reports.iter().filter_map(curve).collect();
+        if !curves.is_empty() {
+            let chart = rate::draw(&curves).map_err(Failure::from);
+            if report::write_chart(path, chart, &mut reports, console) {
+                let done = reports.iter_mut().filter_map(|report| report.outcome.as_mut());
+                done.for_each(|inspected| inspected.plot = Some(path.display().to_string()));
             }
         }
     }
-    batch::finish(reports, console)
+    report::finish(&reports, console)
 }
 
-fn inspect(input: &Input, console: &mut Console, report: &mut InspectReport) -> Result<(), Failure> {
-    console.doing("decode");
-    let (figures, seconds) = timed(|| Ok::<_, Failure>(stream_figures(&open(input)?)));
-    let figures: StreamFigures = figures?;
-    report.seconds.decode = Some(seconds);
-    report.stream = figures.report();
-    console.stage("decode", &format!("{} chunks", count(figures.chunks.len())), Some(seconds));
-    if let Some(problem) = figures.problem {
-        console.warning(&report.file, &problem);
-        report.notes.push(problem);
+/// Returns the short name of an input that was decoded, with the end and the error of each chunk.
+fn curve(report: &Report<Inspected>) -> Option<(String, Vec<(usize, f32)>)> {
+    let chunks = &report.outcome.as_ref()?.outcome.chunks;
+    let points = chunks.iter().map(|chunk| (chunk.end, chunk.surface_error)).collect();
+    Some((short_name(&report.file), points))
+}
+
+fn inspect(input: &Input, console: &mut Console, clock: &StageClock) -> Result<Inspected, Failure> {
+    let glb = clock.timed(Stage::Load, || open(input))?;
+    let outcome = clock.observe(|observer| inspect::run(&glb, observer))?;
+    let what = format!("{} chunks", count(outcome.chunks.len()));
+    console.stage("decode", &what, clock.seconds(DECODING));
+    if let Some(problem) = &outcome.problem {
+        console.warning(&input.name(), problem);
     }
-    Ok(())
+    Ok(Inspected { outcome, plot: None })
 }
 
-/// Returns the tables of a report.
-fn summary(report: &InspectReport, with_chunks: bool) -> String {
-    let stream = &report.stream;
-    let row = |name: &str, n: Option<usize>| vec![format!("  {name}"), count(n.unwrap_or(0))];
+/// Returns the tables of a stream.
+fn summary(stream: &inspect::Outcome, with_chunks: bool) -> String {
+    let row = |name: &str, n: usize| vec![format!("  {name}"), count(n)];
     let rows = [
         row("meshes", stream.meshes),
         row("vertices", stream.vertices),
         row("triangles", stream.triangles),
         row("levels", stream.levels),
-        row("chunks", Some(stream.chunks.len())),
+        row("chunks", stream.chunks.len()),
         row("bytes before the first chunk", stream.base_bytes),
         row("bytes of chunks", stream.chunk_bytes),
     ];
@@ -96,7 +83,7 @@ fn summary(report: &InspectReport, with_chunks: bool) -> String {
     for ComponentBits { name, bits, per_vertex, .. } in &stream.components {
         rows.push(vec![format!("  {name}"), format!("{bits:.0}"), format!("{per_vertex:.2}")]);
     }
-    let whole = stream.bits_per_vertex.unwrap_or(0.0);
+    let whole = stream.bits_per_vertex;
     rows.push(vec!["  the whole file".into(), String::new(), format!("{whole:.2}")]);
     out.push('\n');
     out += &text::table(&rows, 1..3);
@@ -110,7 +97,7 @@ fn summary(report: &InspectReport, with_chunks: bool) -> String {
                 count(chunk.end),
                 count(chunk.level),
                 count(chunk.triangles),
-                format!("{:.3e}", chunk.error),
+                format!("{:.3e}", chunk.surface_error),
             ]);
         }
         out.push('\n');

@@ -1,209 +1,242 @@
 //! `tristrip level` and `tristrip camera-level`: one level or one view drawn with the strips of the full mesh.
 
-mod report;
-
+use serde::Serialize;
 use tristrip::lod::{Camera, ModelKind, ViewCriteria};
 use tristrip_io::Model;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
-    Error, Event, LevelGoal, LevelsOptions, MethodReport, ModelLevels, Observer, Stage, encode,
-    levels_observed, rounded,
+    Error, LevelGoal, ModelLevels, Observer, Stage, StripMetrics, encode, levels, rounded,
 };
 
-use crate::batch;
-use crate::clock::StageClock;
+use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures;
 use crate::job::Job;
 use crate::output;
+use crate::report::{self, Batch};
 use crate::search::interrupted;
-use crate::stage::{Stages, load_job, show_search};
+use crate::stage::{load_job, show_mesh};
 use crate::task::LevelTask;
-use report::LodReport;
+
+/// The keys of `seconds`.
+const SECONDS: SecondsKeys = &[
+    ("load", &[Stage::Load]),
+    ("dual", &[Stage::Prepare]),
+    ("stripify", &[Stage::Stripify]),
+    ("simplify", &[Stage::Simplify]),
+    ("filter", &[Stage::Filter]),
+    ("verify", &[Stage::Prove, Stage::ReadBack]),
+    ("write", &[Stage::Encode, Stage::Write]),
+];
+
+/// What was done with one input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Leveled {
+    #[serde(flatten)]
+    outcome: levels::Outcome,
+    model: &'static str,
+    filter: String,
+    /// The effort of the filter `repair`.
+    filter_effort: u8,
+    #[serde(flatten)]
+    drawn: Drawn,
+    output: Option<String>,
+    layout: Option<&'static str>,
+}
+
+/// What is drawn: a level or a view.
+#[derive(Debug, Serialize)]
+struct Drawn {
+    proven: Option<bool>,
+    /// The level; `null` for a view, as are its errors.
+    level: Option<usize>,
+    surface_error: Option<f32>,
+    surface_error_percent: Option<f64>,
+    /// The surface error in pixels of the view, if there is one.
+    pixels: Option<f64>,
+    /// The metrics of the display strips.
+    #[serde(flatten)]
+    metrics: StripMetrics,
+}
 
 /// Processes all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &LevelTask, console: &mut Console) -> bool {
-    let new_report = |job: &Job| LodReport::new(job.input.name(), MethodReport::of(&task.options), task);
     let process =
-        |job: &Job, console: &mut Console, report: &mut LodReport| run_stages(job, task, console, report);
-    let show = |job: &Job, report: &LodReport, title: &str, console: &mut Console| {
-        let figures = report.figures.as_ref().map(figures::summary).unwrap_or_default();
-        console.result(&format!("{title}{figures}"), job.output.is_none());
+        |job: &Job, console: &mut Console, clock: &StageClock| Drawing { job, task, clock }.process(console);
+    let show = |job: &Job, leveled: &Leveled, title: &str, console: &mut Console| {
+        let metrics = figures::summary(&leveled.drawn.metrics);
+        console.result(&format!("{title}{metrics}"), job.output.is_none());
     };
-    let reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
-    batch::finish(reports, console)
+    let batch = Batch { budget: task.budget, ..Batch::new(SECONDS) };
+    let reports = batch.process(&task.jobs, console, |job| job.input.name(), process, show);
+    report::finish(&reports, console)
 }
 
-/// Runs all stages on one input; after a failure the report has the results of the stages before.
-fn run_stages(
-    job: &Job,
-    task: &LevelTask,
-    console: &mut Console,
-    report: &mut LodReport,
-) -> Result<(), Failure> {
-    if interrupted() {
-        return Err(Failure::Input("not done: interrupted".into()));
-    }
-    let (model, load) = load_job(job, console)?;
-    report.seconds.load = Some(load);
-    let options = LevelsOptions::default().with_stripify(task.options);
-    let options = options.with_base(task.base).with_price(task.price).with_verify(task.verify);
-    let show = |event: Event<'_>, seconds: f64| show_building(event, seconds, console, report);
-    let stages = Stages::new(console, load, show).with_budget(task.budget);
-    let levels = levels_observed(&model, &options, &stages)?;
-    if let Some(camera) = &task.camera {
-        return draw_view((&model, &levels), camera, job, task, console, report);
-    }
-    let level = levels.level_of(task.goal)?;
-    report.level = Some(level);
-    let triangles = levels.triangle_count(level)?;
-    if let LevelGoal::Triangles(wanted) = task.goal
-        && triangles > wanted
-    {
-        let note =
-            format!("{} asked for: the base mesh has {}", counted(wanted, "triangle"), count(triangles));
-        console.note(&note);
-        report.notes.push(note);
-    }
-    draw(&model, &levels, level, job, task, console, report)
+/// An input that is drawn.
+struct Drawing<'a> {
+    job: &'a Job,
+    task: &'a LevelTask,
+    clock: &'a StageClock,
 }
 
-/// Prints and reports an event of the strips and collapses.
-fn show_building(event: Event<'_>, seconds: f64, console: &Console, report: &mut LodReport) {
-    match event {
-        Event::Prepared => report.seconds.dual = Some(seconds),
-        Event::Surveyed { parts, notes, .. } => {
-            (report.parts, report.notes) = (Some(parts), notes.to_vec());
+impl Drawing<'_> {
+    /// Runs all stages.
+    fn process(&self, console: &mut Console) -> Result<Leveled, Failure> {
+        if interrupted() {
+            return Err(Failure::Input("not done: interrupted".into()));
         }
-        Event::Stripified { strips, stopped } => {
-            report.seconds.stripify = Some(seconds);
-            let method = report.method.description();
-            let what = format!("{} of the full mesh ({method})", counted(strips, "strip"));
-            report.stopped = stopped;
-            show_search(&what, seconds, stopped, console, &mut report.notes);
-        }
-        Event::Simplified(collapses) => {
-            report.seconds.simplify = Some(seconds);
-            report.diagonal = Some(collapses.diagonal);
-            report.levels = Some(collapses.collapse_count);
-            report.triangles_full = Some(collapses.triangles_before);
-            report.triangles_base = Some(collapses.triangles_after);
-            let base = counted(collapses.triangles_after, "triangle");
-            let what = format!("{} to a base mesh of {base}", counted(collapses.collapse_count, "collapse"));
-            console.stage("simplify", &what, Some(seconds));
-        }
-        Event::Note(note) => report.notes.push(note.into()),
-        _ => (),
+        let task = self.task;
+        let (model, load) = load_job(self.job, console)?;
+        self.clock.add_seconds(Stage::Load, load);
+        let options = levels::Options::default().with_stripify(task.options);
+        let options = options.with_base(task.base).with_price(task.price).with_verify(task.verify);
+        let mut outcome = self.clock.observe(|observer| levels::run(&model, &options, observer))?;
+        self.show_building(&outcome, console);
+        let drawn = match &task.camera {
+            Some(camera) => self.draw_view(&model, &mut outcome, camera, console)?,
+            None => self.draw_level(&model, &mut outcome, console)?,
+        };
+        // The report does not need the levels.
+        outcome.model = ModelLevels::default();
+        let target = self.job.output.as_ref();
+        Ok(Leveled {
+            outcome,
+            model: task.model.name(),
+            filter: task.filter.to_string(),
+            filter_effort: task.filter_effort.level(),
+            drawn,
+            output: target.map(|target| target.name()),
+            layout: target.map(|target| target.layout.name()),
+        })
     }
-}
 
-/// Prints and reports an event of what is drawn: its name, and how it is drawn.
-fn show_drawn(
-    event: Event<'_>,
-    seconds: f64,
-    (name, drawn): (&str, &str),
-    console: &Console,
-    report: &mut LodReport,
-) {
-    match event {
-        Event::Filtered => report.seconds.filter = Some(seconds),
-        Event::Measured(figures) => {
-            let strips = counted(figures.strips, "strip");
-            let triangles = counted(figures.triangles, "triangle");
-            console.stage(
-                "filter",
-                &format!("{name}: {triangles} in {strips} ({drawn})"),
-                report.seconds.filter,
-            );
-            report.figures = Some(figures.clone());
-        }
-        Event::Proven { .. } => {
-            (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
+    /// Prints a line on each stage of the strips and collapses.
+    fn show_building(&self, outcome: &levels::Outcome, console: &Console) {
+        show_mesh(&outcome.mesh, outcome.parts, &outcome.notes, self.clock, console);
+        let strips = counted(outcome.strips_full, "strip");
+        let what = format!("{strips} of the full mesh ({})", outcome.method.description());
+        console.stage("stripify", &what, self.clock.seconds(&[Stage::Stripify]));
+        let base = counted(outcome.triangles_base, "triangle");
+        let what = format!("{} to a base mesh of {base}", counted(outcome.levels, "collapse"));
+        console.stage("simplify", &what, self.clock.seconds(&[Stage::Simplify]));
+    }
+
+    /// Prints what is drawn: its name, and how.
+    fn show_drawn(
+        &self,
+        metrics: &StripMetrics,
+        (name, how): (&str, &str),
+        drawing: &StageClock,
+        console: &Console,
+    ) {
+        let (triangles, strips) = (counted(metrics.triangles, "triangle"), counted(metrics.strips, "strip"));
+        let what = format!("{name}: {triangles} in {strips} ({how})");
+        console.stage("filter", &what, drawing.seconds(&[Stage::Filter]));
+        if self.task.verify {
             let kind = name.split(' ').next().unwrap_or_default();
             let what = format!("proven: exactly the {kind}'s triangles and winding");
-            console.stage("verify", &what, Some(seconds));
+            console.stage("verify", &what, drawing.seconds(&[Stage::Prove]));
+        } else {
+            console.stage("verify", "skipped", None);
         }
-        _ => (),
+        self.clock.add(drawing);
     }
-}
 
-/// Draws a level, and writes the file.
-fn draw(
-    model: &Model,
-    levels: &ModelLevels,
-    level: usize,
-    job: &Job,
-    task: &LevelTask,
-    console: &mut Console,
-    report: &mut LodReport,
-) -> Result<(), Failure> {
-    let name = format!("level {}", count(level));
-    let drawn = format!("model {}, filter {}", task.model, task.filter);
-    let show = |event: Event<'_>, seconds: f64| show_drawn(event, seconds, (&name, &drawn), console, report);
-    let stages = Stages::new(console, 0.0, show);
-    let displayed = match task.model {
-        ModelKind::Progressive | ModelKind::Naive => {
-            levels.display(level, task.filter, task.repair(), &stages)?
+    /// Returns the level that the task selects.
+    fn level(&self, outcome: &mut levels::Outcome, console: &Console) -> Result<usize, Failure> {
+        let level = outcome.model.level_of(self.task.goal)?;
+        let triangles = outcome.model.triangle_count(level)?;
+        if let LevelGoal::Triangles(wanted) = self.task.goal
+            && triangles > wanted
+        {
+            let (wanted, found) = (counted(wanted, "triangle"), count(triangles));
+            let note = format!("{wanted} asked for: the base mesh has {found}");
+            console.note(&note);
+            outcome.notes.push(note);
         }
-        kind => levels.display_of(kind, level, &stages)?,
-    };
-    report.surface_error = Some(displayed.surface_error);
-    report.surface_error_percent = Some(displayed.surface_error_percent);
-    if let Some(view) = task.view {
-        let pixels = f64::from(view.pixels_of(displayed.surface_error));
-        console.stage("error", &format!("{pixels:.3} pixels of the view"), None);
-        report.pixels = Some(rounded(pixels));
+        Ok(level)
     }
-    if !task.verify {
-        console.stage("verify", "skipped", None);
-    }
-    write(job, task, !displayed.strips.is_empty(), console, report, |options, observer| {
-        levels.encode(model, &displayed, options, observer)
-    })
-}
 
-/// Draws the view of a camera, and writes the file.
-fn draw_view(
-    (model, levels): (&Model, &ModelLevels),
-    (camera, criteria): &(Camera, ViewCriteria),
-    job: &Job,
-    task: &LevelTask,
-    console: &mut Console,
-    report: &mut LodReport,
-) -> Result<(), Failure> {
-    let drawn = format!("model {}", task.model);
-    let show = |event: Event<'_>, seconds: f64| show_drawn(event, seconds, ("view", &drawn), console, report);
-    let view = levels.view(model, camera, criteria, &Stages::new(console, 0.0, show))?;
-    view.notes.iter().for_each(|note| console.note(note));
-    report.notes.extend_from_slice(&view.notes);
-    if !task.verify {
-        console.stage("verify", "skipped", None);
+    /// Draws a level, and writes the file.
+    fn draw_level(
+        &self,
+        model: &Model,
+        outcome: &mut levels::Outcome,
+        console: &mut Console,
+    ) -> Result<Drawn, Failure> {
+        let level = self.level(outcome, console)?;
+        let (levels, task, drawing) = (&outcome.model, self.task, self.clock.fresh());
+        let displayed = drawing.observe(|observer| match task.model {
+            ModelKind::Progressive | ModelKind::Naive => {
+                levels.display(level, task.filter, task.repair(), observer)
+            }
+            kind => levels.display_of(kind, level, observer),
+        })?;
+        let how = format!("model {}, filter {}", task.model, task.filter);
+        let name = format!("level {}", count(level));
+        self.show_drawn(&displayed.figures, (&name, &how), &drawing, console);
+        let pixels = task.view.map(|view| f64::from(view.pixels_of(displayed.surface_error)));
+        if let Some(pixels) = pixels {
+            console.stage("error", &format!("{pixels:.3} pixels of the view"), None);
+        }
+        let encode = |options: &encode::Options, observer: &dyn Observer| {
+            levels.encode(model, &displayed, options, observer)
+        };
+        self.write(!displayed.strips.is_empty(), &mut outcome.notes, console, encode)?;
+        Ok(Drawn {
+            proven: displayed.proven.then_some(true),
+            level: Some(level),
+            surface_error: Some(displayed.surface_error),
+            surface_error_percent: Some(displayed.surface_error_percent),
+            pixels: pixels.map(rounded),
+            metrics: displayed.figures,
+        })
     }
-    write(job, task, !view.strips.is_empty(), console, report, |options, observer| {
-        levels.encode_view(model, &view, options, observer)
-    })
-}
 
-/// Writes the file of a job that has one.
-fn write(
-    job: &Job,
-    task: &LevelTask,
-    has_strips: bool,
-    console: &mut Console,
-    report: &mut LodReport,
-    encode: impl FnOnce(&encode::Options, &dyn Observer) -> Result<encode::Outcome, Error>,
-) -> Result<(), Failure> {
-    let Some(target) = &job.output else { return Ok(()) };
-    let options = encode::Options::new(target.format).with_layout(target.layout).with_verify(task.verify);
-    let clock = StageClock::new(console, None);
-    let encoded = output::encode(target, &clock, |observer| encode(&options, observer))?;
-    let how = output::drawn_as(target, has_strips);
-    output::write(target, how, &encoded, &mut report.notes, &clock, console)?;
-    report.seconds.write = clock.seconds(&[Stage::Encode, Stage::Write]);
-    let verify = report.seconds.verify.into_iter().chain(clock.seconds(&[Stage::ReadBack]));
-    report.seconds.verify = verify.reduce(|a, b| a + b);
-    report.output = Some(target.name());
-    report.layout = Some(target.layout.name());
-    Ok(())
+    /// Draws the view of a camera, and writes the file.
+    fn draw_view(
+        &self,
+        model: &Model,
+        outcome: &mut levels::Outcome,
+        (camera, criteria): &(Camera, ViewCriteria),
+        console: &mut Console,
+    ) -> Result<Drawn, Failure> {
+        let (levels, drawing) = (&outcome.model, self.clock.fresh());
+        let view = drawing.observe(|observer| levels.view(model, camera, criteria, observer))?;
+        let how = format!("model {}", self.task.model);
+        self.show_drawn(&view.figures, ("view", &how), &drawing, console);
+        view.notes.iter().for_each(|note| console.note(note));
+        outcome.notes.extend_from_slice(&view.notes);
+        let encode = |options: &encode::Options, observer: &dyn Observer| {
+            levels.encode_view(model, &view, options, observer)
+        };
+        self.write(!view.strips.is_empty(), &mut outcome.notes, console, encode)?;
+        Ok(Drawn {
+            proven: view.proven.then_some(true),
+            level: None,
+            surface_error: None,
+            surface_error_percent: None,
+            pixels: None,
+            metrics: view.figures,
+        })
+    }
+
+    /// Writes the file of a job that has one.
+    fn write(
+        &self,
+        has_strips: bool,
+        notes: &mut Vec<String>,
+        console: &mut Console,
+        encode: impl FnOnce(&encode::Options, &dyn Observer) -> Result<encode::Outcome, Error>,
+    ) -> Result<(), Failure> {
+        let Some(target) = &self.job.output else { return Ok(()) };
+        let options = encode::Options::new(target.format).with_layout(target.layout);
+        let (options, writing) = (options.with_verify(self.task.verify), self.clock.fresh());
+        let encoded = output::encode(target, &writing, |observer| encode(&options, observer))?;
+        let how = output::drawn_as(target, has_strips);
+        output::write(target, how, &encoded, notes, &writing, console)?;
+        self.clock.add(&writing);
+        Ok(())
+    }
 }

@@ -12,12 +12,10 @@
 
 mod analyze;
 mod args;
-mod batch;
 mod bound;
 mod build_lod;
 mod chain;
 mod clock;
-mod collapses;
 mod compare;
 mod console;
 mod convert;

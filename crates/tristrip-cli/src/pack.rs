@@ -2,111 +2,75 @@
 
 use serde::Serialize;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Packed, PackedReport, pack};
+use tristrip_pipeline::{Stage, pack};
 use tristrip_render::text;
 
-use crate::batch::{self, InputReport, Outcome};
+use crate::clock::{PACKING, SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::write_file;
-use crate::stage::{load_job, timed};
+use crate::report::{self, Batch};
+use crate::stage::load_job;
 use crate::task::PackTask;
 
-/// The time of each stage in seconds; `null` for a stage that did not run.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-struct PackSeconds {
-    load: Option<f64>,
-    pack: Option<f64>,
-    write: Option<f64>,
-}
+/// The keys of `seconds`.
+const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("pack", PACKING), ("write", &[Stage::Write])];
 
-/// The report of one input; the keys are those of the JSON output.
-#[derive(Debug, Default, Serialize)]
-struct PackReport {
-    file: String,
-    proven: Option<bool>,
-    seconds: PackSeconds,
-    parts: Option<usize>,
+/// What was done with one input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Packed {
     #[serde(flatten)]
-    packed: PackedReport,
-    notes: Vec<String>,
+    outcome: pack::Outcome,
     output: Option<String>,
-    error: Option<String>,
-}
-
-impl InputReport for PackReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
-    }
 }
 
 /// Packs all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &PackTask, console: &mut Console) -> bool {
-    let new_report = |job: &Job| PackReport { file: job.input.name(), ..PackReport::default() };
-    let process =
-        |job: &Job, console: &mut Console, report: &mut PackReport| pack_job(job, task, console, report);
-    let show = |_: &Job, report: &PackReport, title: &str, console: &mut Console| {
-        console.result(&format!("{title}{}", summary(report)), false);
+    let process = |job: &Job, console: &mut Console, clock: &StageClock| pack(job, task, console, clock);
+    let show = |_: &Job, packed: &Packed, title: &str, console: &mut Console| {
+        console.result(&format!("{title}{}", summary(&packed.outcome)), false);
     };
-    let reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
-    batch::finish(reports, console)
+    let reports = Batch::new(SECONDS).process(&task.jobs, console, |job| job.input.name(), process, show);
+    report::finish(&reports, console)
 }
 
-fn pack_job(
-    job: &Job,
-    task: &PackTask,
-    console: &mut Console,
-    report: &mut PackReport,
-) -> Result<(), Failure> {
+fn pack(job: &Job, task: &PackTask, console: &mut Console, clock: &StageClock) -> Result<Packed, Failure> {
     let (model, load) = load_job(job, console)?;
-    report.seconds.load = Some(load);
-    report.parts = Some(model.parts.len());
-    report.notes.clone_from(&model.notes);
+    clock.add_seconds(Stage::Load, load);
     console.stage("load", &counted(model.parts.len(), "part"), Some(load));
     model.notes.iter().for_each(|note| console.note(note));
-    console.doing("pack");
-    let (packed, seconds) = timed(|| pack(&model, &task.options, &()));
-    let packed: Packed = packed?;
-    report.seconds.pack = Some(seconds);
-    report.proven = packed.proven.map(|_| true);
+    let mut outcome = clock.observe(|observer| pack::run(&model, &task.options, observer))?;
     let what = format!(
         "{} of {} behind base meshes of {}",
-        counted(packed.chunks, "chunk"),
-        counted(packed.meshes, "mesh"),
-        counted(packed.base_triangles, "triangle")
+        counted(outcome.chunks, "chunk"),
+        counted(outcome.meshes, "mesh"),
+        counted(outcome.base_triangles, "triangle")
     );
-    console.stage("pack", &what, Some(seconds));
-    if let Some(triangles) = packed.proven {
+    console.stage("pack", &what, clock.seconds(PACKING));
+    if let Some(triangles) = outcome.proven {
         let what = format!("proven: the file holds exactly the {}", counted(triangles, "triangle"));
         console.stage("verify", &what, None);
     }
-    packed.notes.iter().for_each(|note| console.note(note));
-    packed.losses.iter().for_each(|loss| console.note(loss));
-    let bytes = packed.bytes.len();
-    report.packed = packed.report();
-    report.notes.extend(packed.notes);
-    report.notes.extend(packed.losses);
-    if let Some(output) = &job.output {
-        let (written, seconds) = timed(|| write_file(output, &packed.bytes, console));
-        written?;
-        console.stage("write", &format!("{}, {}", output.name(), text::bytes(bytes)), Some(seconds));
-        report.seconds.write = Some(seconds);
-        report.output = Some(output.name());
-    }
-    Ok(())
+    outcome.notes.iter().skip(model.notes.len()).for_each(|note| console.note(note));
+    // The report does not need the bytes.
+    let bytes = std::mem::take(&mut outcome.bytes);
+    let Some(output) = &job.output else { return Ok(Packed { outcome, output: None }) };
+    clock.timed(Stage::Write, || write_file(output, &bytes, console))?;
+    let what = format!("{}, {}", output.name(), text::bytes(bytes.len()));
+    console.stage("write", &what, clock.seconds(&[Stage::Write]));
+    Ok(Packed { outcome, output: Some(output.name()) })
 }
 
 /// Returns a table of the counts.
-fn summary(report: &PackReport) -> String {
-    let packed = &report.packed;
-    let row = |name: &str, n: Option<usize>| vec![format!("  {name}"), count(n.unwrap_or(0))];
+fn summary(packed: &pack::Outcome) -> String {
+    let row = |name: &str, n: usize| vec![format!("  {name}"), count(n)];
     let rows = [
         row("vertices", packed.vertices),
         row("triangles", packed.triangles),
         row("triangles of base meshes", packed.base_triangles),
         row("chunks", packed.chunks),
-        row("bytes", packed.bytes),
+        row("bytes", packed.file_bytes),
         row("bytes before the first chunk", packed.base_bytes),
         vec!["  bits per vertex".into(), format!("{:.2}", packed.bits_per_vertex.unwrap_or(0.0))],
     ];

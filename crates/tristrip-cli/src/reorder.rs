@@ -7,7 +7,7 @@ use tristrip_pipeline::text::{count, counted};
 
 /// The vertices of parts that share them; the keys are those of the JSON report.
 #[derive(Debug, Serialize)]
-pub(crate) struct GroupReport {
+pub(crate) struct GroupOrder {
     parts: Vec<usize>,
     vertices: usize,
     moved: usize,
@@ -17,7 +17,7 @@ pub(crate) struct GroupReport {
     kept: Option<String>,
 }
 
-impl GroupReport {
+impl GroupOrder {
     pub(crate) fn of(group: &VertexGroup) -> Self {
         Self {
             parts: group.parts.clone(),

@@ -15,6 +15,7 @@ use crate::failure::Failure;
 #[derive(Debug, Serialize)]
 pub(crate) struct Report<O> {
     pub(crate) file: String,
+    #[serde(skip_serializing_if = "Seconds::has_no_keys")]
     pub(crate) seconds: Seconds,
     #[serde(flatten)]
     pub(crate) outcome: Option<O>,
@@ -146,6 +147,6 @@ mod tests {
     fn the_report_of_a_failure_has_no_outcome() {
         let failed: Result<strip::Outcome, _> = Err(Failure::Input("not a mesh".into()));
         let json = serde_json::to_string(&Report::new("a".into(), Seconds::default(), failed)).unwrap();
-        assert_eq!(json, r#"{"file":"a","seconds":{},"error":"not a mesh"}"#);
+        assert_eq!(json, r#"{"file":"a","error":"not a mesh"}"#);
     }
 }

@@ -3,37 +3,26 @@
 use serde::Serialize;
 use tristrip_serve::{Content, Server};
 
-use crate::batch::{self, InputReport, Outcome};
+use crate::clock::Seconds;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::logs::Log;
+use crate::report::{self, Report};
 use crate::task::ServeTask;
 
-/// The report, once the server listens; the keys are those of the JSON output.
-#[derive(Debug, Default, Serialize)]
-struct ServeReport {
-    file: String,
-    url: Option<String>,
-    address: Option<String>,
-    port: Option<u16>,
+/// A server that listens; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Listening {
+    url: String,
+    address: String,
+    port: u16,
     pack_on_demand: bool,
     notes: Vec<String>,
-    error: Option<String>,
-}
-
-impl InputReport for ServeReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: None, error: &mut self.error }
-    }
 }
 
 /// Serves until a signal; returns whether the server could start.
 pub(crate) fn run(task: &ServeTask, console: &mut Console) -> bool {
-    let mut report = ServeReport {
-        file: task.directory.display().to_string(),
-        pack_on_demand: task.options.packing.on_demand,
-        ..ServeReport::default()
-    };
+    let file = task.directory.display().to_string();
     let mut options = task.options.clone();
     options.packing = options.packing.with_threads(console.threads());
     let server = match Server::bind(Content::Folder(task.directory.clone()), &options) {
@@ -41,19 +30,23 @@ pub(crate) fn run(task: &ServeTask, console: &mut Console) -> bool {
         Err(error) => {
             let failure = Failure::from(error);
             console.error(&failure.to_string());
-            report.error = Some(failure.to_string());
-            return batch::finish(vec![report], console);
+            let failed = Report::<Listening>::new(file, Seconds::default(), Err(failure));
+            return report::finish(&[failed], console);
         }
     };
-    report.url = Some(server.url());
-    report.address = Some(server.address().ip().to_string());
-    report.port = Some(server.address().port());
-    console.line(&format!("{}  {}", server.url(), report.file));
+    console.line(&format!("{}  {file}", server.url()));
+    let mut listening = Listening {
+        url: server.url(),
+        address: server.address().ip().to_string(),
+        port: server.address().port(),
+        pack_on_demand: task.options.packing.on_demand,
+        notes: Vec::new(),
+    };
     if !options.address.to_canonical().is_loopback() && server.url().starts_with("http:") {
         console.note("other machines can connect, without encryption");
-        report.notes.push("other machines can connect, without encryption".into());
+        listening.notes.push("other machines can connect, without encryption".into());
     }
-    if !batch::finish(vec![report], console) {
+    if !report::finish(&[Report::new(file, Seconds::default(), Ok(listening))], console) {
         return false;
     }
     let log = (!console.is_quiet()).then(|| Log::start(task.log));

@@ -17,7 +17,7 @@ use crate::figures::summary;
 use crate::input::file_bytes;
 use crate::job::{Job, Output};
 use crate::output::{self, drawn_as};
-use crate::reorder::GroupReport;
+use crate::reorder::GroupOrder;
 use crate::report::{self, Batch};
 use crate::search::interrupted;
 use crate::stage::{load_job, show_mesh, timed};
@@ -37,7 +37,7 @@ struct Stripped {
     /// The file that was written.
     after: Option<FileCost>,
     /// The new vertex order; `null` unless requested.
-    vertex_order: Option<Vec<GroupReport>>,
+    vertex_order: Option<Vec<GroupOrder>>,
     /// The picture of the strips, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<String>,
@@ -139,8 +139,7 @@ fn write(
     before.bytes = file_bytes(&job.input);
     // As for an input, the size of a .gltf is not that of one file.
     after.bytes = after.bytes.filter(|_| !target.separate);
-    stripped.vertex_order =
-        encoded.groups.as_ref().map(|groups| groups.iter().map(GroupReport::of).collect());
+    stripped.vertex_order = encoded.groups.as_ref().map(|groups| groups.iter().map(GroupOrder::of).collect());
     let how = drawn_as(target, drawn.found + drawn.stored > 0);
     output::write(target, how, &encoded, &mut stripped.strips.notes, &writing, console)?;
     clock.add(&writing);

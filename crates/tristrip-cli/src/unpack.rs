@@ -1,53 +1,47 @@
 //! `tristrip unpack`: reads a level of detail from a progressive GLB.
 
 use std::io::Read;
+use std::path::Path;
 
 use serde::Serialize;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Format};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Stage, Unpacked, UnpackedReport, encode, unpack};
+use tristrip_pipeline::{Stage, encode, unpack};
 
-use crate::batch::{self, InputReport, Outcome};
-use crate::clock::StageClock;
+use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Input;
 use crate::output;
-use crate::stage::{Seconds, timed};
+use crate::report::{self, Batch};
 use crate::task::UnpackTask;
 
-/// The report of the input; the keys are those of the JSON output.
-#[derive(Debug, Default, Serialize)]
-struct UnpackReport {
-    file: String,
-    proven: Option<bool>,
-    seconds: Seconds,
-    #[serde(flatten)]
-    unpacked: UnpackedReport,
-    notes: Vec<String>,
-    output: Option<String>,
-    error: Option<String>,
-}
+/// The keys of `seconds`.
+const SECONDS: SecondsKeys = &[
+    ("load", &[Stage::Load, Stage::Decode]),
+    ("verify", &[Stage::ReadBack]),
+    ("write", &[Stage::Encode, Stage::Write]),
+];
 
-impl InputReport for UnpackReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
-    }
+/// What was done with the input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Unpacked {
+    /// Whether the file is proven; `null` if none was written or the proof was not requested.
+    proven: Option<bool>,
+    #[serde(flatten)]
+    outcome: unpack::Outcome,
+    output: Option<String>,
 }
 
 /// Reads the level; returns whether this succeeded.
 pub(crate) fn run(task: &UnpackTask, console: &mut Console) -> bool {
-    let new_report =
-        |task: &UnpackTask| UnpackReport { file: task.job.input.name(), ..UnpackReport::default() };
-    let process = |task: &UnpackTask, console: &mut Console, report: &mut UnpackReport| {
-        unpack_job(task, console, report)
+    let show = |task: &UnpackTask, unpacked: &Unpacked, _: &str, console: &mut Console| {
+        console.result(&summary(&unpacked.outcome), task.job.output.is_none());
     };
-    let show = |task: &UnpackTask, report: &UnpackReport, _: &str, console: &mut Console| {
-        console.result(&summary(report), task.job.output.is_none());
-    };
-    let reports = batch::process_all(std::slice::from_ref(task), None, console, new_report, process, show);
-    batch::finish(reports, console)
+    let tasks = std::slice::from_ref(task);
+    let reports = Batch::new(SECONDS).process(tasks, console, |task| task.job.input.name(), unpack, show);
+    report::finish(&reports, console)
 }
 
 /// Reads all bytes of an input.
@@ -65,73 +59,59 @@ fn read(input: &Input) -> Result<Vec<u8>, Failure> {
 
 /// Opens a progressive GLB, which may be cut off.
 pub(crate) fn open(input: &Input) -> Result<ProgressiveGlb, Failure> {
-    opened(input, read(input)?)
-}
-
-fn opened(input: &Input, bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
     let name = input.name();
-    let opened = ProgressiveGlb::open(bytes).map_err(|error| Failure::reading(&name, &error))?;
+    let opened = ProgressiveGlb::open(read(input)?).map_err(|error| Failure::reading(&name, &error))?;
     opened.ok_or_else(|| Failure::Input(
             "no progressive GLB: `pack` writes them, but a model that a stream would not make smaller as a plain GLB".into(),
         ))
 }
 
-fn unpack_job(task: &UnpackTask, console: &mut Console, report: &mut UnpackReport) -> Result<(), Failure> {
+fn unpack(task: &UnpackTask, console: &mut Console, clock: &StageClock) -> Result<Unpacked, Failure> {
     let UnpackTask { job, goal, verify } = task;
-    console.doing("load");
-    let folder = job.input.path.as_ref().and_then(|path| path.parent());
-    let (unpacked, seconds) = timed(|| {
-        let bytes = read(&job.input)?;
-        Ok::<_, Failure>(unpack(&opened(&job.input, bytes)?, *goal, folder)?)
-    });
-    let unpacked = unpacked?;
-    report.seconds.load = Some(seconds);
-    report.unpacked = unpacked.report();
-    let Unpacked { mut model, level, full_level, triangles, full_triangles, problem, .. } = unpacked;
-    report.notes.clone_from(&model.notes);
+    let glb = clock.timed(Stage::Load, || open(&job.input))?;
+    let base_dir = job.input.path.as_ref().and_then(|path| path.parent()).map(Path::to_path_buf);
+    let options = unpack::Options::default().with_goal(*goal).with_base_dir(base_dir);
+    let mut outcome = clock.observe(|observer| unpack::run(&glb, &options, observer))?;
+    drop(glb);
+    let unpack::Outcome { level, levels, triangles, triangles_full, .. } = outcome;
     let what = format!(
         "level {} of {}: {} of {}",
         count(level),
-        count(full_level),
+        count(levels),
         count(triangles),
-        counted(full_triangles, "triangle")
+        counted(triangles_full, "triangle")
     );
-    console.stage("load", &what, Some(seconds));
+    console.stage("load", &what, clock.seconds(&[Stage::Load, Stage::Decode]));
+    let mut model = std::mem::take(&mut outcome.model);
     model.notes.iter().for_each(|note| console.note(note));
-    if let Some(problem) = problem {
-        console.warning(&report.file, &problem);
-        report.notes.push(problem);
+    if let Some(problem) = &outcome.problem {
+        console.warning(&job.input.name(), problem);
     }
-    let Some(target) = &job.output else { return Ok(()) };
+    let Some(target) = &job.output else { return Ok(Unpacked { proven: None, outcome, output: None }) };
     if target.format == Format::Glb {
         let images = tristrip_io::embed_images(&mut model, job.input.path.as_deref());
-        images.map_err(|error| Failure::reading(&report.file, &error))?;
+        images.map_err(|error| Failure::reading(&job.input.name(), &error))?;
     }
     let options = encode::Options::new(target.format).with_verify(*verify);
     let drawings = vec![Drawing::Faces; model.parts.len()];
-    let clock = StageClock::new(console, None);
+    let writing = clock.fresh();
     let encoded =
-        output::encode(target, &clock, |observer| encode::run(&model, &drawings, &options, observer))?;
+        output::encode(target, &writing, |observer| encode::run(&model, &drawings, &options, observer))?;
     let how = output::drawn_as(target, false);
-    output::write(target, how, &encoded, &mut report.notes, &clock, console)?;
-    report.seconds.verify = clock.seconds(&[Stage::ReadBack]);
-    report.seconds.write = clock.seconds(&[Stage::Encode, Stage::Write]);
-    report.output = Some(target.name());
-    report.proven = verify.then_some(true);
-    Ok(())
+    output::write(target, how, &encoded, &mut outcome.notes, &writing, console)?;
+    clock.add(&writing);
+    Ok(Unpacked { proven: verify.then_some(true), outcome, output: Some(target.name()) })
 }
 
 /// Returns a line on the level.
-fn summary(report: &UnpackReport) -> String {
-    let unpacked = &report.unpacked;
-    let number = |n: Option<usize>| count(n.unwrap_or(0));
+fn summary(unpacked: &unpack::Outcome) -> String {
     format!(
         "  level {} of {}, {} of {} triangles, from {} bytes in {} chunks\n",
-        number(unpacked.level),
-        number(unpacked.levels),
-        number(unpacked.triangles),
-        number(unpacked.triangles_full),
-        number(unpacked.bytes),
-        number(unpacked.chunks)
+        count(unpacked.level),
+        count(unpacked.levels),
+        count(unpacked.triangles),
+        count(unpacked.triangles_full),
+        count(unpacked.bytes),
+        count(unpacked.chunks)
     )
 }

@@ -10,46 +10,42 @@ use serde::Serialize;
 use tristrip_io::Format;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{PackOptions, Packed, pack};
+use tristrip_pipeline::{Stage, pack};
 use tristrip_serve::{Content, MemoryFile, Server};
 
-use crate::batch::{self, InputReport, Outcome};
+use crate::clock::{PACKING, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
+use crate::report::{self, Batch, Report};
 use crate::serve::until_signal;
-use crate::stage::{load_job, timed};
+use crate::stage::load_job;
 use crate::task::ViewTask;
 
-/// The report of one model; the keys are those of the JSON output.
-#[derive(Debug, Default, Serialize)]
-struct ViewReport {
-    file: String,
+/// A model that is shown; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Shown {
     proven: Option<bool>,
     url: Option<String>,
-    bytes: Option<usize>,
+    bytes: usize,
     notes: Vec<String>,
-    error: Option<String>,
     /// What is served.
     #[serde(skip)]
     content: Option<MemoryFile>,
 }
 
-impl InputReport for ViewReport {
-    fn outcome(&mut self) -> Outcome<'_> {
-        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
-    }
-}
-
 /// Packs all models, and shows them until a signal; returns whether all succeeded.
 pub(crate) fn run(task: &ViewTask, console: &mut Console) -> bool {
-    let new_report = |job: &Job| ViewReport { file: job.input.name(), ..ViewReport::default() };
-    let show = |_: &Job, _: &ViewReport, _: &str, _: &mut Console| ();
-    let mut reports = batch::process_all(&task.jobs, None, console, new_report, pack_job, show);
+    let show = |_: &Job, _: &Shown, _: &str, _: &mut Console| ();
+    let mut reports = Batch::new(&[]).process(&task.jobs, console, |job| job.input.name(), pack_job, show);
     let mut names = HashSet::new();
-    let mut files: Vec<MemoryFile> = reports.iter_mut().filter_map(|report| report.content.take()).collect();
+    let mut files: Vec<MemoryFile> = reports
+        .iter_mut()
+        .filter_map(|report| report.outcome.as_mut())
+        .filter_map(|shown| shown.content.take())
+        .collect();
     if files.len() < reports.len() {
-        return batch::finish(reports, console);
+        return report::finish(&reports, console);
     }
     files.iter_mut().for_each(|file| make_distinct(&mut file.name, &mut names));
     let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
@@ -58,20 +54,22 @@ pub(crate) fn run(task: &ViewTask, console: &mut Console) -> bool {
         Err(error) => {
             let failure = Failure::from(error);
             console.error(&failure.to_string());
-            reports.iter_mut().for_each(|report| report.error = Some(failure.to_string()));
-            return batch::finish(reports, console);
+            reports
+                .iter_mut()
+                .for_each(|report: &mut Report<Shown>| report.error = Some(failure.to_string()));
+            return report::finish(&reports, console);
         }
     };
     let url_of = |name: &str| format!("{}#model=files/{}", server.url(), tristrip_serve::url_path(name));
-    for (report, name) in reports.iter_mut().zip(&names) {
-        report.url = Some(url_of(name));
+    for (shown, name) in reports.iter_mut().filter_map(|report| report.outcome.as_mut()).zip(&names) {
+        shown.url = Some(url_of(name));
     }
     let url = match &names[..] {
         [one] => url_of(one),
         _ => server.url(),
     };
     console.line(&url);
-    if !batch::finish(reports, console) {
+    if !report::finish(&reports, console) {
         return false;
     }
     if task.opens {
@@ -91,34 +89,31 @@ fn open_browser(url: String, is_quiet: bool) {
     });
 }
 
-fn pack_job(job: &Job, console: &mut Console, report: &mut ViewReport) -> Result<(), Failure> {
+fn pack_job(job: &Job, console: &mut Console, clock: &StageClock) -> Result<Shown, Failure> {
     let name = file_name(job.input.path.as_deref());
     if let Some((bytes, cut_off)) = progressive(job) {
-        if let Some(note) = cut_off {
-            console.note(&note);
-            report.notes.push(note);
-        }
-        report.bytes = Some(bytes.len());
-        report.content = Some(MemoryFile { name, bytes });
-        return Ok(());
+        cut_off.iter().for_each(|note| console.note(note));
+        let notes = cut_off.into_iter().collect();
+        return Ok(Shown::new(MemoryFile { name, bytes }, None, notes));
     }
     let (model, load) = load_job(job, console)?;
+    clock.add_seconds(Stage::Load, load);
     console.stage("load", &counted(model.parts.len(), "part"), Some(load));
     model.notes.iter().for_each(|note| console.note(note));
-    report.notes.clone_from(&model.notes);
-    console.doing("pack");
-    let (packed, seconds) = timed(|| pack(&model, &PackOptions::default(), &()));
-    let packed: Packed = packed?;
+    let packed = clock.observe(|observer| pack::run(&model, &pack::Options::default(), observer))?;
     let what = format!("{} of {}", counted(packed.chunks, "chunk"), counted(packed.meshes, "mesh"));
-    console.stage("pack", &what, Some(seconds));
-    packed.notes.iter().for_each(|note| console.note(note));
-    report.notes.extend(packed.notes);
-    report.proven = packed.proven.map(|_| true);
-    report.bytes = Some(packed.bytes.len());
+    console.stage("pack", &what, clock.seconds(PACKING));
+    packed.notes.iter().skip(model.notes.len()).for_each(|note| console.note(note));
     let is_glb = name.to_ascii_lowercase().ends_with(".glb");
     let name = if is_glb { name } else { format!("{name}.glb") };
-    report.content = Some(MemoryFile { name, bytes: packed.bytes });
-    Ok(())
+    let proven = packed.proven.map(|_| true);
+    Ok(Shown::new(MemoryFile { name, bytes: packed.bytes }, proven, packed.notes))
+}
+
+impl Shown {
+    fn new(content: MemoryFile, proven: Option<bool>, notes: Vec<String>) -> Self {
+        Self { proven, url: None, bytes: content.bytes.len(), notes, content: Some(content) }
+    }
 }
 
 /// Reads a file that is a progressive GLB already, and says whether it is cut off: the viewer shows what is there.

@@ -18,7 +18,7 @@ use tristrip::stripify::{Objective, TunnelOptions};
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Method, StripifyOptions, Strips};
 use tristrip_pipeline::{
-    Error as PipelineError, MethodReport, Observer, PreparedModel, PreparedPart, Stopped, rounded,
+    Error as PipelineError, MethodDescription, Observer, PreparedModel, PreparedPart, Stopped, rounded,
 };
 
 use crate::error::Error;
@@ -156,7 +156,7 @@ fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidat
         None => EFFORTS.into_iter().filter_map(Effort::new).collect(),
     };
     let search = |options: StripifyOptions| {
-        let report = MethodReport::of(&options);
+        let report = MethodDescription::of(&options);
         let words = [Some(report.method()), report.objective()].into_iter().flatten();
         let label =
             format!("{} {}", words.collect::<Vec<_>>().join(" "), options.effort_or_default().level());
@@ -169,8 +169,8 @@ fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidat
         let cache = base.with_method(Method::Cache).with_objective(objective);
         candidates.extend(efforts.iter().map(|&e| search(cache.with_effort(e))));
     }
-    let report = MethodReport::of(options);
-    if candidates.iter().all(|other| MethodReport::of(&other.options) != report) {
+    let report = MethodDescription::of(options);
+    if candidates.iter().all(|other| MethodDescription::of(&other.options) != report) {
         candidates.push(Candidate { label: report.label(), options: *options });
     }
     candidates
@@ -188,7 +188,7 @@ impl Candidate {
         model.prove(&strips)?;
         let cache = self.options.vertex_cache;
         let (metrics, used) = figures(&strips, cache);
-        let report = MethodReport::of(&self.options);
+        let report = MethodDescription::of(&self.options);
         Ok(ParetoPoint {
             label: self.label.clone(),
             method: report.method().into(),

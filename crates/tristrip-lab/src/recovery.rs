@@ -75,7 +75,7 @@ pub struct RecoveryTest {
 /// use tristrip_io::{Format, read};
 /// use tristrip_lab::recovery::{Sweep, measure};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
-/// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+/// let levels = tristrip_pipeline::levels::run(&model, &Default::default(), &())?.model;
 /// let measured = measure(&levels, &[Sweep::Linear], 1)?;
 /// assert!(measured.iter().all(|model| model.memory > 0 && model.tests.len() == 6));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -184,7 +184,7 @@ mod tests {
     use tristrip::StripifyOptions;
     use tristrip::lod::ModelKind;
     use tristrip_io::{Format, read};
-    use tristrip_pipeline::{LevelsOptions, levels};
+    use tristrip_pipeline::levels;
 
     #[test]
     fn a_model_that_refuses_a_mesh_does_not_stop_the_others() {
@@ -199,7 +199,8 @@ mod tests {
             (0..rim).map(corner).chain(["v 0 0 1\n".into()]).chain((0..rim).map(face)).collect();
         let model = read(text.as_bytes(), Format::Obj).unwrap();
         let stripify = StripifyOptions::default().with_method(Method::Sequential);
-        let levels = levels(&model, &LevelsOptions::default().with_stripify(stripify)).unwrap();
+        let levels =
+            levels::run(&model, &levels::Options::default().with_stripify(stripify), &()).unwrap().model;
         let measured = measure(&levels, &[Sweep::Linear], 1).unwrap();
         let of = |kind: ComparedModel| measured.iter().find(|model| model.model == kind.name()).unwrap();
         for kind in [ComparedModel::Library(ModelKind::Sets), ComparedModel::Mts] {

@@ -23,18 +23,18 @@ mod collapsed;
 mod coverage;
 mod encode;
 mod ratios;
-mod report;
 
 use serde::Serialize;
 use tristrip::StripifyOptions;
 use tristrip_io::{Format, LeveledModel, Model, PartLevel};
 
 use crate::collapses::{Collapses, percent_of};
-use crate::encode::kept_groups;
+use crate::encode::{kept_groups, true_or_null};
 use crate::error::Error;
 use crate::figures::MeshProperties;
 use crate::goal::{Amount, Deviation, Ratio};
-use crate::observer::{Event, Observer, Stage, begin};
+use crate::method::MethodDescription;
+use crate::observer::{Observer, Stage, begin};
 use crate::prepared::Survey;
 use crate::simplify::{
     CollapseRules, Part, PartCollapses, TriangleGoal, diagonal, fans, locked_note, place_notes, prove,
@@ -42,14 +42,13 @@ use crate::simplify::{
 };
 use collapsed::CollapsedLevel;
 use coverage::{PartExtent, coverages};
-pub use encode::EncodedChain;
+pub use encode::File;
 pub use ratios::ChainRatios;
-pub use report::LevelReport;
 
 /// How a chain is built.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct ChainOptions {
+pub struct Options {
     /// The ratios of triangles that the levels keep.
     pub ratios: ChainRatios,
     /// The maximum error of a collapse: a level that needs a larger one is not reached.
@@ -64,7 +63,13 @@ pub struct ChainOptions {
     pub verify: bool,
 }
 
-impl ChainOptions {
+impl Default for Options {
+    fn default() -> Self {
+        Self::new(ChainRatios::default(), Format::Glb)
+    }
+}
+
+impl Options {
     /// Chooses levels and a format, with an error of at most 1 % of the diagonal.
     pub fn new(ratios: ChainRatios, format: Format) -> Self {
         Self {
@@ -109,9 +114,12 @@ impl ChainOptions {
 }
 
 /// A level of a chain; the keys are those of the JSON report.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
-pub struct ChainLevel {
+pub struct Level {
+    /// The number of the level; 0 is the finest.
+    #[serde(rename = "level")]
+    pub number: usize,
     /// The ratio of triangles requested.
     pub ratio: Ratio,
     /// The number of triangles requested.
@@ -128,70 +136,84 @@ pub struct ChainLevel {
     pub screen_coverage: f64,
     /// Whether there are at most as many triangles as requested.
     pub reached: bool,
+    /// The size of the level's file, or of the indices and vertices that it uses in a file with all levels; `None` until it is written.
+    pub bytes: Option<usize>,
+    /// The file of the level; `None` until it is written, or if one file has all levels.
+    pub output: Option<String>,
 }
 
-/// A model at several levels of detail, the finest first.
-#[derive(Debug)]
-#[non_exhaustive]
+/// A model at several levels of detail, to be encoded.
+#[derive(Debug, Default)]
 pub struct Chain {
-    /// The levels, the finest first.
-    pub levels: Vec<ChainLevel>,
-    /// The collapses to the coarsest level.
-    pub collapses: Collapses,
-    /// The counts of the source mesh.
-    pub mesh: MeshProperties,
-    /// A sentence on the levels that were not reached, if there are any: what held them back, and what to try.
-    pub warning: Option<String>,
-    /// Notes of the reader, on what was dropped, on locked vertices, and on vertices that kept their order.
-    pub notes: Vec<String>,
-    options: ChainOptions,
+    options: Options,
     leveled: LeveledModel,
     /// For each level the triangles of each part, over the vertices of the source.
     expected: Vec<Vec<Vec<u32>>>,
     extents: Vec<PartExtent>,
 }
 
-/// Builds the levels of a chain.
-///
-/// # Errors
-/// As of [`chain_observed`].
-///
-/// ```
-/// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{ChainOptions, chain};
-/// // A flat fan of four triangles around a vertex, which one collapse removes.
-/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
-/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Glb);
-/// let chain = chain(&model, &options)?;
-/// let sizes: Vec<_> = chain.levels.iter().map(|level| (level.triangles, level.vertices, level.reached)).collect();
-/// assert_eq!(sizes, [(4, 5, true), (2, 4, true)]);
-/// # Ok::<(), tristrip_pipeline::Error>(())
-/// ```
-pub fn chain(model: &Model, options: &ChainOptions) -> Result<Chain, Error> {
-    chain_observed(model, options, &())
+/// The levels of a model; the keys are those of the JSON report.
+#[derive(Debug, Serialize)]
+#[non_exhaustive]
+pub struct Outcome {
+    /// The model at all levels.
+    #[serde(skip)]
+    pub chain: Chain,
+    /// The collapses to the coarsest level.
+    #[serde(skip)]
+    pub collapses: Collapses,
+    /// The counts of the source mesh.
+    #[serde(skip)]
+    pub mesh: MeshProperties,
+    /// The method of the strips and those of its options that apply to it.
+    #[serde(flatten)]
+    pub method: MethodDescription,
+    /// Whether the collapses are proven; otherwise the proof was not requested.
+    #[serde(serialize_with = "true_or_null")]
+    pub proven: bool,
+    /// The maximum error of a collapse, in mesh units; `None` for no limit.
+    pub target_error: Option<f32>,
+    /// The number of triangles of the source.
+    pub triangles_before: usize,
+    /// The number of vertices that the source uses.
+    pub vertices_before: usize,
+    /// The diagonal of the bounding box of all triangles in the scene.
+    pub diagonal: f64,
+    /// The levels, the finest first.
+    #[serde(rename = "chain")]
+    pub levels: Vec<Level>,
+    /// The number of vertices that were kept because they touch parts in other places of the scene.
+    pub locked_vertices: usize,
+    /// The number of parts.
+    pub parts: usize,
+    /// A sentence on the levels that were not reached, if there are any: what held them back, and what to try.
+    pub warning: Option<String>,
+    /// Notes of the reader, on what was dropped, on locked vertices, and on vertices that kept their order.
+    pub notes: Vec<String>,
 }
 
-/// Does the same, and reports each stage to an observer.
+/// Builds the levels of a chain.
 ///
 /// # Errors
 /// The maximum error is negative or not a number, a part is too large, the collapses are not proven, or the observer cancelled.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{ChainOptions, Deviation, chain_observed};
-/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 9\n";
-/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Glb);
-/// let chain = chain_observed(&model, &options.with_deviation(Deviation::Units(0.5)), &())?;
-/// assert_eq!((chain.levels[1].triangles, chain.levels[1].reached, chain.warning.is_some()), (4, false, true));
+/// use tristrip_pipeline::{Deviation, chain};
+/// // A fan of four triangles around a vertex, which one collapse removes.
+/// let fan = |height: u32| {
+///     let corners = format!("v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 {height}\n");
+///     read([&corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)
+/// };
+/// let options = chain::Options::new("100%,50%".parse().unwrap_or_default(), Format::Glb);
+/// let flat = chain::run(&fan(0)?, &options, &())?;
+/// let sizes: Vec<_> = flat.levels.iter().map(|level| (level.triangles, level.vertices, level.reached)).collect();
+/// assert_eq!(sizes, [(4, 5, true), (2, 4, true)]);
+/// let steep = chain::run(&fan(9)?, &options.with_deviation(Deviation::Units(0.5)), &())?;
+/// assert_eq!((steep.levels[1].triangles, steep.levels[1].reached, steep.warning.is_some()), (4, false, true));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn chain_observed(
-    model: &Model,
-    options: &ChainOptions,
-    observer: &dyn Observer,
-) -> Result<Chain, Error> {
+pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
     // 1. The triangles of each part.
     let surveyed = Survey::new(model, options.stripify, observer)?;
     let (parts, skipped) = fans(&surveyed.prepared, options.rules)?;
@@ -201,10 +223,8 @@ pub fn chain_observed(
     // 2. The collapses of all levels.
     begin(observer, Stage::Simplify)?;
     let (collapses, done) = collapse(&parts, options, observer)?;
-    observer.event(Event::Simplified(&collapses));
     let levels = collapsed::levels(&parts, &done, &options.ratios)?;
     let warning = warn(&levels, &collapses, options);
-    warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
     if options.verify {
         prove(&done, &collapses, observer)?;
     }
@@ -219,22 +239,19 @@ pub fn chain_observed(
         .map(|level| ((level.target_triangles, level.triangles, level.is_reached()), level.parts))
         .unzip();
     let leveled = tristrip_io::in_level_order(model, &of_parts, options.format)?;
-    observer.event(Event::Reordered(&leveled.groups));
     let locked = locked_note(collapses.locked_vertices);
-    let more: Vec<String> =
-        place_notes.into_iter().chain(locked).chain(kept_groups(&leveled.groups)).collect();
-    more.iter().for_each(|note| observer.event(Event::Note(note)));
-    notes.extend(more);
+    notes.extend(place_notes.into_iter().chain(locked).chain(kept_groups(&leveled.groups)));
 
     // 4. The figures of the levels.
     let coverage = coverages(&extents.iter().collect::<Vec<_>>());
     let figures = figures.into_iter().zip(options.ratios.as_slice()).zip(coverage).enumerate();
     let levels =
-        figures.map(|(level, (((target_triangles, triangles, reached), &ratio), screen_coverage))| {
-            let surface_error = extents.iter().map(|extent| extent.errors[level]).fold(0.0, f32::max);
+        figures.map(|(number, (((target_triangles, triangles, reached), &ratio), screen_coverage))| {
+            let surface_error = extents.iter().map(|extent| extent.errors[number]).fold(0.0, f32::max);
             let surface_error_percent = percent_of(surface_error.into(), collapses.diagonal);
-            let vertices = leveled.vertex_count(level)?;
-            Ok(ChainLevel {
+            let vertices = leveled.vertex_count(number)?;
+            Ok(Level {
+                number,
                 ratio,
                 target_triangles,
                 triangles,
@@ -243,19 +260,36 @@ pub fn chain_observed(
                 surface_error_percent,
                 screen_coverage,
                 reached,
+                bytes: None,
+                output: None,
             })
         });
-    let levels = levels.collect::<Result<Vec<ChainLevel>, Error>>()?;
+    let levels = levels.collect::<Result<Vec<Level>, Error>>()?;
     let expected = of_parts.into_iter().map(|parts| parts.into_iter().map(|part| part.triangles).collect());
     let expected = expected.collect();
-    let options = ChainOptions { stripify: surveyed.options, ..options.clone() };
-    Ok(Chain { levels, collapses, mesh, warning, notes, options, leveled, expected, extents })
+    let options = Options { stripify: surveyed.options, ..options.clone() };
+    Ok(Outcome {
+        method: MethodDescription::of(&options.stripify),
+        proven: options.verify,
+        target_error: collapses.target_error,
+        triangles_before: collapses.triangles_before,
+        vertices_before: mesh.vertices - mesh.unreferenced_vertices,
+        diagonal: collapses.diagonal,
+        levels,
+        locked_vertices: collapses.locked_vertices,
+        parts: model.parts.len(),
+        warning,
+        notes,
+        chain: Chain { options, leveled, expected, extents },
+        collapses,
+        mesh,
+    })
 }
 
 /// Simplifies all parts to the coarsest level.
 fn collapse(
     parts: &[Part<'_>],
-    options: &ChainOptions,
+    options: &Options,
     observer: &dyn Observer,
 ) -> Result<(Collapses, Vec<PartCollapses>), Error> {
     let goal = Amount::Ratio(options.ratios.last()).of(parts.iter().map(Part::triangle_count).sum());
@@ -268,7 +302,7 @@ fn collapse(
 }
 
 /// Returns a sentence on the levels that were not reached, which are the coarsest ones.
-fn warn(levels: &[CollapsedLevel], collapses: &Collapses, options: &ChainOptions) -> Option<String> {
+fn warn(levels: &[CollapsedLevel], collapses: &Collapses, options: &Options) -> Option<String> {
     let first = levels.iter().position(|level| !level.is_reached())?;
     let last = levels.len() - 1;
     let which = if first == last { format!("level {last}") } else { format!("levels {first} to {last}") };

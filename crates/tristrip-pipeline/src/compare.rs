@@ -9,7 +9,7 @@ use tristrip_io::Model;
 
 use crate::error::Error;
 use crate::figures::MeshProperties;
-use crate::method::MethodReport;
+use crate::method::MethodDescription;
 use crate::metrics::StripMetrics;
 use crate::observer::{Observer, Stage, Stopped, begin};
 use crate::prepared::{PreparedModel, Survey};
@@ -94,7 +94,7 @@ pub struct Outcome {
 pub struct Row {
     /// The method and its options.
     #[serde(flatten)]
-    pub method: MethodReport,
+    pub method: MethodDescription,
     /// Whether the result is proven.
     pub proven: bool,
     /// The times of the method. The pipeline reads no clock: the caller fills them in.
@@ -164,7 +164,7 @@ fn row(
         Ok(metrics) => (Some(metrics), None),
         Err(error) => (None, Some(error.to_string())),
     };
-    let (method, seconds) = (MethodReport::of(options), MethodSeconds::default());
+    let (method, seconds) = (MethodDescription::of(options), MethodSeconds::default());
     Ok(Row { method, proven: metrics.is_some(), seconds, metrics, stopped, error })
 }
 
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn all_variants_have_distinct_labels() {
-        let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
+        let label = |method| MethodDescription::of(&StripifyOptions::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
         assert_eq!(labels.len(), 7 + 4 + 24 + 10);
         for known in [

@@ -15,6 +15,7 @@ mod written;
 
 use std::sync::Arc;
 
+use serde::Serialize;
 use tristrip::lod::{Camera, LevelModel, ModelKind, RepairOptions, ViewCriteria};
 use tristrip::{CollapseSequence, Mesh, Strips};
 use tristrip_io::Model;
@@ -23,8 +24,9 @@ use crate::collapses::{Collapses, percent_of};
 use crate::error::Error;
 use crate::figures::MeshProperties;
 use crate::goal::Amount;
+use crate::method::MethodDescription;
 use crate::metrics::StripMetrics;
-use crate::observer::{Event, Observer, Stage, Stopped, begin};
+use crate::observer::{Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
 use crate::prepared::{PreparedModel, Survey};
 use crate::simplify::{
@@ -34,12 +36,12 @@ use crate::text::count;
 pub use cursor::ModelCursor;
 pub use filter::DisplayFilter;
 pub use level::{Level, LevelGoal};
-pub use options::LevelsOptions;
+pub use options::Options;
 pub use part::LevelPart;
 pub use view::DisplayedView;
 
 /// The levels of detail of a model, from the base mesh at level 0 to the full mesh at [`ModelLevels::collapse_count`].
-#[derive(Debug)]
+#[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct ModelLevels {
     /// The parts in their order.
@@ -48,13 +50,42 @@ pub struct ModelLevels {
     pub order: Arc<LevelOrder>,
     /// The collapses to the base mesh.
     pub collapses: Collapses,
-    /// The counts of the full mesh.
-    pub mesh: MeshProperties,
-    /// Why the search of the strips was stopped early, if it was.
-    pub stopped: Option<Stopped>,
-    /// Notes of the reader, on what was dropped, on locked vertices, and on parts that stopped before the base mesh.
+    /// Notes on locked vertices, and on parts that stopped before the base mesh.
     pub notes: Vec<String>,
-    options: LevelsOptions,
+    options: Options,
+}
+
+/// The levels of detail of a model; the keys are those of the JSON report.
+#[derive(Debug, Serialize)]
+#[non_exhaustive]
+pub struct Outcome {
+    /// The levels.
+    #[serde(skip)]
+    pub model: ModelLevels,
+    /// The counts of the full mesh.
+    #[serde(skip)]
+    pub mesh: MeshProperties,
+    /// The number of strips of the full mesh.
+    #[serde(skip)]
+    pub strips_full: usize,
+    /// The method of the strips and those of its options that apply to it.
+    #[serde(flatten)]
+    pub method: MethodDescription,
+    /// The number of collapses, which is the level of the full mesh.
+    pub levels: usize,
+    /// The number of triangles of the base mesh.
+    pub triangles_base: usize,
+    /// The number of triangles of the full mesh.
+    pub triangles_full: usize,
+    /// The diagonal of the bounding box of all triangles in the scene.
+    pub diagonal: f64,
+    /// Why the search for strips was stopped early, if it was.
+    pub stopped: Option<Stopped>,
+    /// The number of parts.
+    pub parts: usize,
+    /// Notes of the reader, on what was dropped, changed or unusual, on a search that was stopped, on locked vertices, and on parts that
+    /// stopped before the base mesh.
+    pub notes: Vec<String>,
 }
 
 /// A level as it is drawn.
@@ -80,45 +111,23 @@ pub struct DisplayedLevel {
 /// Builds the levels of detail of a model.
 ///
 /// # Errors
-/// As of [`levels_observed`].
-///
-/// ```
-/// use tristrip::lod::{Camera, ModelKind, RepairOptions, ViewCriteria};
-/// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{DisplayFilter, LevelsOptions, levels};
-/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
-/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let levels = levels(&model, &LevelsOptions::default())?;
-/// let base = levels.display(0, DisplayFilter::Repair, RepairOptions::default(), &())?;
-/// assert_eq!((base.figures.triangles, base.proven), (1, true));
-/// # Ok::<(), tristrip_pipeline::Error>(())
-/// ```
-pub fn levels(model: &Model, options: &LevelsOptions) -> Result<ModelLevels, Error> {
-    levels_observed(model, options, &())
-}
-
-/// Does the same, and reports each stage to an observer.
-///
-/// # Errors
 /// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
 ///
 /// ```
-/// use tristrip::lod::{Camera, ModelKind, RepairOptions, ViewCriteria};
+/// use tristrip::lod::RepairOptions;
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{DisplayFilter, LevelsOptions, encode, levels_observed};
+/// use tristrip_pipeline::{DisplayFilter, encode, levels};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let levels = levels_observed(&model, &LevelsOptions::default(), &())?;
+/// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
+/// let base = levels.display(0, DisplayFilter::Repair, RepairOptions::default(), &())?;
+/// assert_eq!((base.figures.triangles, base.proven), (1, true));
 /// let half = levels.display(levels.collapse_count() / 2, DisplayFilter::Linked, RepairOptions::default(), &())?;
 /// let file = levels.encode(&model, &half, &encode::Options::new(Format::Glb), &())?;
 /// assert_eq!(file.faces, Some(half.figures.triangles));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn levels_observed(
-    model: &Model,
-    options: &LevelsOptions,
-    observer: &dyn Observer,
-) -> Result<ModelLevels, Error> {
+pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
     // 1. The strips of the full mesh.
     let Survey { prepared, options: stripify, mesh, mut notes } =
         Survey::new(model, options.stripify, observer)?;
@@ -126,31 +135,40 @@ pub fn levels_observed(
     if options.verify {
         begin(observer, Stage::Prove)?;
         prepared.prove(&strips)?;
-        observer.event(Event::Proven { faces: mesh.faces });
     }
 
     // 2. The collapses.
     begin(observer, Stage::Simplify)?;
-    let options = LevelsOptions { stripify, ..*options };
-    let mut all = ModelLevels::from_strips(&prepared, &strips, &options, observer)?;
-    observer.event(Event::Simplified(&all.collapses));
-    all.notes.iter().for_each(|note| observer.event(Event::Note(note)));
-    notes.append(&mut all.notes);
-    Ok(ModelLevels { mesh, stopped, notes, ..all })
+    let options = Options { stripify, ..*options };
+    let mut model = ModelLevels::from_strips(&prepared, &strips, &options, observer)?;
+    notes.extend(stopped.map(|stopped| stopped.note().into()));
+    notes.append(&mut model.notes);
+    Ok(Outcome {
+        mesh,
+        strips_full: strips.iter().map(Strips::len).sum(),
+        method: MethodDescription::of(&stripify),
+        levels: model.collapse_count(),
+        triangles_base: model.collapses.triangles_after,
+        triangles_full: model.collapses.triangles_before,
+        diagonal: model.collapses.diagonal,
+        stopped,
+        parts: model.parts.len(),
+        notes,
+        model,
+    })
 }
 
 impl ModelLevels {
-    /// Builds levels of detail from strips of the full mesh, which are those of a prepared model by the method of the options. The report on the
-    /// mesh is left empty. Of the observer only [`Observer::simplifies`] is called.
+    /// Builds levels of detail from strips of the full mesh, which are those of a prepared model by the method of the options. Of the observer only [`Observer::simplifies`] is called.
     ///
     /// # Errors
     /// The strips do not fit the model, it is too large, or the observer ended the collapses.
     ///
     /// ```
-    /// use tristrip_pipeline::{LevelsOptions, ModelLevels, PreparedModel};
+    /// use tristrip_pipeline::{ModelLevels, PreparedModel, levels};
     /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
     /// let prepared = PreparedModel::new(&model, false);
-    /// let options = LevelsOptions::default();
+    /// let options = levels::Options::default();
     /// let strips = prepared.find_strips(&options.stripify, &())?;
     /// let levels = ModelLevels::from_strips(&prepared, &strips, &options, &())?;
     /// assert_eq!((levels.collapse_count(), levels.triangle_count(0)?), (0, 1));
@@ -159,7 +177,7 @@ impl ModelLevels {
     pub fn from_strips(
         prepared: &PreparedModel<'_>,
         strips: &[Strips],
-        options: &LevelsOptions,
+        options: &Options,
         observer: &dyn Observer,
     ) -> Result<Self, Error> {
         if strips.len() != prepared.parts().len() {
@@ -190,15 +208,7 @@ impl ModelLevels {
             LevelPart::new(part.compact.used, prepared.mesh.vertex_count(), strips, done.sequence)
         });
         let parts: Vec<LevelPart> = parts.collect();
-        Ok(Self {
-            order,
-            parts,
-            collapses,
-            notes,
-            mesh: MeshProperties::default(),
-            stopped: None,
-            options: *options,
-        })
+        Ok(Self { order, parts, collapses, notes, options: *options })
     }
 
     /// Returns the number of collapses, which is the level of the full mesh.
@@ -227,7 +237,7 @@ impl ModelLevels {
     /// use tristrip_pipeline::{Deviation, LevelGoal};
     /// // A pyramid of height 1 over a square: without its top, the error is 1.
     /// let model = read(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", Format::Obj)?;
-    /// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+    /// let levels = tristrip_pipeline::levels::run(&model, &Default::default(), &())?.model;
     /// let triangles = |goal: LevelGoal| levels.level_of(goal).and_then(|level| levels.triangle_count(level));
     /// assert_eq!(triangles(LevelGoal::Error(Deviation::Units(0.1)))?, 4);
     /// assert_eq!(triangles(LevelGoal::Triangles(3))?, 2);
@@ -253,7 +263,7 @@ impl ModelLevels {
     /// ```
     /// # use tristrip_io::{Format, read};
     /// # let text = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
-    /// # let levels = tristrip_pipeline::levels(&read(text, Format::Obj)?, &Default::default())?;
+    /// # let levels = tristrip_pipeline::levels::run(&read(text, Format::Obj)?, &Default::default(), &())?.model;
     /// let level = levels.level_of_triangles(3)?;
     /// assert_eq!((levels.triangle_count(level)?, levels.triangle_count(level + 1)?), (2, 4));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -283,7 +293,7 @@ impl ModelLevels {
     /// ```
     /// # use tristrip_io::{Format, read};
     /// # let text = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
-    /// # let levels = tristrip_pipeline::levels(&read(text, Format::Obj)?, &Default::default())?;
+    /// # let levels = tristrip_pipeline::levels::run(&read(text, Format::Obj)?, &Default::default(), &())?.model;
     /// assert_eq!((levels.level_of_error(9.0)?, levels.level_of_error(0.0)?), (0, levels.collapse_count()));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -332,10 +342,10 @@ impl ModelLevels {
     /// ```
     /// use tristrip::lod::ModelKind;
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{LevelsOptions, levels};
+    /// use tristrip_pipeline::levels;
     /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
     /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-    /// let levels = levels(&model, &LevelsOptions::default())?;
+    /// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
     /// let base = levels.display_of(ModelKind::Sets, 0, &())?;
     /// assert_eq!((base.figures.triangles, base.proven), (1, true));
     /// # Ok::<(), tristrip_pipeline::Error>(())
@@ -365,7 +375,7 @@ impl ModelLevels {
     /// ```
     /// use tristrip::lod::ModelKind;
     /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
-    /// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+    /// let levels = tristrip_pipeline::levels::run(&model, &Default::default(), &())?.model;
     /// assert_eq!(levels.cursor(ModelKind::Sets)?.level(), levels.collapse_count());
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
@@ -382,7 +392,7 @@ impl ModelLevels {
     /// use std::sync::Arc;
     /// use tristrip::lod::{LevelModel, Sets};
     /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
-    /// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+    /// let levels = tristrip_pipeline::levels::run(&model, &Default::default(), &())?.model;
     /// let cursor = levels.cursor_of(|strips, sequence| {
     ///     let model: Arc<dyn LevelModel> = Arc::new(Sets::new(strips, sequence)?);
     ///     Ok(model)
@@ -406,12 +416,10 @@ impl ModelLevels {
         observer: &dyn Observer,
     ) -> Result<DisplayedLevel, Error> {
         let strips = strips.into_iter().collect::<Result<Vec<_>, Error>>()?;
-        observer.event(Event::Filtered);
         begin(observer, Stage::Measure)?;
         let vertex_counts = self.parts.iter().map(LevelPart::vertex_count);
         let measured: Vec<_> = strips.iter().zip(vertex_counts).collect();
         let figures = StripMetrics::of(&measured, &self.options.stripify)?;
-        observer.event(Event::Measured(&figures));
         let errors = self.parts.iter().zip(&of_parts).map(|(part, &level)| part.sequence().error(level));
         let errors = errors.collect::<Result<Vec<f32>, _>>()?;
         let surface_error = errors.into_iter().fold(0.0, f32::max);
@@ -420,7 +428,6 @@ impl ModelLevels {
             let all: Vec<_> = self.parts.iter().zip(&of_parts).zip(&strips).collect();
             let proofs = map(&all, |((part, level), strips)| part.prove(**level, strips));
             proofs.into_iter().collect::<Result<(), Error>>()?;
-            observer.event(Event::Proven { faces: self.triangle_count(level)? });
         }
         Ok(DisplayedLevel {
             level,
@@ -441,10 +448,10 @@ impl ModelLevels {
     /// ```
     /// use tristrip::lod::{Camera, ViewCriteria};
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{LevelsOptions, encode, levels};
+    /// use tristrip_pipeline::{encode, levels};
     /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\n";
     /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-    /// let levels = levels(&model, &LevelsOptions::default())?;
+    /// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
     /// let triangles = |height: f32| {
     ///     let camera = Camera::new([1.0, 1.0, height], [1.0, 1.0, 0.0])?;
     ///     let view = levels.view(&model, &camera, &ViewCriteria::default(), &())?;
@@ -482,7 +489,7 @@ mod tests {
         };
         let text = [tent(1), tent(7), faces(0, 1), faces(1, 6)].concat();
         let model = read(text.as_bytes(), Format::Obj).unwrap();
-        let levels = levels(&model, &LevelsOptions::default()).unwrap();
+        let levels = run(&model, &Options::default(), &()).unwrap().model;
         assert!(levels.parts.len() == 2 && levels.collapse_count() > 2);
         for kind in ModelKind::ALL {
             let mut cursor = levels.cursor(kind).unwrap();

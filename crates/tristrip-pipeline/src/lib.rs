@@ -28,7 +28,7 @@
 pub mod analyze;
 pub mod bound;
 mod bounds;
-mod chain;
+pub mod chain;
 mod collapses;
 pub mod compare;
 pub mod convert;
@@ -39,12 +39,13 @@ mod figures;
 #[cfg(feature = "fs")]
 mod files;
 mod goal;
+pub mod inspect;
 mod join;
-mod levels;
+pub mod levels;
 mod method;
 mod metrics;
 mod observer;
-mod pack;
+pub mod pack;
 mod parts;
 mod places;
 mod prepared;
@@ -53,14 +54,12 @@ mod stream;
 pub mod strip;
 mod surface_change;
 pub mod text;
-mod unpack;
+pub mod unpack;
 pub mod verify;
-mod view_model;
+pub mod view_model;
 
 pub use bounds::{BoundGap, Bounds};
-pub use chain::{
-    Chain, ChainLevel, ChainOptions, ChainRatios, EncodedChain, LevelReport, chain, chain_observed,
-};
+pub use chain::ChainRatios;
 pub use collapses::{Collapses, KeptVertices};
 pub use drawing::{DrawCost, Drawn, DrawnAs, DrawnParts, FileCost};
 pub use error::{Error, UnprovenMetrics};
@@ -70,22 +69,14 @@ pub use files::{Target, WRITTEN_FORMATS, WrittenFiles, format_to_write, layout_t
 pub use goal::{Amount, Deviation, Goal, Ratio};
 pub use join::{Joined, join};
 pub use levels::{
-    DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
-    ModelLevels, levels, levels_observed,
+    DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, ModelCursor, ModelLevels,
 };
-pub use method::{MethodReport, method_help, parse_method, with_method_parameter};
+pub use method::{MethodDescription, method_help, parse_method, with_method_parameter};
 pub use metrics::{StripMetrics, rounded};
-pub use observer::{Event, Observer, Search, SimplifyProgress, Stage, Stopped};
-pub use pack::{PackOptions, Packed, PackedReport, pack};
+pub use observer::{Observer, Search, SimplifyProgress, Stage, Stopped};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
 pub use simplify::{CollapseRules, LevelOrder, Normals};
 pub use stream::{StreamedMesh, stream_of_mesh};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
-pub use unpack::{
-    ChunkFigures, ComponentBits, StreamFigures, StreamGoal, StreamReport, Unpacked, UnpackedReport,
-    stream_figures, unpack,
-};
-pub use view_model::{
-    EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, prove_view, view_model,
-};
+pub use unpack::StreamGoal;

@@ -13,7 +13,7 @@ pub use parameters::{parse_method, with_method_parameter};
 
 /// A method and its parameters. The JSON report has the method, and a key for each parameter.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct MethodReport {
+pub struct MethodDescription {
     method: &'static str,
     parameters: Vec<ReportedParameter>,
 }
@@ -25,7 +25,7 @@ struct ReportedParameter {
     is_default: bool,
 }
 
-impl Serialize for MethodReport {
+impl Serialize for MethodDescription {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(1 + self.parameters.len()))?;
         map.serialize_entry("method", self.method)?;
@@ -36,7 +36,7 @@ impl Serialize for MethodReport {
     }
 }
 
-impl MethodReport {
+impl MethodDescription {
     /// Names a method and those of its options that apply to it.
     pub fn of(options: &StripifyOptions) -> Self {
         let method = options.method;
@@ -77,9 +77,9 @@ impl MethodReport {
     /// Returns the method and the parameters that differ from its defaults, as [`parse_method`] reads them.
     ///
     /// ```
-    /// use tristrip_pipeline::{MethodReport, parse_method};
+    /// use tristrip_pipeline::{MethodDescription, parse_method};
     /// let options = parse_method("best:cost=gl,effort=2")?; // 2 is the default
-    /// assert_eq!(MethodReport::of(&options).label(), "best:cost=gl");
+    /// assert_eq!(MethodDescription::of(&options).label(), "best:cost=gl");
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn label(&self) -> String {
@@ -109,11 +109,11 @@ mod tests {
 
     #[test]
     fn a_description_names_the_parameters() {
-        let best = MethodReport::of(&StripifyOptions::default());
+        let best = MethodDescription::of(&StripifyOptions::default());
         assert_eq!(best.description(), "method best, cost restart, effort 2");
         let stripe = StripifyOptions::default().with_method(Method::STRIPE);
         let description = "method stripe-global, ties sequential, patches rows, cutoff 5";
-        assert_eq!(MethodReport::of(&stripe).description(), description);
+        assert_eq!(MethodDescription::of(&stripe).description(), description);
     }
 
     /// Every value of every parameter of every method means the same in the text of its label and in its report.
@@ -132,7 +132,7 @@ mod tests {
                         continue;
                     };
                     assert_eq!((parameter.get)(&options).unwrap().to_string(), value, "{text}");
-                    let report = MethodReport::of(&options);
+                    let report = MethodDescription::of(&options);
                     assert_eq!(parse_method(&report.label()), Ok(options), "{text}");
                     let json = serde_json::to_value(&report).unwrap();
                     let found = json[parameter.name.replace('-', "_")].to_string();

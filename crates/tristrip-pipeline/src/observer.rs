@@ -7,12 +7,8 @@ use std::fmt;
 use serde::Serialize;
 use tristrip::StripifyOptions;
 use tristrip::stripify::Watch;
-use tristrip_io::VertexGroup;
 
-use crate::collapses::Collapses;
 use crate::error::Error;
-use crate::figures::MeshProperties;
-use crate::metrics::StripMetrics;
 
 /// A stage of the processing of a model, in the usual order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -20,6 +16,8 @@ use crate::metrics::StripMetrics;
 pub enum Stage {
     /// The caller reads the model. The pipeline reads and writes no files, so it never starts this stage nor [`Stage::Write`].
     Load,
+    /// Chunks of a stream are decoded.
+    Decode,
     /// The indices of a file are counted and vertex caches simulated.
     Analyze,
     /// Faces are prepared and dual graphs built.
@@ -58,6 +56,7 @@ impl fmt::Display for Stage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Load => "load",
+            Self::Decode => "decode",
             Self::Analyze => "analyze",
             Self::Prepare => "dual graph",
             Self::Survey => "mesh",
@@ -73,54 +72,6 @@ impl fmt::Display for Stage {
             Self::Encode | Self::Write => "write",
         })
     }
-}
-
-/// What happened to a model. The data is that of the stage that ended.
-#[derive(Debug, Clone, Copy)]
-#[non_exhaustive]
-pub enum Event<'a> {
-    /// [`Stage::Prepare`] ended.
-    Prepared,
-    /// [`Stage::Survey`] ended.
-    Surveyed {
-        /// The number of parts.
-        parts: usize,
-        /// The counts of the mesh.
-        mesh: &'a MeshProperties,
-        /// Notes of the reader, and on what was dropped, changed or unusual.
-        notes: &'a [String],
-    },
-    /// [`Stage::Stripify`] ended.
-    Stripified {
-        /// The number of strips.
-        strips: usize,
-        /// Why the search was stopped, if it was.
-        stopped: Option<Stopped>,
-    },
-    /// [`Stage::Measure`] ended.
-    Measured(&'a StripMetrics),
-    /// [`Stage::Prove`] ended: the result is proven.
-    Proven {
-        /// The number of faces drawn.
-        faces: usize,
-    },
-    /// [`Stage::Simplify`] ended.
-    Simplified(&'a Collapses),
-    /// [`Stage::Simplify`] ended with a merge tree.
-    Merged {
-        /// The number of collapses.
-        collapses: usize,
-        /// The levels of the tree.
-        levels: usize,
-    },
-    /// [`Stage::Filter`] ended.
-    Filtered,
-    /// [`Stage::Reorder`] ended.
-    Reordered(&'a [VertexGroup]),
-    /// A note on the result, such as on vertices that stay.
-    Note(&'a str),
-    /// A warning: the result is not what was asked for, in one sentence with the reason and what to try.
-    Warning(&'a str),
 }
 
 /// Why a search was stopped before its end.
@@ -198,9 +149,6 @@ pub struct SimplifyProgress {
 pub trait Observer: Sync {
     /// Called when a stage starts, on the thread that called the pipeline.
     fn stage(&self, _stage: Stage) {}
-
-    /// Receives an event, on the thread that called the pipeline.
-    fn event(&self, _event: Event<'_>) {}
 
     /// Returns the watch of the searches that begin now, with the options of their method.
     fn search(&self, _options: &StripifyOptions) -> Box<dyn Search + '_> {

@@ -11,7 +11,7 @@
 //!    borders between them are seams, which open at no level. Vertices that touch another group, or a part that
 //!    stays whole, stay in the base mesh, with all bits of their positions.
 //! 3. Parts with morph targets or values that are not read stay whole; so do all parts of a group whose stream would not make the file smaller.
-//! 4. Errors count alike everywhere, or by how large they look from a position ([`PackOptions::with_eye`]): what is far away or faces away is refined later.
+//! 4. Errors count alike everywhere, or by how large they look from a position ([`Options::with_eye`]): what is far away or faces away is refined later.
 //! 5. What is drawn before the first chunk is the base mesh of the stream, or a simplification of its own where that is large beside the chunks.
 //! 6. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
 //!
@@ -21,11 +21,11 @@
 mod eye;
 mod group;
 mod order;
-mod report;
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use serde::{Serialize, Serializer};
 use tristrip::simplify::{Price, SimplifyOptions, simplify_triangles};
 use tristrip::stream::StreamOptions;
 use tristrip::verify::verify_models;
@@ -36,9 +36,9 @@ use tristrip_io::{Drawing, Format, Model, Part};
 use self::eye::error_factors;
 use self::group::{Group, groups, touching_vertices};
 use self::order::{Queue, in_order};
-pub use self::report::PackedReport;
 use crate::encode::kept_vertices;
 use crate::error::Error;
+use crate::metrics::rounded;
 use crate::observer::{Observer, Stage, begin};
 use crate::parts::{map, meshes};
 use crate::places::Places;
@@ -54,7 +54,7 @@ const MAX_BY_DISTANCE: usize = 200_000;
 /// How a model is packed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct PackOptions {
+pub struct Options {
     /// How meshes are encoded.
     pub stream: StreamOptions,
     /// The position in the scene from which errors are seen: they count by the distance from it, and half where the surface faces away. `None` for everywhere alike.
@@ -63,13 +63,13 @@ pub struct PackOptions {
     pub verify: bool,
 }
 
-impl Default for PackOptions {
+impl Default for Options {
     fn default() -> Self {
         Self { stream: StreamOptions::default(), eye: None, verify: true }
     }
 }
 
-impl PackOptions {
+impl Options {
     /// Sets how meshes are encoded.
     #[must_use]
     pub fn with_stream(self, stream: StreamOptions) -> Self {
@@ -89,32 +89,45 @@ impl PackOptions {
     }
 }
 
-/// A progressive GLB.
-#[derive(Debug, Clone)]
+/// A progressive GLB; the keys are those of the JSON report.
+#[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
-pub struct Packed {
+pub struct Outcome {
     /// The file.
+    #[serde(skip)]
     pub bytes: Vec<u8>,
-    /// The meshes of the stream.
-    pub meshes: usize,
-    /// The chunks of the stream.
-    pub chunks: usize,
-    /// The bytes before the first chunk.
-    pub chunk_start: usize,
-    /// The triangles of all full meshes.
-    pub triangles: usize,
-    /// The triangles that are drawn before the first chunk: those of coarse meshes, and of parts that stay whole.
-    pub base_triangles: usize,
-    /// The vertices that the full meshes use.
-    pub vertices: usize,
-    /// How far a position may be from that of the input, in the units of the scene.
-    pub position_error: f64,
-    /// The number of triangles that the bytes are proven to have; `None` if they were not proven.
+    /// The number of triangles that the bytes are proven to have; `None` if the proof was not requested.
+    #[serde(serialize_with = "is_some_or_null")]
     pub proven: Option<usize>,
-    /// Notes on what stays whole, and on what was left out.
+    /// The number of parts.
+    pub parts: usize,
+    /// The number of meshes of the stream.
+    pub meshes: usize,
+    /// The number of chunks of the stream.
+    pub chunks: usize,
+    /// The number of vertices that the full meshes use.
+    pub vertices: usize,
+    /// The number of triangles of all full meshes.
+    pub triangles: usize,
+    /// The number of triangles that are drawn before the first chunk: those of coarse meshes, and of parts that stay whole.
+    pub base_triangles: usize,
+    /// The size of the file in bytes.
+    #[serde(rename = "bytes")]
+    pub file_bytes: usize,
+    /// The bytes before the first chunk.
+    pub base_bytes: usize,
+    /// The bits of the file per vertex; `None` if there are no vertices.
+    pub bits_per_vertex: Option<f64>,
+    /// The maximum distance of a position from that of the input, in the units of the scene.
+    pub position_error: f64,
+    /// Notes of the reader, on what stays whole, on what was left out, and on what the format cannot store.
     pub notes: Vec<String>,
-    /// Notes on what the format cannot store.
-    pub losses: Vec<String>,
+}
+
+/// Serializes whether a number is known: `true` or `null`.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
+fn is_some_or_null<S: Serializer>(number: &Option<usize>, serializer: S) -> Result<S::Ok, S::Error> {
+    number.map(|_| true).serialize(serializer)
 }
 
 /// Packs a model as a progressive GLB.
@@ -124,22 +137,23 @@ pub struct Packed {
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{PackOptions, pack};
+/// use tristrip_pipeline::pack;
 /// let row = |y: usize| (0..30).map(move |x| format!("v {x} {y} {}\n", x * y % 3));
 /// let square = |i: usize| (i..i + 29).map(|i| format!("f {} {} {} {}\n", i + 1, i + 2, i + 32, i + 31));
 /// let obj: String = (0..30).flat_map(row).chain((0..29).flat_map(|y| square(30 * y))).collect();
-/// let packed = pack(&read(obj.as_bytes(), Format::Obj)?, &PackOptions::default(), &())?;
+/// let packed = pack::run(&read(obj.as_bytes(), Format::Obj)?, &pack::Options::default(), &())?;
 /// assert_eq!((packed.triangles, packed.proven), (29 * 29 * 2, Some(29 * 29 * 2)));
 /// assert!(packed.base_triangles < packed.triangles / 2);
 /// assert_eq!(read(&packed.bytes, Format::Glb)?.parts[0].mesh.faces().triangle_count(), packed.triangles);
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Result<Packed, Error> {
+pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
+    begin(observer, Stage::Simplify)?;
     let losses = tristrip_io::losses(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb);
     let model = &*with_scene(model)?;
-    begin(observer, Stage::Simplify)?;
     let places = Places::of(model);
-    let mut notes: Vec<String> = places.note().into_iter().collect();
+    let mut notes = model.notes.clone();
+    notes.extend(places.note());
     let (groups, whole) = groups(model, &places, &mut notes)?;
     let locked = touching_vertices(&groups, (model, &whole), &places);
     let lockable: Vec<(&Group, &Vec<bool>)> = groups.iter().zip(&locked).collect();
@@ -170,7 +184,7 @@ fn stream_of_group(
     group: &Group,
     locked: &[bool],
     places: &Places,
-    options: &PackOptions,
+    options: &Options,
 ) -> Result<StreamedMesh, Error> {
     let stream = group.bounds.map_or(options.stream, |bounds| options.stream.with_bounds(bounds));
     // What is near the eye needs more bits than the mean error of a level is worth.
@@ -243,7 +257,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Writes the file, and proves it.
-    fn finish(mut self, losses: Vec<String>, observer: &dyn Observer) -> Result<Packed, Error> {
+    fn finish(mut self, losses: Vec<String>, observer: &dyn Observer) -> Result<Outcome, Error> {
         let mut note = |count: usize, noun: &str, what: &str| {
             if count > 0 {
                 self.notes.push(format!("{} {what}", counted(count, noun)));
@@ -278,18 +292,22 @@ impl<'a> Assembly<'a> {
             }
             proven = Some(prove(self.model, &bytes, expected)?);
         }
-        Ok(Packed {
+        self.notes.extend(losses);
+        let (file_bytes, vertices) = (bytes.len(), self.vertices);
+        Ok(Outcome {
             bytes: Arc::unwrap_or_clone(bytes),
+            proven,
+            parts: self.model.parts.len(),
             meshes: self.queues.len(),
             chunks: self.queues.iter().map(|queue| queue.chunks.len()).sum(),
-            chunk_start,
+            vertices,
             triangles: self.triangles,
             base_triangles,
-            vertices: self.vertices,
+            file_bytes,
+            base_bytes: chunk_start,
+            bits_per_vertex: (vertices > 0).then(|| rounded(8.0 * file_bytes as f64 / vertices as f64)),
             position_error: self.position_error,
-            proven,
             notes: self.notes,
-            losses,
         })
     }
 }

@@ -10,7 +10,7 @@ use tristrip_io::Model;
 use crate::error::Error;
 use crate::figures::{MeshProperties, PartMetrics};
 use crate::metrics::StripMetrics;
-use crate::observer::{Event, Observer, Stage, Stopped, begin};
+use crate::observer::{Observer, Stage, Stopped, begin};
 use crate::parts::{PreparedPart, map, meshes};
 use crate::places::Places;
 
@@ -87,8 +87,6 @@ impl<'a> PreparedModel<'a> {
         let strips = self.find_strips(options, &*watch)?;
         let stopped = watch.stopped();
         drop(watch);
-        let count = strips.iter().map(Strips::len).sum();
-        observer.event(Event::Stripified { strips: count, stopped });
         Ok((strips, stopped))
     }
 
@@ -168,11 +166,9 @@ impl<'a> Survey<'a> {
         let options = fitted(options, model, &mut notes);
         begin(observer, Stage::Prepare)?;
         let prepared = PreparedModel::new(model, options.weld);
-        observer.event(Event::Prepared);
         begin(observer, Stage::Survey)?;
         let mesh = prepared.mesh_figures();
         notes.extend(mesh.remarks());
-        observer.event(Event::Surveyed { parts: prepared.parts().len(), mesh: &mesh, notes: &notes });
         Ok(Self { prepared, options, mesh, notes })
     }
 }

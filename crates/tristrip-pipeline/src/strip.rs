@@ -9,7 +9,7 @@ use crate::drawing::{Drawn, DrawnParts, FileCost, choose};
 use crate::encode::{self, true_or_null};
 use crate::error::{Error, UnprovenMetrics};
 use crate::figures::{MeshProperties, PartMetrics};
-use crate::method::MethodReport;
+use crate::method::MethodDescription;
 use crate::metrics::StripMetrics;
 use crate::observer::{Observer, Stage, Stopped, begin};
 use crate::prepared::Survey;
@@ -56,7 +56,7 @@ pub struct Outcome {
     pub stripify: StripifyOptions,
     /// The method and those of its options that apply to it.
     #[serde(flatten)]
-    pub method: MethodReport,
+    pub method: MethodDescription,
     /// Whether the strips are proven to draw exactly the faces of the model; otherwise the proof was not requested.
     #[serde(serialize_with = "true_or_null")]
     pub proven: bool,
@@ -212,7 +212,7 @@ fn measured(
         begin(observer, Stage::Bound)?;
         bound = Bounds::of(prepared.parts())?.gap(&stripify, &metrics);
     }
-    let method = MethodReport::of(&stripify);
+    let method = MethodDescription::of(&stripify);
     let parts = prepared.parts().len();
     let outcome = Outcome {
         strips,

@@ -1,4 +1,4 @@
-//! A level of a progressive GLB, and what its stream costs.
+//! A level of a progressive GLB.
 //!
 //! # Algorithm
 //! Chunks are decoded one by one until the goal is reached. The level is then within the last chunk: the collapses of its mesh are made again down to it. So a level is
@@ -7,20 +7,18 @@
 //! # Complexity
 //! As of the decoder, for the chunks up to the goal.
 
-mod report;
-
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::PathBuf;
 
 use serde::Serialize;
-use tristrip::stream::{Decoder, StreamCosts, StreamPart, chunks};
+use tristrip::stream::{Decoder, StreamPart, chunks};
 use tristrip::{Faces, Mesh};
 use tristrip_io::Model;
 use tristrip_io::gltf::{ProgressiveGlb, StreamMeshes};
 
-pub use self::report::{ComponentBits, StreamReport, UnpackedReport};
 use crate::error::Error;
 use crate::levels::Level;
+use crate::observer::{Observer, Stage, begin};
 
 /// What selects a level of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,49 +31,90 @@ pub enum StreamGoal {
     Bytes(usize),
 }
 
-/// A level of a progressive GLB.
-#[derive(Debug)]
+impl Default for StreamGoal {
+    fn default() -> Self {
+        Self::Level(Level::Percent(100.0))
+    }
+}
+
+/// What is decoded. The default is the full meshes.
+#[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
-pub struct Unpacked {
+pub struct Options {
+    /// What selects the level.
+    pub goal: StreamGoal,
+    /// The directory of the files that the document refers to; `None` if they are not read.
+    pub base_dir: Option<PathBuf>,
+}
+
+impl Options {
+    /// Sets what selects the level.
+    #[must_use]
+    pub fn with_goal(self, goal: StreamGoal) -> Self {
+        Self { goal, ..self }
+    }
+
+    /// Sets the directory of the files that the document refers to.
+    #[must_use]
+    pub fn with_base_dir(self, base_dir: Option<PathBuf>) -> Self {
+        Self { base_dir, ..self }
+    }
+}
+
+/// A level of a progressive GLB; the keys are those of the JSON report.
+#[derive(Debug, Serialize)]
+#[non_exhaustive]
+pub struct Outcome {
     /// The scene with the meshes of the level.
+    #[serde(skip)]
     pub model: Model,
-    /// The level, and that of the full meshes.
+    /// The number of parts of the model.
+    pub parts: usize,
+    /// The level.
     pub level: usize,
     /// The level of the full meshes.
-    pub full_level: usize,
-    /// The triangles of the refined meshes at the level.
+    pub levels: usize,
+    /// The number of triangles of the refined meshes at the level.
     pub triangles: usize,
-    /// Their triangles in full.
-    pub full_triangles: usize,
+    /// Their number of triangles in full.
+    pub triangles_full: usize,
     /// The largest error of a mesh at the end of the last chunk, in its own units.
-    pub error: f32,
+    pub surface_error: f32,
     /// The bytes of the file that the level needs.
     pub bytes: usize,
     /// The chunks that the level needs.
     pub chunks: usize,
-    /// What ended the stream before the goal was reached: the end of the file, or damage.
+    /// Whether the stream ended before the goal was reached.
+    pub ended_early: bool,
+    /// Why it ended: the end of the file, or damage.
+    #[serde(skip)]
     pub problem: Option<String>,
+    /// Notes of the reader, and why the stream ended before the goal was reached.
+    pub notes: Vec<String>,
 }
 
-/// Decodes a level. A file that is cut off or damaged gives what is before the end or the damage, and [`Unpacked::problem`] says so.
+/// Decodes a level. A file that is cut off or damaged gives what is before the end or the damage, and [`Outcome::problem`] says so.
 ///
 /// # Errors
-/// The level does not exist, the base meshes are not there, or the document is not valid.
+/// The level does not exist, the base meshes are missing, the document is not valid, or the observer cancelled.
 ///
 /// ```
 /// use tristrip_io::gltf::ProgressiveGlb;
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{PackOptions, StreamGoal, pack, unpack};
+/// use tristrip_pipeline::{StreamGoal, pack, unpack};
 /// let row = |y: usize| (0..30).map(move |x| format!("v {x} {y} {}\n", x * y % 3));
 /// let square = |i: usize| (i..i + 29).map(|i| format!("f {} {} {} {}\n", i + 1, i + 2, i + 32, i + 31));
 /// let obj: String = (0..30).flat_map(row).chain((0..29).flat_map(|y| square(30 * y))).collect();
-/// let packed = pack(&read(obj.as_bytes(), Format::Obj)?, &PackOptions::default(), &())?;
+/// let packed = pack::run(&read(obj.as_bytes(), Format::Obj)?, &pack::Options::default(), &())?;
 /// let glb = ProgressiveGlb::open(packed.bytes)?.ok_or_else(|| "no stream".to_owned()).map_err(tristrip_pipeline::Error::unproven)?;
-/// let half = unpack(&glb, StreamGoal::Triangles(800), None)?;
-/// assert!((780..=800).contains(&half.triangles) && half.bytes < packed.chunk_start + glb.chunk_bytes());
+/// let options = unpack::Options::default().with_goal(StreamGoal::Triangles(800));
+/// let half = unpack::run(&glb, &options, &())?;
+/// assert!((780..=800).contains(&half.triangles) && half.bytes < packed.base_bytes + glb.chunk_bytes());
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn unpack(glb: &ProgressiveGlb, goal: StreamGoal, base_dir: Option<&Path>) -> Result<Unpacked, Error> {
+pub fn run(glb: &ProgressiveGlb, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
+    begin(observer, Stage::Decode)?;
+    let goal = options.goal;
     let mut decoder = Decoder::new(glb.limits());
     let mut progress = Progress { goal, target: None };
     let most = match goal {
@@ -117,21 +156,27 @@ pub fn unpack(glb: &ProgressiveGlb, goal: StreamGoal, base_dir: Option<&Path>) -
     }
     let reached = Reached { decoder: &decoder, streams: &streams, target: progress.target };
     let (meshes, level) = reached.meshes(goal, last)?;
-    Ok(Unpacked {
-        model: glb.model(&meshes, base_dir)?,
+    let model = glb.model(&meshes, options.base_dir.as_deref())?;
+    let mut notes = model.notes.clone();
+    notes.extend(problem.clone());
+    Ok(Outcome {
+        parts: model.parts.len(),
+        model,
         level,
-        full_level: decoder.parts().map(StreamPart::full_level).sum(),
+        levels: decoder.parts().map(StreamPart::full_level).sum(),
         triangles: meshes.values().map(|mesh| mesh.faces().triangle_count()).sum(),
-        full_triangles: decoder.parts().map(StreamPart::full_triangle_count).sum(),
-        error: decoder.parts().map(StreamPart::error).fold(0.0, f32::max),
+        triangles_full: decoder.parts().map(StreamPart::full_triangle_count).sum(),
+        surface_error: decoder.parts().map(StreamPart::error).fold(0.0, f32::max),
         bytes: glb.chunk_start() + used,
         chunks: decoder.chunk_count(),
+        ended_early: problem.is_some(),
         problem,
+        notes,
     })
 }
 
 /// Says why a stream ends before all its bytes are decoded, if it does: a head that is none, or the end of the file.
-fn early_end(glb: &ProgressiveGlb, decoder: &mut Decoder) -> Option<String> {
+pub(crate) fn early_end(glb: &ProgressiveGlb, decoder: &mut Decoder) -> Option<String> {
     let used = decoder.offset() as usize;
     if let Err(fault) = decoder.update(&glb.chunks()[used..]) {
         return Some(fault.to_string());
@@ -203,96 +248,4 @@ impl Reached<'_> {
 fn at_level(mesh: &Mesh, triangles: &[[u32; 3]]) -> Result<Mesh, Error> {
     let faces = Faces::from_triangles(triangles.as_flattened().to_vec())?;
     Ok(mesh.with_faces(faces)?.without_unused_vertices().0)
-}
-
-/// A chunk of a stream; the keys are those of the JSON report of `tristrip inspect`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[non_exhaustive]
-pub struct ChunkFigures {
-    /// The number of its mesh.
-    pub mesh: usize,
-    /// The first byte of the file behind it.
-    pub end: usize,
-    /// The level that it leads to, of all meshes together.
-    pub level: usize,
-    /// The triangles of all refined meshes then.
-    pub triangles: usize,
-    /// The largest error of a mesh then, in its own units.
-    #[serde(rename = "surface_error")]
-    pub error: f32,
-}
-
-/// What a stream holds, and what it costs.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct StreamFigures {
-    /// The bytes before the first chunk: JSON, base meshes, textures.
-    pub chunk_start: usize,
-    /// The bytes of all chunks in the whole file.
-    pub chunk_bytes: usize,
-    /// The chunks that are there.
-    pub chunks: Vec<ChunkFigures>,
-    /// The meshes that are there.
-    pub meshes: usize,
-    /// The triangles of the full meshes, as the stream says.
-    pub triangles: usize,
-    /// The vertices of the full meshes, as the stream says.
-    pub vertices: usize,
-    /// The level of the full meshes.
-    pub full_level: usize,
-    /// Bits of a coordinate of a position.
-    pub position_bits: u32,
-    /// The bits of the components, heads and checksums not included.
-    pub costs: StreamCosts,
-    /// What ends the stream too early: the end of the file, or damage.
-    pub problem: Option<String>,
-}
-
-/// Decodes a stream, and returns what its chunks hold and what its components cost. A damaged stream gives the figures of what is before the damage.
-///
-/// ```
-/// use tristrip_io::gltf::ProgressiveGlb;
-/// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{PackOptions, pack, stream_figures};
-/// let row = |y: usize| (0..30).map(move |x| format!("v {x} {y} {}\n", x * y % 3));
-/// let square = |i: usize| (i..i + 29).map(|i| format!("f {} {} {} {}\n", i + 1, i + 2, i + 32, i + 31));
-/// let obj: String = (0..30).flat_map(row).chain((0..29).flat_map(|y| square(30 * y))).collect();
-/// let packed = pack(&read(obj.as_bytes(), Format::Obj)?, &PackOptions::default(), &())?;
-/// let glb = ProgressiveGlb::open(packed.bytes)?;
-/// let figures = glb.map(|glb| stream_figures(&glb));
-/// assert!(figures.is_some_and(|figures| figures.chunks.len() == packed.chunks && figures.vertices == 900));
-/// # Ok::<(), tristrip_pipeline::Error>(())
-/// ```
-pub fn stream_figures(glb: &ProgressiveGlb) -> StreamFigures {
-    let mut decoder = Decoder::new(glb.limits()).counting_bits();
-    let mut found = Vec::new();
-    let mut problem = None;
-    for chunk in chunks(glb.chunks()) {
-        if let Err(fault) = decoder.update(chunk.bytes) {
-            problem = Some(fault.to_string());
-            break;
-        }
-        found.push(ChunkFigures {
-            mesh: chunk.stream as usize,
-            end: glb.chunk_start() + decoder.offset() as usize,
-            level: decoder.parts().map(StreamPart::level).sum(),
-            triangles: decoder.parts().map(StreamPart::triangle_count).sum(),
-            error: decoder.parts().map(StreamPart::error).fold(0.0, f32::max),
-        });
-    }
-    let problem = problem.or_else(|| early_end(glb, &mut decoder));
-    let mut costs = StreamCosts::default();
-    decoder.parts().filter_map(StreamPart::costs).for_each(|own| costs.add(&own));
-    StreamFigures {
-        chunk_start: glb.chunk_start(),
-        chunk_bytes: glb.chunk_bytes(),
-        chunks: found,
-        meshes: decoder.parts().count(),
-        triangles: decoder.parts().map(StreamPart::full_triangle_count).sum(),
-        vertices: decoder.parts().map(StreamPart::full_vertex_count).sum(),
-        full_level: decoder.parts().map(StreamPart::full_level).sum(),
-        position_bits: decoder.parts().map(|part| part.position_bits()[1]).max().unwrap_or(0),
-        costs,
-        problem,
-    }
 }

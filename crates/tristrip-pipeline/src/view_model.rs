@@ -17,15 +17,18 @@ use tristrip::{CollapseSequence, Faces, Mesh, StripifyOptions, Strips};
 use tristrip_io::tlod::{self, TlodLimits, TlodModel};
 use tristrip_io::{Model, Part};
 
+use crate::encode::true_or_null;
 use crate::error::Error;
+use crate::figures::MeshProperties;
 use crate::join::{Joined, join};
-use crate::observer::{Event, Observer, Stage, Stopped, begin};
+use crate::method::MethodDescription;
+use crate::observer::{Observer, Stage, Stopped, begin};
 use crate::prepared::Survey;
 
 /// How a model of views is built.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct ViewModelOptions {
+pub struct Options {
     /// The method of the strips of the full mesh, and its options.
     pub stripify: StripifyOptions,
     /// The order in which the collapses of a level are chosen.
@@ -34,13 +37,13 @@ pub struct ViewModelOptions {
     pub verify: bool,
 }
 
-impl Default for ViewModelOptions {
+impl Default for Options {
     fn default() -> Self {
         Self { stripify: StripifyOptions::default(), order: MergeOrder::default(), verify: true }
     }
 }
 
-impl ViewModelOptions {
+impl Options {
     /// Sets the method of the strips, and its options.
     #[must_use]
     pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
@@ -61,7 +64,7 @@ impl ViewModelOptions {
 }
 
 /// What a vertex tree is built from.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct ViewModel {
     /// The mesh of all parts.
@@ -70,42 +73,56 @@ pub struct ViewModel {
     pub strips: Strips,
     /// The collapses of the triangles of the strips, in their order.
     pub sequence: Arc<CollapseSequence>,
-    /// The levels of the merge tree; `None` for a model that was read from a file.
-    pub levels: Option<usize>,
+}
+
+/// A model of views that was built; the keys are those of the JSON report.
+#[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
+pub struct Outcome {
+    /// The model.
+    #[serde(skip)]
+    pub model: ViewModel,
+    /// The counts of its full mesh.
+    #[serde(skip)]
+    pub mesh: MeshProperties,
+    /// The method and those of its options that apply to it.
+    #[serde(flatten)]
+    pub method: MethodDescription,
+    /// The order in which the collapses of a level were chosen.
+    pub order: &'static str,
+    /// Whether the strips are proven to draw exactly the faces of the mesh; otherwise the proof was not requested.
+    #[serde(serialize_with = "true_or_null")]
+    pub proven: bool,
+    /// The number of vertices of the mesh.
+    pub vertices: usize,
+    /// The number of triangles of the full mesh.
+    pub triangles: usize,
+    /// The number of strips of the full mesh.
+    pub strips: usize,
+    /// The number of collapses.
+    pub collapses: usize,
+    /// The number of levels of the merge tree.
+    pub levels: usize,
     /// Why the search for strips was stopped early, if it was.
     pub stopped: Option<Stopped>,
-    /// Notes of the reader, and on what was dropped, changed or unusual.
+    /// The number of parts of the source.
+    pub parts: usize,
+    /// Notes of the reader, on what was dropped, changed or unusual, and on a search that was stopped.
     pub notes: Vec<String>,
 }
 
-/// The counts of a model of views; the keys are those of the JSON report of `tristrip build-lod`. All are `None` before it is built.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+/// A `.tlod` file, which was read back and compared; the keys are those of the JSON report.
+#[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
-pub struct ViewModelReport {
-    /// The vertices of the mesh.
-    pub vertices: Option<usize>,
-    /// The triangles of the full mesh.
-    pub triangles: Option<usize>,
-    /// The strips of the full mesh.
-    pub strips: Option<usize>,
-    /// The collapses.
-    pub collapses: Option<usize>,
-    /// The levels of the merge tree.
-    pub levels: Option<usize>,
-    /// The longest chain of collapses, one into a result of the one before.
-    pub height: Option<u32>,
-    /// The size of the file.
-    pub bytes: Option<usize>,
-}
-
-/// A `.tlod` file, which was read back and compared.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct EncodedViewModel {
+pub struct File {
     /// The bytes of the file.
+    #[serde(skip)]
     pub bytes: Vec<u8>,
-    /// The height of its vertex tree.
+    /// The height of its vertex tree: the longest chain of collapses, each into a result of the one before.
     pub height: u32,
+    /// The size of the file in bytes.
+    #[serde(rename = "bytes")]
+    pub file_bytes: usize,
 }
 
 /// Builds the model of views of all parts together, where their coordinates are: nodes do not place them.
@@ -115,48 +132,61 @@ pub struct EncodedViewModel {
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{ViewModelOptions, view_model};
+/// use tristrip_pipeline::view_model;
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", Format::Obj)?;
-/// let built = view_model(model, &ViewModelOptions::default(), &())?;
-/// assert_eq!((built.strips.len(), built.sequence.triangles().len()), (1, 6));
-/// assert!(built.encode()?.bytes.starts_with(b"\x89TLOD"));
+/// let built = view_model::run(model, &view_model::Options::default(), &())?;
+/// assert_eq!((built.strips, built.triangles), (1, 2));
+/// assert!(built.model.encode()?.bytes.starts_with(b"\x89TLOD"));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub fn view_model(
-    model: Model,
-    options: &ViewModelOptions,
-    observer: &dyn Observer,
-) -> Result<ViewModel, Error> {
+pub fn run(model: Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
+    let parts = model.parts.len();
     let Joined { mesh, notes } = join(model)?;
-    let model = Model { parts: vec![Part { mesh, ..Part::default() }], notes, ..Model::default() };
-    let Survey { prepared, options: stripify, mesh: figures, notes } =
-        Survey::new(&model, options.stripify, observer)?;
+    let joined = Model { parts: vec![Part { mesh, ..Part::default() }], notes, ..Model::default() };
+    let Survey { prepared, options: stripify, mesh: properties, mut notes } =
+        Survey::new(&joined, options.stripify, observer)?;
     let (strips, stopped) = prepared.search(&stripify, observer)?;
     if options.verify {
         begin(observer, Stage::Prove)?;
         prepared.prove(&strips)?;
-        observer.event(Event::Proven { faces: figures.faces });
     }
     drop(prepared);
-    let (Some(strips), Some(part)) = (strips.into_iter().next(), model.parts.into_iter().next()) else {
+    let (Some(strips), Some(part)) = (strips.into_iter().next(), joined.parts.into_iter().next()) else {
         return Err(Error::unproven("found no strips, expected those of one mesh"));
     };
     begin(observer, Stage::Simplify)?;
     let tree = merge_tree(&part.mesh, strips.to_list(), options.order, &SimplifyOptions::default())?;
-    let levels = tree.level_ends.len();
-    observer.event(Event::Merged { collapses: tree.sequence.len(), levels });
-    let (mesh, sequence) = (part.mesh, Arc::new(tree.sequence));
-    Ok(ViewModel { mesh, strips, sequence, levels: Some(levels), stopped, notes })
+    notes.extend(stopped.map(|stopped| stopped.note().into()));
+    let model = ViewModel { mesh: part.mesh, strips, sequence: Arc::new(tree.sequence) };
+    Ok(Outcome {
+        mesh: properties,
+        method: MethodDescription::of(&stripify),
+        order: options.order.name(),
+        proven: options.verify,
+        vertices: model.mesh.vertex_count(),
+        triangles: model.triangle_count(),
+        strips: model.strips.len(),
+        collapses: model.sequence.len(),
+        levels: tree.level_ends.len(),
+        stopped,
+        parts,
+        notes,
+        model,
+    })
 }
 
 impl From<TlodModel> for ViewModel {
     fn from(TlodModel { mesh, strips, sequence, .. }: TlodModel) -> Self {
-        let sequence = Arc::new(sequence);
-        Self { mesh, strips, sequence, levels: None, stopped: None, notes: Vec::new() }
+        Self { mesh, strips, sequence: Arc::new(sequence) }
     }
 }
 
 impl ViewModel {
+    /// Returns the number of triangles of the full mesh.
+    pub fn triangle_count(&self) -> usize {
+        self.sequence.triangles().len() / 3
+    }
+
     /// Builds the vertex tree, of which views are.
     ///
     /// # Errors
@@ -169,7 +199,7 @@ impl ViewModel {
     ///
     /// # Errors
     /// The strips do not draw exactly the faces of the mesh, or the bytes hold another model.
-    pub fn encode(&self) -> Result<EncodedViewModel, Error> {
+    pub fn encode(&self) -> Result<File, Error> {
         let (mesh, strips) = (self.mesh.clone(), self.strips.clone());
         let model = TlodModel::new(mesh, strips, CollapseSequence::clone(&self.sequence))
             .map_err(|error| Error::unproven(error.to_string()))?;
@@ -181,20 +211,7 @@ impl ViewModel {
             return Err(Error::unproven("the file, read back, is another model"));
         }
         let height = SkipStrips::of_levels(&again.strips, &again.sequence)?.height();
-        Ok(EncodedViewModel { bytes, height })
-    }
-
-    /// Returns the counts for a report, without those of a file.
-    pub fn report(&self) -> ViewModelReport {
-        ViewModelReport {
-            vertices: Some(self.mesh.vertex_count()),
-            triangles: Some(self.sequence.triangles().len() / 3),
-            strips: Some(self.strips.len()),
-            collapses: Some(self.sequence.len()),
-            levels: self.levels,
-            height: None,
-            bytes: None,
-        }
+        Ok(File { height, file_bytes: bytes.len(), bytes })
     }
 }
 
@@ -212,9 +229,9 @@ fn encoded(model: &TlodModel) -> Result<Vec<u8>, Error> {
 /// ```
 /// use std::sync::Arc;
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{ViewModelOptions, prove_view, view_model};
+/// use tristrip_pipeline::view_model::{self, prove_view};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", Format::Obj)?;
-/// let tree = Arc::new(view_model(model, &ViewModelOptions::default(), &())?.vertex_tree()?);
+/// let tree = Arc::new(view_model::run(model, &view_model::Options::default(), &())?.model.vertex_tree()?);
 /// let view = tree.view();
 /// assert_eq!(prove_view(&view, &view.display_strips())?, view.triangle_count());
 /// assert!(prove_view(&view, &tristrip::Strips::default()).is_err());

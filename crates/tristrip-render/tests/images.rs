@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use serde_json::Value;
 use tristrip_io::{Format, Model, read, with_triangles};
-use tristrip_pipeline::{Amount, ChainOptions, Deviation, Goal, Ratio, chain, encode, simplify, strip};
+use tristrip_pipeline::{Amount, Deviation, Goal, Ratio, chain, encode, simplify, strip};
 use tristrip_render::images::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 
 /// Quadrilaterals around, and from pole to pole.
@@ -313,8 +313,8 @@ fn with_level(glb: &[u8], level: usize) -> Vec<u8> {
 #[test]
 fn every_level_of_a_scene_looks_like_its_own_file() {
     let model = scene();
-    let options = ChainOptions::new("100%,50%,20%".parse().unwrap(), Format::Glb);
-    let chain = chain(&model, &options.with_deviation(Deviation::Percent(100.0))).unwrap();
+    let options = chain::Options::new("100%,50%,20%".parse().unwrap(), Format::Glb);
+    let chain = chain::run(&model, &options.with_deviation(Deviation::Percent(100.0)), &()).unwrap().chain;
     let encode = encode::Options::new(Format::Glb);
     let all = chain.encode(&model, &encode, &()).unwrap().encoded.bytes;
     let text = String::from_utf8_lossy(&all).into_owned();

@@ -287,7 +287,7 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    use tristrip_pipeline::{PackOptions, pack};
+    use tristrip_pipeline::pack;
 
     use super::*;
 
@@ -303,7 +303,7 @@ mod tests {
 
     fn folder_of_models(dir: &Path) -> Folder {
         let model = tristrip_io::read(&grid(), Format::Obj).unwrap();
-        let packed = pack(&model, &PackOptions::default(), &()).unwrap();
+        let packed = pack::run(&model, &pack::Options::default(), &()).unwrap();
         let plain =
             tristrip_io::write(&model, &[tristrip_io::Drawing::Faces], Format::Glb, tristrip::Layout::List);
         fs::create_dir_all(dir.join("b c")).unwrap();
@@ -349,12 +349,12 @@ mod tests {
     #[test]
     fn sizes_are_found_without_the_bytes_before_the_stream() {
         let model = tristrip_io::read(&grid(), Format::Obj).unwrap();
-        let packed = pack(&model, &PackOptions::default(), &()).unwrap();
+        let packed = pack::run(&model, &pack::Options::default(), &()).unwrap();
         let size = Some((59 * 59 * 2, 3600));
         let whole = Contents { is_progressive: true, size };
         assert_eq!(contents_of_bytes(&packed.bytes), whole);
         let without_chunks = Contents { size: None, ..whole };
-        assert_eq!(contents_of_bytes(&packed.bytes[..packed.chunk_start]), without_chunks);
+        assert_eq!(contents_of_bytes(&packed.bytes[..packed.base_bytes]), without_chunks);
         assert_eq!(contents_of_bytes(&packed.bytes[..30]), Contents::default());
         assert_eq!(contents_of_bytes(b"glTF"), Contents::default());
         let mut read = Vec::new();
@@ -365,7 +365,7 @@ mod tests {
         assert_eq!(found, whole);
         let json = u64::from(u32::from_le_bytes(packed.bytes[12..16].try_into().unwrap()));
         assert_eq!(read[..2], [0..20, 20..20 + json]);
-        assert!(read.len() == 3 && read[2].start == packed.chunk_start as u64, "{read:?}");
+        assert!(read.len() == 3 && read[2].start == packed.base_bytes as u64, "{read:?}");
         assert!(read[2].end - read[2].start <= PIECE_BYTES, "{read:?}");
         // A file that only names the extension.
         let json = br#"{"asset":{"version":"2.0","generator":"TRISTRIP_progressive"}}  "#;

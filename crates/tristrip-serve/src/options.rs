@@ -4,7 +4,7 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use tristrip_pipeline::PackOptions;
+use tristrip_pipeline::pack;
 
 /// How a server works. The default listens to this machine alone, and packs nothing.
 ///
@@ -120,7 +120,7 @@ pub struct PackingOptions {
     /// Whether files that are not progressive are packed when they are asked for.
     pub on_demand: bool,
     /// How they are packed.
-    pub pack: PackOptions,
+    pub pack: pack::Options,
     /// The packings that are made at once. Thumbnails do not wait for them: half as many are drawn beside them, at least one.
     pub at_once: usize,
     /// The packings that may wait for others, and the thumbnails; more are refused for the moment.
@@ -145,7 +145,7 @@ impl Default for PackingOptions {
     fn default() -> Self {
         Self {
             on_demand: false,
-            pack: PackOptions::default(),
+            pack: pack::Options::default(),
             at_once: std::thread::available_parallelism().map_or(1, usize::from),
             waiting: 64,
             // Less than the minute that proxies wait.

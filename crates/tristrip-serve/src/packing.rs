@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 use tristrip_io::{Format, Model};
-use tristrip_pipeline::{PackOptions, pack};
+use tristrip_pipeline::pack;
 
 use crate::deadline::Deadline;
 use crate::folder::Folder;
@@ -94,11 +94,11 @@ impl Source {
         &self,
         folder: &Folder,
         most_bytes: u64,
-        options: &PackOptions,
+        options: &pack::Options,
         deadline: Deadline,
     ) -> Result<Vec<u8>, String> {
         let model = self.read(folder, most_bytes)?;
-        pack(&model, options, &deadline).map(|packed| packed.bytes).map_err(|error| error.to_string())
+        pack::run(&model, options, &deadline).map(|packed| packed.bytes).map_err(|error| error.to_string())
     }
 }
 
@@ -215,7 +215,7 @@ mod tests {
         let folder = Folder::open(dir.path()).unwrap();
         let error = |path: &str| {
             let source = Source::find(&folder, &SitePath::new(path).unwrap()).unwrap();
-            source.pack(&folder, 9, &PackOptions::default(), Deadline::after(Duration::MAX)).unwrap_err()
+            source.pack(&folder, 9, &pack::Options::default(), Deadline::after(Duration::MAX)).unwrap_err()
         };
         assert_eq!(error("large.ply"), "found a file of 10 bytes, expected at most 9");
         let source = Source::find(&folder, &SitePath::new("a.gltf").unwrap()).unwrap();

@@ -56,7 +56,8 @@ pub(crate) fn of_glb(bytes: &[u8]) -> Result<Vec<u8>, String> {
 fn level(bytes: Vec<u8>) -> Result<Option<Model>, String> {
     let opened = ProgressiveGlb::open(bytes).map_err(|error| error.to_string())?;
     let Some(glb) = opened else { return Ok(None) };
-    let unpacked = unpack(&glb, StreamGoal::Triangles(LEVEL_TRIANGLES), None);
+    let options = unpack::Options::default().with_goal(StreamGoal::Triangles(LEVEL_TRIANGLES));
+    let unpacked = unpack::run(&glb, &options, &());
     unpacked.map(|unpacked| Some(unpacked.model)).map_err(|error| error.to_string())
 }
 

@@ -14,7 +14,7 @@ use tristrip_bench::text::Table;
 use tristrip_io::read_path;
 use tristrip_lab::baselines::ComparedModel;
 use tristrip_lab::recovery::ModelRecovery;
-use tristrip_pipeline::{LevelPart, LevelsOptions, Ratio, levels};
+use tristrip_pipeline::{LevelPart, Ratio, levels};
 
 /// The models that `blocks` is compared with.
 const PUBLISHED: [ComparedModel; 3] =
@@ -31,7 +31,7 @@ const RANGES: usize = 256;
 const STEPS: usize = 1000;
 
 /// What was measured of `blocks` on a model, over strips of `best`.
-pub(super) struct BlockFigures {
+pub(super) struct MeasuredBlocks {
     model: String,
     options: BlockOptions,
     triangles: usize,
@@ -47,14 +47,14 @@ pub(super) struct BlockFigures {
 }
 
 /// What building `sets`, `mts`, `lod-strips` and `blocks` takes.
-pub(super) struct BuildFigures {
+pub(super) struct MeasuredBuild {
     model: String,
     seconds: f64,
     bytes_per_triangle: f64,
 }
 
 /// Measures `blocks` by default, and as it sends the fewest vertices.
-pub(super) fn measure_all(sources: &[Source]) -> Result<Vec<BlockFigures>, Failure> {
+pub(super) fn measure_all(sources: &[Source]) -> Result<Vec<MeasuredBlocks>, Failure> {
     let mut figures = Vec::new();
     for source in sources.iter().filter(|source| MOVED.contains(&source.name.as_str())) {
         let part = part_of(source, Method::Best)?;
@@ -70,7 +70,7 @@ pub(super) fn measure_all(sources: &[Source]) -> Result<Vec<BlockFigures>, Failu
 }
 
 /// Builds all four models of the dragon.
-pub(super) fn build_all(sources: &[Source]) -> Result<Option<BuildFigures>, Failure> {
+pub(super) fn build_all(sources: &[Source]) -> Result<Option<MeasuredBuild>, Failure> {
     let Some(source) = sources.iter().find(|source| source.name == "dragon") else { return Ok(None) };
     let part = part_of(source, Method::STRIPE)?;
     let kinds = [&PUBLISHED[..], &[ComparedModel::Library(ModelKind::Blocks)]].concat();
@@ -81,7 +81,7 @@ pub(super) fn build_all(sources: &[Source]) -> Result<Option<BuildFigures>, Fail
         models.collect::<Result<Vec<_>, _>>().map(|models| models.len())
     });
     built?;
-    Ok(Some(BuildFigures {
+    Ok(Some(MeasuredBuild {
         model: source.name.clone(),
         seconds: start.elapsed().as_secs_f64(),
         bytes_per_triangle: bytes.unwrap_or(0) as f64 / part.strips().triangles().count().max(1) as f64,
@@ -91,8 +91,8 @@ pub(super) fn build_all(sources: &[Source]) -> Result<Option<BuildFigures>, Fail
 /// Returns the largest part of a model with its collapses.
 fn part_of(source: &Source, method: Method) -> Result<LevelPart, Failure> {
     let stripify = StripifyOptions::default().with_method(method);
-    let options = LevelsOptions::default().with_stripify(stripify).with_base(Ratio::ZERO);
-    let levels = levels(&read_path(&source.path)?, &options)?;
+    let options = levels::Options::default().with_stripify(stripify).with_base(Ratio::ZERO);
+    let levels = levels::run(&read_path(&source.path)?, &options, &())?.model;
     let largest = levels.parts.into_iter().max_by_key(|part| part.strips().vertices_sent());
     largest.ok_or_else(|| format!("{}: no part", source.name).into())
 }
@@ -108,7 +108,7 @@ fn small_uploads() -> BlockOptions {
     BlockOptions::default().with_memory(36).with_small_uploads(true)
 }
 
-fn of_part(name: &str, part: &LevelPart, options: BlockOptions) -> Result<BlockFigures, Failure> {
+fn of_part(name: &str, part: &LevelPart, options: BlockOptions) -> Result<MeasuredBlocks, Failure> {
     let (strips, sequence) = (part.strips(), part.sequence());
     if sequence.vertex_count() <= usize::from(u16::RESTART) {
         of_type::<u16>(name, strips, sequence, options)
@@ -122,7 +122,7 @@ fn of_type<I: Index>(
     strips: &Strips,
     sequence: &Arc<CollapseSequence>,
     options: BlockOptions,
-) -> Result<BlockFigures, Failure> {
+) -> Result<MeasuredBlocks, Failure> {
     let model = Arc::new(Blocks::new(strips, Arc::clone(sequence), &options)?);
     let mut cursor = model.cursor::<I>()?;
     let last = sequence.len();
@@ -157,7 +157,7 @@ fn of_type<I: Index>(
         cursor.set_level(level)?;
         times.push(1e6 * start.elapsed().as_secs_f64() / 2.0);
     }
-    Ok(BlockFigures {
+    Ok(MeasuredBlocks {
         model: name.into(),
         options,
         triangles: sequence.triangle_count(last)?,
@@ -192,7 +192,7 @@ pub(super) fn compare_recovery(model: &str, measured: &[ModelRecovery]) -> Vec<T
 }
 
 /// Compares with the targets.
-pub(super) fn compare(figures: &[BlockFigures], built: Option<&BuildFigures>) -> Vec<Target> {
+pub(super) fn compare(figures: &[MeasuredBlocks], built: Option<&MeasuredBuild>) -> Vec<Target> {
     let mut targets = Vec::new();
     for model in figures {
         if SENT.contains(&model.model.as_str()) {
@@ -224,7 +224,7 @@ pub(super) fn compare(figures: &[BlockFigures], built: Option<&BuildFigures>) ->
 }
 
 /// Returns a row per model and options.
-pub(super) fn table(figures: &[BlockFigures]) -> Table {
+pub(super) fn table(figures: &[MeasuredBlocks]) -> Table {
     let heads = [
         "model",
         "effort",

@@ -21,7 +21,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use simplification::{
-    POINTS, SimplificationFigures, SimplificationGoal, measure, simplification_table, summary,
+    ComparedSimplification, POINTS, SimplificationGoal, measure, simplification_table, summary,
 };
 use tristrip::Effort;
 use tristrip::lod::Filter;
@@ -88,7 +88,7 @@ struct Args {
 }
 
 /// The figures of a model at all levels, with one method's strips.
-struct LevelFigures {
+struct MeasuredLevels {
     model: String,
     strips: &'static str,
     /// Vertices sent over all levels by each filter and by repaired strips, as fractions of three per triangle.
@@ -231,7 +231,7 @@ fn follow(
     name: &'static str,
     method: Method,
     rounds: usize,
-) -> Result<LevelFigures, Failure> {
+) -> Result<MeasuredLevels, Failure> {
     let fed = load(source)?;
     let mesh = fed.polygons.unwrap_or(fed.triangles);
     let problems = levels::check(&mesh, false)?.problems;
@@ -263,7 +263,7 @@ fn follow(
     base.push(repair.vertices_sent() as f64);
     let base_triangles = sequence.triangle_count(0)? as f64;
     let splits = totals.splits();
-    Ok(LevelFigures {
+    Ok(MeasuredLevels {
         model: source.name.clone(),
         strips: name,
         fractions,
@@ -318,9 +318,9 @@ fn split_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) -> 
 }
 
 fn compare(
-    simplified: &[SimplificationFigures],
-    dirty: &[SimplificationFigures],
-    all_levels: &[LevelFigures],
+    simplified: &[ComparedSimplification],
+    dirty: &[ComparedSimplification],
+    all_levels: &[MeasuredLevels],
 ) -> Vec<Target> {
     let mut targets = Vec::new();
     let named = |name: &str| simplified.iter().find(|s| s.model == name);
@@ -390,7 +390,7 @@ fn compare(
     targets
 }
 
-fn levels_table(all_levels: &[LevelFigures]) -> Table {
+fn levels_table(all_levels: &[MeasuredLevels]) -> Table {
     let heads = [
         "model",
         "strips",

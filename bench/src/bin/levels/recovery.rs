@@ -9,7 +9,7 @@ use tristrip_bench::text::Table;
 use tristrip_io::{Model, read_path};
 use tristrip_lab::baselines::ComparedModel;
 use tristrip_lab::recovery::{ModelRecovery, SHARES, Sweep, measure};
-use tristrip_pipeline::{Amount, Deviation, Goal, LevelsOptions, Ratio, levels, simplify};
+use tristrip_pipeline::{Amount, Deviation, Goal, Ratio, levels, simplify};
 
 /// The model of the paper.
 const SETS: ComparedModel = ComparedModel::Library(ModelKind::Sets);
@@ -23,7 +23,7 @@ const LARGE: [(&str, Option<usize>); 2] = [("dragon", Some(165_963)), ("dragon",
 const MEGABYTE: f64 = 1_048_576.0;
 
 /// What was measured on a model.
-pub(super) struct RecoveryFigures {
+pub(super) struct MeasuredRecovery {
     model: String,
     triangles: usize,
     strips: usize,
@@ -31,7 +31,7 @@ pub(super) struct RecoveryFigures {
 }
 
 /// Measures the models of the paper that are among the sources.
-pub(super) fn measure_all(sources: &[Source], rounds: usize) -> Result<Vec<RecoveryFigures>, Failure> {
+pub(super) fn measure_all(sources: &[Source], rounds: usize) -> Result<Vec<MeasuredRecovery>, Failure> {
     let mut figures = Vec::new();
     let named = |name: &str| sources.iter().find(|source| source.name == name);
     for source in PUBLISHED.iter().filter_map(|(name, ..)| named(name)) {
@@ -51,10 +51,12 @@ pub(super) fn measure_all(sources: &[Source], rounds: usize) -> Result<Vec<Recov
     Ok(figures)
 }
 
-fn of_model(name: &str, model: &Model, rounds: usize) -> Result<RecoveryFigures, Failure> {
+fn of_model(name: &str, model: &Model, rounds: usize) -> Result<MeasuredRecovery, Failure> {
     let stripify = StripifyOptions::default().with_method(Method::STRIPE);
-    let levels = levels(model, &LevelsOptions::default().with_stripify(stripify).with_base(Ratio::ZERO))?;
-    Ok(RecoveryFigures {
+    let levels =
+        levels::run(model, &levels::Options::default().with_stripify(stripify).with_base(Ratio::ZERO), &())?
+            .model;
+    Ok(MeasuredRecovery {
         model: name.into(),
         triangles: levels.triangle_count(levels.collapse_count())?,
         strips: levels.parts.iter().map(|part| part.strips().len()).sum(),
@@ -62,7 +64,7 @@ fn of_model(name: &str, model: &Model, rounds: usize) -> Result<RecoveryFigures,
     })
 }
 
-impl RecoveryFigures {
+impl MeasuredRecovery {
     fn of(&self, kind: ComparedModel) -> Option<&ModelRecovery> {
         self.models.iter().find(|model| model.model == kind.name())
     }
@@ -78,7 +80,7 @@ impl RecoveryFigures {
 }
 
 /// Compares with what the paper prints.
-pub(super) fn compare(figures: &[RecoveryFigures]) -> Vec<Target> {
+pub(super) fn compare(figures: &[MeasuredRecovery]) -> Vec<Target> {
     let mut targets = Vec::new();
     for (name, strips, megabytes) in PUBLISHED {
         let Some(figures) = figures.iter().find(|figures| figures.model == name) else { continue };
@@ -112,7 +114,7 @@ pub(super) fn compare(figures: &[RecoveryFigures]) -> Vec<Target> {
 }
 
 /// Returns a row per level model and sweep of each model.
-pub(super) fn table(figures: &[RecoveryFigures]) -> Table {
+pub(super) fn table(figures: &[MeasuredRecovery]) -> Table {
     let heads = [
         "model",
         "levels",

@@ -31,7 +31,7 @@ impl SimplificationGoal {
 }
 
 /// The figures of a model simplified by both programs to the same number of triangles.
-pub(crate) struct SimplificationFigures {
+pub(crate) struct ComparedSimplification {
     pub(crate) model: String,
     pub(crate) before: usize,
     /// Triangles at which ours and meshoptimizer's stop.
@@ -44,7 +44,7 @@ pub(crate) struct SimplificationFigures {
     pub(crate) bytes_per_triangle: f64,
 }
 
-impl SimplificationFigures {
+impl ComparedSimplification {
     /// Checks whether both have about the same number of triangles.
     pub(crate) fn is_alike(&self) -> bool {
         self.after[0].abs_diff(self.after[1]) <= 2 + self.after[0] / 100
@@ -57,7 +57,7 @@ pub(crate) fn measure(
     mesh: &Mesh,
     goal: &SimplificationGoal,
     rounds: usize,
-) -> Result<SimplificationFigures, Failure> {
+) -> Result<ComparedSimplification, Failure> {
     let triangles = mesh.faces().as_triangles().ok_or("a model of triangles was expected")?;
     let target = triangles.len() / 3 / goal.share;
     let bytes: Vec<u8> = mesh.positions().iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
@@ -99,7 +99,7 @@ pub(crate) fn measure(
         Ok::<_, Failure>([change.rms / diagonal, change.largest / diagonal])
     };
     let (our_distances, their_distances) = (distances(&drawn)?, distances(&theirs)?);
-    Ok(SimplificationFigures {
+    Ok(ComparedSimplification {
         model: name.into(),
         before: triangles.len() / 3,
         after: [drawn.len() / 3, theirs.len() / 3],
@@ -123,10 +123,10 @@ fn diagonal(mesh: &Mesh) -> f64 {
 }
 
 /// Returns a sentence on the figures of all models.
-pub(crate) fn summary(price: Price, figures: &[SimplificationFigures]) -> String {
+pub(crate) fn summary(price: Price, figures: &[ComparedSimplification]) -> String {
     let alike: Vec<_> = figures.iter().filter(|figures| figures.is_alike()).collect();
     let ratio = |[ours, theirs]: [f64; 2]| ours / theirs;
-    let mean = |of: fn(&SimplificationFigures) -> [f64; 2]| {
+    let mean = |of: fn(&ComparedSimplification) -> [f64; 2]| {
         // Where both are the full mesh there is no ratio.
         let logarithms: Vec<f64> =
             alike.iter().map(|f| ratio(of(f)).ln()).filter(|ratio| ratio.is_finite()).collect();
@@ -145,7 +145,7 @@ pub(crate) fn summary(price: Price, figures: &[SimplificationFigures]) -> String
     )
 }
 
-pub(crate) fn simplification_table(simplified: &[SimplificationFigures]) -> Table {
+pub(crate) fn simplification_table(simplified: &[ComparedSimplification]) -> Table {
     let heads = [
         "model",
         "triangles",

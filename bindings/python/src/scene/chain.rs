@@ -8,9 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyTuple, PyType};
 use tristrip::Layout;
 use tristrip_io::{Format, Model};
-use tristrip_pipeline::{
-    ChainOptions, ChainRatios, MethodReport, WrittenFiles, chain_observed, encode, path_of_level,
-};
+use tristrip_pipeline::chain::{Chain as BuiltChain, Options, run};
+use tristrip_pipeline::{ChainRatios, WrittenFiles, encode, path_of_level};
 
 use super::class::Scene;
 use super::data::SceneData;
@@ -32,9 +31,9 @@ pub(crate) struct Chain {
     source: Arc<SceneData>,
     /// The arguments of `Scene.chain`.
     arguments: Py<PyDict>,
-    options: ChainOptions,
+    options: Options,
     /// What a GLB is made of; of a chain that was unpickled, it is computed when a file is asked for.
-    built: OnceLock<tristrip_pipeline::Chain>,
+    built: OnceLock<BuiltChain>,
     report: Py<PyDict>,
 }
 
@@ -49,28 +48,18 @@ pub(crate) fn chain(
     let py = kept.py();
     kept.set_item("ratios", ratios)?;
     let options = options_of(&Arguments::of(py, Some(&kept))?)?;
-    let built = watching.run(py, |watcher| Ok(chain_observed(source.model(), &options, watcher)?));
+    let built = watching.run(py, |watcher| Ok(run(source.model(), &options, watcher)?));
     let built = built?.result()?;
-    let found = report(py, &MethodReport::of(&options.stripify))?.cast_into::<PyDict>()?;
-    found.set_item("proven", options.verify)?;
-    found.set_item("target_error", built.collapses.target_error)?;
-    found.set_item("triangles_before", built.collapses.triangles_before)?;
-    found.set_item("vertices_before", built.mesh.vertices - built.mesh.unreferenced_vertices)?;
-    found.set_item("diagonal", built.collapses.diagonal)?;
-    found.set_item("chain", report(py, &built.level_reports())?)?;
-    found.set_item("locked_vertices", built.collapses.locked_vertices)?;
-    found.set_item("parts", source.model().parts.len())?;
-    found.set_item("warning", &built.warning)?;
-    found.set_item("notes", &built.notes)?;
+    let found = report(py, &built)?.cast_into::<PyDict>()?;
     let (report, arguments) = (found.unbind(), kept.unbind());
-    Ok(Chain { source: Arc::clone(source), arguments, options, built: built.into(), report })
+    Ok(Chain { source: Arc::clone(source), arguments, options, built: built.chain.into(), report })
 }
 
 /// Takes the options of a chain from the arguments of `Scene.chain`.
-fn options_of(arguments: &Arguments<'_>) -> PyResult<ChainOptions> {
+fn options_of(arguments: &Arguments<'_>) -> PyResult<Options> {
     let ratios = arguments.take("ratios")?.map(|given| ratios(&given)).transpose()?.unwrap_or_default();
     let error = arguments.take("error")?.map(|error| deviation("error", &error)).transpose()?;
-    let options = ChainOptions::new(ratios, Format::Glb).with_deviation(error.unwrap_or_default());
+    let options = Options::new(ratios, Format::Glb).with_deviation(error.unwrap_or_default());
     let options = options.with_rules(rules_of(arguments)?);
     let options = options.with_verify(arguments.extract("verify")?.unwrap_or(true));
     // Checked here, and used where files are written.
@@ -119,7 +108,7 @@ impl Chain {
         &self,
         destination: &Destination<'_>,
         watcher: &Watcher,
-        call: impl FnOnce(&Model, &tristrip_pipeline::Chain) -> Result<T, Failure>,
+        call: impl FnOnce(&Model, &BuiltChain) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         let model = self.source.model_for(&destination.target);
         let is_same = matches!(&model, Cow::Borrowed(model) if std::ptr::eq(*model, self.source.model()));
@@ -128,11 +117,11 @@ impl Chain {
             if let Some(built) = self.built.get() {
                 return call(&model, built);
             }
-            let built = chain_observed(&model, &self.options, watcher)?;
+            let built = run(&model, &self.options, watcher)?.chain;
             return call(&model, self.built.get_or_init(|| built));
         }
         let options = self.options.clone().with_format(format);
-        call(&model, &chain_observed(&model, &options, watcher)?)
+        call(&model, &run(&model, &options, watcher)?.chain)
     }
 
     fn encode_options(destination: &Destination<'_>, verify: bool) -> encode::Options {
@@ -179,7 +168,7 @@ impl Chain {
         destination.target.creates_folder = true;
         let options = Self::encode_options(&destination, verify);
         self.with_levels(&destination, watcher, |model, chain| {
-            let each = (0..chain.levels.len()).map(|level| {
+            let each = (0..self.options.ratios.as_slice().len()).map(|level| {
                 let path = path_of_level(&file, level);
                 let mut destination = destination;
                 destination.target.path = Some(&path);

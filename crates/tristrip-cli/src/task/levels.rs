@@ -7,7 +7,7 @@ use tristrip::lod::{Camera, ModelKind, RepairOptions, View, ViewCriteria};
 use tristrip::simplify::{MergeOrder, Price};
 use tristrip::{Effort, Layout, StripifyOptions};
 use tristrip_io::Format;
-use tristrip_pipeline::{ChainOptions, DisplayFilter, Level, LevelGoal, Ratio};
+use tristrip_pipeline::{DisplayFilter, Level, LevelGoal, Ratio, chain};
 
 use super::checks::of_flag;
 use super::views::{checked_pixels, view_criteria};
@@ -38,7 +38,7 @@ pub(crate) struct LevelTask {
 #[derive(Debug)]
 pub(crate) struct ChainTask {
     pub(crate) jobs: Vec<Job>,
-    pub(crate) options: ChainOptions,
+    pub(crate) options: chain::Options,
     pub(crate) budget: Option<Duration>,
     /// Whether a part may be written as a list: not if the user chose a layout.
     pub(crate) list: bool,
@@ -141,7 +141,7 @@ pub(super) fn chain_task(args: ChainArgs) -> Result<ChainTask, String> {
     let jobs = jobs_of_levels(args.general, &args.output, ratios.as_slice().len())?;
     let draws_lists = args.output.layout == Some(Layout::List);
     let method = if draws_lists { args.method.for_lists() } else { args.method };
-    let options = ChainOptions::new(ratios, Format::Glb)
+    let options = chain::Options::new(ratios, Format::Glb)
         .with_deviation(args.collapse.error.unwrap_or_default())
         .with_rules(args.collapse.rules())
         .with_stripify(method.validate()?)

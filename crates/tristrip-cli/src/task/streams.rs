@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use tristrip::Layout;
 use tristrip::stream::StreamOptions;
 use tristrip_io::Format;
-use tristrip_pipeline::{Level, PackOptions, StreamGoal};
+use tristrip_pipeline::{Level, StreamGoal, pack};
 
 use super::checks::check_chart;
 use crate::args::{InspectArgs, OutputArgs, PackArgs, TargetArgs, UnpackArgs};
@@ -15,7 +15,7 @@ use crate::values::Vector;
 #[derive(Debug)]
 pub(crate) struct PackTask {
     pub(crate) jobs: Vec<Job>,
-    pub(crate) options: PackOptions,
+    pub(crate) options: pack::Options,
 }
 
 #[derive(Debug)]
@@ -48,7 +48,7 @@ pub(super) fn pack_task(args: PackArgs) -> Result<PackTask, String> {
         stream = stream.with_position_bits(bits);
     }
     stream.check().map_err(|error| error.to_string())?;
-    let options = PackOptions::default().with_stream(stream).with_verify(!args.no_verify);
+    let options = pack::Options::default().with_stream(stream).with_verify(!args.no_verify);
     let options = options.with_eye(args.eye.map(|Vector(eye)| eye));
     Ok(PackTask { jobs, options })
 }

@@ -23,8 +23,8 @@ fn a_packed_file_is_read_by_all_subcommands() {
         json(tristrip().args(["pack", "--json"]).arg(model("fish_control.ply")).arg("-o").arg(&path));
     let expected = [
         "file",
-        "proven",
         "seconds",
+        "proven",
         "parts",
         "meshes",
         "chunks",
@@ -69,8 +69,8 @@ fn levels_are_unpacked() {
     let half = unpack(&["--level", "50%"]);
     let expected = [
         "file",
-        "proven",
         "seconds",
+        "proven",
         "parts",
         "level",
         "levels",

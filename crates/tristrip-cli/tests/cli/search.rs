@@ -78,7 +78,7 @@ fn an_interrupt_stops_a_search_with_a_proven_result() {
         .arg(&out)
         .arg(model("wingnut.ply"))
         .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::null())
         .spawn()
         .unwrap();
     // The search takes seconds. It has started once the process handles the signal.

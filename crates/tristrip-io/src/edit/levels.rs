@@ -40,7 +40,7 @@ pub struct PartLevel {
 }
 
 /// A model at several levels of detail over one vertex array, the finest first.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct LeveledModel {
     /// The model at the finest level, over the vertices that it uses.
     pub model: Model,

@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use serde::Serialize;
 use tristrip::lod::{Camera, Filter, RESTART, SkipStrips, SkipView, ViewCriteria};
-use tristrip_pipeline::{prove_view, rounded};
+use tristrip_pipeline::rounded;
+use tristrip_pipeline::view_model::prove_view;
 
 use crate::error::Error;
 

@@ -13,7 +13,7 @@ use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 /// use tristrip_io::{Format, read};
 /// use tristrip_lab::recovery::{Sweep, draw, measure};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
-/// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+/// let levels = tristrip_pipeline::levels::run(&model, &Default::default(), &())?.model;
 /// let measured = measure(&levels, &[Sweep::Linear], 1)?;
 /// assert!(draw(&[("square".into(), &measured)])?.starts_with("<svg"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

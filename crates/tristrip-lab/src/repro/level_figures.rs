@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 
 use tristrip::Strips;
 use tristrip::lod::RepairOptions;
-use tristrip_pipeline::{LevelPart, LevelsOptions, ModelLevels, PreparedModel, Ratio};
+use tristrip_pipeline::{LevelPart, ModelLevels, PreparedModel, Ratio, levels};
 
 use super::wire_figures;
 use crate::error::Error;
@@ -48,7 +48,7 @@ pub(super) struct LevelFigures {
 pub(super) fn measure(
     prepared: &PreparedModel<'_>,
     strips: &[Strips],
-    options: LevelsOptions,
+    options: levels::Options,
 ) -> Result<LevelFigures, Error> {
     // 1. The collapses.
     let (triangles, other) = OTHER_BASE;

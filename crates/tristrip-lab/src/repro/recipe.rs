@@ -1,7 +1,7 @@
 //! Recipes: how strips are computed for a measurement, in the flags of the command.
 
 use tristrip::Error;
-use tristrip_pipeline::{LevelsOptions, parse_method};
+use tristrip_pipeline::{levels, parse_method};
 
 /// How strips are computed: flags of `tristrip strip`, and the number of node accesses after which a search is stopped.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -17,9 +17,9 @@ impl From<&str> for Recipe {
 }
 
 /// Parses the flags of a recipe: `--method METHOD`, and `--price PRICE` of the collapses of levels.
-pub(crate) fn parse_flags(flags: &str) -> Result<LevelsOptions, Error> {
+pub(crate) fn parse_flags(flags: &str) -> Result<levels::Options, Error> {
     let words: Vec<&str> = flags.split_whitespace().collect();
-    let mut options = LevelsOptions::default();
+    let mut options = levels::Options::default();
     for pair in words.chunks(2) {
         options = match pair {
             ["--method", method] => options.with_stripify(parse_method(method)?),

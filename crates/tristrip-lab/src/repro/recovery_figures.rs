@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use tristrip::lod::Sets;
 use tristrip::{Error as CoreError, Strips};
-use tristrip_pipeline::{LevelsOptions, ModelLevels, PreparedModel, Ratio};
+use tristrip_pipeline::{ModelLevels, PreparedModel, Ratio, levels};
 
 use crate::baselines::{ComparedModel, Mts};
 use crate::error::Error;
@@ -33,7 +33,7 @@ const MEGABYTE: f64 = 1_048_576.0;
 pub(super) fn measure(
     prepared: &PreparedModel<'_>,
     strips: &[Strips],
-    options: LevelsOptions,
+    options: levels::Options,
 ) -> Result<BTreeMap<String, f64>, Error> {
     let levels = ModelLevels::from_strips(prepared, strips, &options.with_base(Ratio::ZERO), &())?;
     let mut figures = BTreeMap::new();

@@ -14,7 +14,7 @@ use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 /// use tristrip_io::{Format, read};
 /// use tristrip_lab::traffic::{TrafficModel, draw, measure_levels};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
-/// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+/// let levels = tristrip_pipeline::levels::run(&model, &Default::default(), &())?.model;
 /// let rows = measure_levels(&TrafficModel::new(&levels), &levels.order.evenly(9), Default::default(), true)?;
 /// assert!(draw(&[("square".into(), &rows)])?.starts_with("<svg"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

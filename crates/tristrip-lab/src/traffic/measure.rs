@@ -18,10 +18,10 @@ use tristrip_render::text::table;
 /// ```
 /// use tristrip_io::{Format, read};
 /// use tristrip_lab::traffic::{TrafficModel, measure_levels};
-/// use tristrip_pipeline::{LevelsOptions, levels};
+/// use tristrip_pipeline::levels;
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let levels = levels(&model, &LevelsOptions::default())?;
+/// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
 /// let rows = measure_levels(&TrafficModel::new(&levels), &levels.order.evenly(20), Default::default(), true)?;
 /// assert_eq!(rows.iter().map(|row| row.triangles).collect::<Vec<_>>(), [1, 2, 4]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -43,10 +43,10 @@ fn sent_by_level(part: &LevelPart, options: RepairOptions) -> Result<Vec<Vec<usi
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{LevelsOptions, levels};
+/// use tristrip_pipeline::levels;
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let levels = levels(&model, &LevelsOptions::default())?;
+/// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
 /// let totals = tristrip_lab::traffic::totals(&levels, Default::default())?;
 /// assert_eq!((totals[0].filter.as_str(), totals[0].vertices_sent), ("triangles", 3 * (1 + 2 + 4)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -110,7 +110,7 @@ mod tests {
     use crate::traffic::{LevelRow, TrafficModel, measure_levels};
     use tristrip::{Faces, Mesh};
     use tristrip_io::{Model, Part};
-    use tristrip_pipeline::{LevelsOptions, levels};
+    use tristrip_pipeline::levels;
 
     /// Returns a height field of `cells` × `cells` squares.
     fn height_field(cells: u32, scale: f32) -> Mesh {
@@ -133,7 +133,7 @@ mod tests {
         let parts = vec![part(height_field(9, 1.0)), part(height_field(6, 40.0))];
         let model = Model { parts, ..Model::default() };
         let base = "15%".parse().unwrap();
-        let levels = levels(&model, &LevelsOptions::default().with_base(base)).unwrap();
+        let levels = levels::run(&model, &levels::Options::default().with_base(base), &()).unwrap().model;
         assert!(levels.collapse_count() > 50, "{}", levels.collapse_count());
         let at: Vec<usize> = (0..=levels.collapse_count()).collect();
         let traffic = TrafficModel::new(&levels);

@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use tristrip::{Faces, Mesh};
     use tristrip_io::{Model, Part};
-    use tristrip_pipeline::{LevelsOptions, levels};
+    use tristrip_pipeline::levels;
 
     #[test]
     fn a_split_writes_the_slots_of_its_vertex() {
@@ -140,7 +140,7 @@ mod tests {
         let faces = Faces::from_triangles(vec![0, 2, 1, 1, 2, 3, 2, 4, 3, 3, 4, 5]).unwrap();
         let mesh = Mesh::new(positions, faces).unwrap();
         let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
-        let levels = levels(&model, &LevelsOptions::default()).unwrap();
+        let levels = levels::run(&model, &levels::Options::default(), &()).unwrap().model;
         let traffic = TrafficModel::new(&levels);
         let all = traffic.refinement(0, levels.collapse_count()).unwrap();
         assert_eq!(all.splits, levels.collapse_count());

@@ -5,7 +5,7 @@ use tristrip::lod::Encoding;
 use tristrip::verify::verify_models;
 use tristrip::{Faces, Mesh};
 use tristrip_io::{Model, Part};
-use tristrip_pipeline::{LevelPart, LevelsOptions, StreamGoal, levels, rounded};
+use tristrip_pipeline::{LevelPart, StreamGoal, levels, rounded};
 
 use super::{Decoder, Encoded, encode};
 use crate::error::Error;
@@ -77,18 +77,18 @@ pub(crate) fn encode_part(
 /// ```
 /// use tristrip_io::{Format, read};
 /// use tristrip_lab::wire::{pack, unpack};
-/// use tristrip_pipeline::{LevelsOptions, StreamGoal};
+/// use tristrip_pipeline::{StreamGoal, levels};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let packed = pack(&model.parts[0].mesh, &LevelsOptions::default())?;
+/// let packed = pack(&model.parts[0].mesh, &levels::Options::default())?;
 /// assert_eq!((packed.triangles, packed.proven), (4, Some(4)));
 /// let base = unpack(&packed.file, StreamGoal::Triangles(0))?;
 /// assert_eq!((base.level, base.triangles), (0, packed.base_triangles));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn pack(mesh: &Mesh, options: &LevelsOptions) -> Result<Published, Error> {
+pub fn pack(mesh: &Mesh, options: &levels::Options) -> Result<Published, Error> {
     let model = Model { parts: vec![Part { mesh: mesh.clone(), ..Part::default() }], ..Model::default() };
-    let levels = levels(&model, options)?;
+    let levels = levels::run(&model, options, &())?.model;
     let Some(part) = levels.parts.first() else {
         return Err(unproven("found no strips, expected those of one mesh"));
     };

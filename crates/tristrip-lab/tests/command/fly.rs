@@ -7,7 +7,7 @@ use super::{json, lab, model};
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use serde_json::Value;
-use tristrip_pipeline::{ViewModelOptions, parse_method, view_model};
+use tristrip_pipeline::{parse_method, view_model};
 
 fn fly(arguments: &[&str]) -> assert_cmd::Command {
     let mut command = lab();
@@ -149,9 +149,9 @@ fn a_flight_over_a_file_is_that_over_its_mesh() {
     let dir = tempfile::tempdir().unwrap();
     let (path, page) = (dir.path().join("fish.tlod"), dir.path().join("fish.md"));
     let source = model("fish_control.ply");
-    let options = ViewModelOptions::default().with_stripify(parse_method("stripe").unwrap());
-    let built = view_model(tristrip_io::read_path(&source).unwrap(), &options, &()).unwrap();
-    fs::write(&path, built.encode().unwrap().bytes).unwrap();
+    let options = view_model::Options::default().with_stripify(parse_method("stripe").unwrap());
+    let built = view_model::run(tristrip_io::read_path(&source).unwrap(), &options, &()).unwrap();
+    fs::write(&path, built.model.encode().unwrap().bytes).unwrap();
     let fly = |input: &Path, method: &[&str]| {
         let mut command = lab();
         command.args(["fly", "--json", "--frames", "5"]).args(method).arg("--report").arg(&page).arg(input);

@@ -22,7 +22,7 @@ use crate::text::counted;
 /// A file with all levels of a chain.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct EncodedChain {
+pub struct File {
     /// The file.
     pub encoded: encode::Outcome,
     /// For each level, the finest first, the bytes of the indices and vertices that it uses.
@@ -38,11 +38,12 @@ impl Chain {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{ChainOptions, chain, encode};
+    /// use tristrip_pipeline::{chain, encode};
     /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
     /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-    /// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Glb);
-    /// let file = chain(&model, &options)?.encode(&model, &encode::Options::new(Format::Glb), &())?;
+    /// let options = chain::Options::new("100%,50%".parse().unwrap_or_default(), Format::Glb);
+    /// let built = chain::run(&model, &options, &())?;
+    /// let file = built.chain.encode(&model, &encode::Options::new(Format::Glb), &())?;
     /// assert_eq!((file.encoded.faces, file.level_bytes.len()), (Some(4 + 2), 2));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
@@ -51,7 +52,7 @@ impl Chain {
         model: &Model,
         options: &encode::Options,
         observer: &dyn Observer,
-    ) -> Result<EncodedChain, Error> {
+    ) -> Result<File, Error> {
         if options.format != Format::Glb {
             let message =
                 "several levels of detail in one file are written as GLB; others get a file per level";
@@ -75,7 +76,7 @@ impl Chain {
                 "{nodes} without lower levels: KHR_animation_pointer animates their morph weights"
             ));
         }
-        Ok(EncodedChain { encoded, level_bytes })
+        Ok(File { encoded, level_bytes })
     }
 
     /// Encodes a level as a file of its own, over the vertices that it uses, and proves the bytes if requested. The model is the one that
@@ -86,11 +87,12 @@ impl Chain {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{ChainOptions, chain, encode};
+    /// use tristrip_pipeline::{chain, encode};
     /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
     /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-    /// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Ply);
-    /// let half = chain(&model, &options)?.encode_level(&model, 1, &encode::Options::new(Format::Ply), &())?;
+    /// let options = chain::Options::new("100%,50%".parse().unwrap_or_default(), Format::Ply);
+    /// let built = chain::run(&model, &options, &())?;
+    /// let half = built.chain.encode_level(&model, 1, &encode::Options::new(Format::Ply), &())?;
     /// assert_eq!(half.faces, Some(2));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
@@ -102,7 +104,7 @@ impl Chain {
         observer: &dyn Observer,
     ) -> Result<encode::Outcome, Error> {
         self.check_format(*options)?;
-        let last = self.levels.len() - 1;
+        let last = self.expected.len().saturating_sub(1);
         let triangles = self.leveled.triangles.get(level).ok_or(Error::Level { found: level, last })?;
         let smaller = tristrip_io::with_triangles(&self.leveled.model, triangles.clone(), options.format)?;
         let mut encoded = self.strip_and_encode(&smaller.model, *options, observer)?;

@@ -16,10 +16,10 @@ use crate::simplify::LevelOrder;
 /// ```
 /// use tristrip::lod::ModelKind;
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{LevelsOptions, levels};
+/// use tristrip_pipeline::levels;
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let levels = levels(&model, &LevelsOptions::default())?;
+/// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
 /// let mut cursor = levels.cursor(ModelKind::Sets)?;
 /// cursor.set_level(0)?;
 /// assert_eq!(cursor.of_parts_mut()[0].strips().triangles().count(), 1);
@@ -61,9 +61,9 @@ impl ModelCursor {
     /// ```
     /// use tristrip::lod::ModelKind;
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{LevelsOptions, levels};
+    /// use tristrip_pipeline::levels;
     /// let model = read(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", Format::Obj)?;
-    /// let mut far = levels(&model, &LevelsOptions::default())?.cursor(ModelKind::Blocks)?;
+    /// let mut far = levels::run(&model, &levels::Options::default())?.cursor(ModelKind::Blocks, &())?.model;
     /// let near = far.another()?;
     /// far.set_level(0)?;
     /// assert!(near.level() > far.level());

@@ -8,7 +8,7 @@ use crate::goal::Ratio;
 /// How levels of detail are built. The base mesh of the default is what the surface allows; everything is proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct LevelsOptions {
+pub struct Options {
     /// The method of the strips of the full mesh, and its options.
     pub stripify: StripifyOptions,
     /// The ratio of triangles that the base mesh keeps.
@@ -19,14 +19,14 @@ pub struct LevelsOptions {
     pub verify: bool,
 }
 
-impl Default for LevelsOptions {
+impl Default for Options {
     fn default() -> Self {
         let (stripify, price) = (StripifyOptions::default(), Price::default());
         Self { stripify, base: Ratio::ZERO, price, verify: true }
     }
 }
 
-impl LevelsOptions {
+impl Options {
     /// Sets the method of the strips of the full mesh.
     #[must_use]
     pub fn with_stripify(self, stripify: StripifyOptions) -> Self {

@@ -57,10 +57,10 @@ impl LevelPart {
     ///
     /// ```
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{LevelsOptions, levels};
+    /// use tristrip_pipeline::levels;
     /// let corners = "v 9 9 9\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
     /// let model = read([corners, "f 2 3 6\nf 3 4 6\nf 4 5 6\nf 5 2 6\n"].concat().as_bytes(), Format::Obj)?;
-    /// let levels = levels(&model, &LevelsOptions::default())?;
+    /// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
     /// let (part, last) = (&levels.parts[0], levels.collapse_count());
     /// assert_eq!(part.renaming(last)?, [0, 1, 2, 3, 4, 5]);
     /// assert_ne!(part.renaming(0)?, part.renaming(last)?);

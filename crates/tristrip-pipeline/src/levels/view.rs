@@ -12,7 +12,7 @@ use tristrip_io::Model;
 use super::part::LevelPart;
 use crate::error::Error;
 use crate::metrics::StripMetrics;
-use crate::observer::{Event, Observer, Stage, begin};
+use crate::observer::{Observer, Stage, begin};
 use crate::parts::map;
 use crate::places::Places;
 use crate::text::{count, counted};
@@ -84,13 +84,11 @@ pub(super) fn displayed(
         }
     }
     let strips: Vec<Strips> = views.iter().map(SkipView::display_strips).collect();
-    observer.event(Event::Filtered);
 
     begin(observer, Stage::Measure)?;
     let vertex_counts = parts.iter().map(LevelPart::vertex_count);
     let measured: Vec<_> = strips.iter().zip(vertex_counts).collect();
     let figures = StripMetrics::of(&measured, options)?;
-    observer.event(Event::Measured(&figures));
 
     let triangles: Vec<Vec<[u32; 3]>> = views.iter().map(SkipView::renamed_triangles).collect();
     if is_verified {
@@ -98,7 +96,6 @@ pub(super) fn displayed(
         let pairs: Vec<_> = triangles.iter().zip(&strips).collect();
         let proofs = map(&pairs, |(triangles, strips)| prove(triangles, strips));
         proofs.into_iter().collect::<Result<(), Error>>()?;
-        observer.event(Event::Proven { faces: triangles.iter().map(Vec::len).sum() });
     }
     let outward = parts.iter().zip(triangles);
     let triangles = outward.map(|(part, triangles)| part.outward_triangles(triangles)).collect();

@@ -336,9 +336,9 @@ static EXPECTED: LazyLock<Vec<String>> = LazyLock::new(|| {
 /// The method is unknown, it does not have one of the parameters, or a value is invalid.
 ///
 /// ```
-/// use tristrip_pipeline::{MethodReport, parse_method};
+/// use tristrip_pipeline::{MethodDescription, parse_method};
 /// let options = parse_method("stripe-local:ties=random,seed=7")?;
-/// assert_eq!(MethodReport::of(&options).label(), "stripe-local:ties=random,seed=7");
+/// assert_eq!(MethodDescription::of(&options).label(), "stripe-local:ties=random,seed=7");
 /// let error = parse_method("sgi:start=input").unwrap_err();
 /// assert_eq!(error.to_string(), "parameter `method`: found `start` in `sgi:start=input`, expected the parameter last-tie");
 /// # Ok::<(), tristrip::Error>(())

@@ -33,7 +33,7 @@ impl PartCollapses {
 /// Collapses of several parts that close a border together are one level, so that no level has gaps.
 ///
 /// 8 bytes per collapse.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LevelOrder {
     /// The number of collapses of each part.
     lengths: Vec<usize>,

@@ -6,17 +6,15 @@ use std::path::Path;
 
 use tristrip::{Layout, Method, StripifyOptions};
 use tristrip_io::{Format, Model, read, read_path};
-use tristrip_pipeline::{
-    Amount, Chain, ChainOptions, Deviation, Error, Goal, Normals, chain, encode, simplify, verify,
-};
+use tristrip_pipeline::{Amount, Deviation, Error, Goal, Normals, chain, encode, simplify, verify};
 
 fn model(name: &str) -> Model {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models");
     read_path(folder.join(name)).unwrap()
 }
 
-fn options(format: Format) -> ChainOptions {
-    ChainOptions::new("100%,50%,25%,10%".parse().unwrap(), format)
+fn options(format: Format) -> chain::Options {
+    chain::Options::new("100%,50%,25%,10%".parse().unwrap(), format)
 }
 
 /// Reads the parts of a GLB that draw a level.
@@ -31,7 +29,7 @@ fn each_level_is_the_simplification_to_its_size() {
     for name in ["hand.ply", "milktruck.glb", "self_intersect_a.ply"] {
         let source = model(name);
         let any = options(Format::Ply).with_deviation(Deviation::Percent(100.0));
-        let all = chain(&source, &any).unwrap();
+        let all = chain::run(&source, &any, &()).unwrap();
         for (level, figures) in all.levels.iter().enumerate() {
             let goal =
                 Goal { amount: Some(Amount::Ratio(figures.ratio)), deviation: Deviation::Percent(100.0) };
@@ -43,7 +41,8 @@ fn each_level_is_the_simplification_to_its_size() {
             assert_eq!(figures.reached, simplified.collapses.reached, "{name}, level {level}");
             let error = simplified.collapses.surface_error;
             assert!((figures.surface_error - error).abs() <= 1e-6 * error, "{name}, level {level}");
-            let file = all.encode_level(&source, level, &encode::Options::new(Format::Ply), &()).unwrap();
+            let file =
+                all.chain.encode_level(&source, level, &encode::Options::new(Format::Ply), &()).unwrap();
             let again = read(&file.bytes, Format::Ply).unwrap();
             assert!(
                 verify::run(&simplified.redrawn.model, &again, &()).unwrap().proven,
@@ -56,9 +55,9 @@ fn each_level_is_the_simplification_to_its_size() {
 #[test]
 fn the_vertices_of_a_level_are_the_first_of_the_finest() {
     let source = model("hand.ply");
-    let all = chain(&source, &options(Format::Ply)).unwrap();
+    let all = chain::run(&source, &options(Format::Ply), &()).unwrap();
     let positions = |level: usize| {
-        let file = all.encode_level(&source, level, &encode::Options::new(Format::Ply), &()).unwrap();
+        let file = all.chain.encode_level(&source, level, &encode::Options::new(Format::Ply), &()).unwrap();
         let again = read(&file.bytes, Format::Ply).unwrap();
         again.parts[0].mesh.positions().iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>()
     };
@@ -70,11 +69,11 @@ fn the_vertices_of_a_level_are_the_first_of_the_finest() {
     }
 }
 
-fn check_figures(chain: &Chain) {
+fn check_figures(chain: &chain::Outcome) {
     assert!(chain.levels.is_sorted_by(|a, b| a.triangles >= b.triangles && a.vertices >= b.vertices));
     assert!(chain.levels.is_sorted_by(|a, b| a.surface_error <= b.surface_error));
     assert!(chain.levels.is_sorted_by(|a, b| a.screen_coverage > b.screen_coverage));
-    let first = chain.levels[0];
+    let first = &chain.levels[0];
     assert_eq!(
         (first.triangles, first.surface_error.to_bits(), first.reached),
         (first.target_triangles, 0, true)
@@ -84,12 +83,13 @@ fn check_figures(chain: &Chain) {
 #[test]
 fn one_scene_holds_all_levels_over_no_more_vertices_than_the_source() {
     let source = model("milktruck.glb");
-    let all = chain(&source, &options(Format::Glb)).unwrap();
+    let all = chain::run(&source, &options(Format::Glb), &()).unwrap();
     check_figures(&all);
     let vertices: usize = source.parts.iter().map(|part| part.mesh.vertex_count()).sum();
     assert!(all.levels[0].vertices <= vertices);
     for layout in Layout::ALL {
-        let file = all.encode(&source, &encode::Options::new(Format::Glb).with_layout(layout), &()).unwrap();
+        let file =
+            all.chain.encode(&source, &encode::Options::new(Format::Glb).with_layout(layout), &()).unwrap();
         let triangles = all.levels.iter().map(|level| level.triangles).sum::<usize>();
         assert_eq!(file.encoded.faces, Some(triangles), "{layout:?}");
         // The error limit ends the two coarsest levels at the same collapse.
@@ -106,7 +106,7 @@ fn one_scene_holds_all_levels_over_no_more_vertices_than_the_source() {
 fn a_level_beyond_the_error_limit_is_not_reached() {
     let source = model("hand.ply");
     let tight = options(Format::Glb).with_deviation(Deviation::Percent(0.05));
-    let all = chain(&source, &tight).unwrap();
+    let all = chain::run(&source, &tight, &()).unwrap();
     check_figures(&all);
     let reached: Vec<bool> = all.levels.iter().map(|level| level.reached).collect();
     assert!(reached.is_sorted_by(|a, b| a >= b) && !reached[3], "{reached:?}");
@@ -114,9 +114,10 @@ fn a_level_beyond_the_error_limit_is_not_reached() {
     let warning = all.warning.as_deref().unwrap();
     assert!(warning.contains("not reached: ") && warning.contains("error limit of 0.05 %"), "{warning}");
     // Levels that are the same share their mesh.
-    let file = all.encode(&source, &encode::Options::new(Format::Glb), &()).unwrap();
+    let file = all.chain.encode(&source, &encode::Options::new(Format::Glb), &()).unwrap();
     assert!(read(&file.encoded.bytes, Format::Glb).unwrap().parts.len() <= 4);
-    let any = chain(&source, &options(Format::Glb).with_deviation(Deviation::Percent(100.0))).unwrap();
+    let any =
+        chain::run(&source, &options(Format::Glb).with_deviation(Deviation::Percent(100.0)), &()).unwrap();
     assert_eq!((any.warning, any.levels.iter().all(|level| level.reached)), (None, true));
 }
 
@@ -124,9 +125,9 @@ fn a_level_beyond_the_error_limit_is_not_reached() {
 fn lists_are_in_the_order_of_a_vertex_cache() {
     let source = model("hand.ply");
     let cached = StripifyOptions::default().with_method(Method::Cache);
-    let misses = |chain: &Chain| {
+    let misses = |chain: &chain::Outcome| {
         let list = encode::Options::new(Format::Glb).with_layout(Layout::List);
-        let file = chain.encode(&source, &list, &()).unwrap();
+        let file = chain.chain.encode(&source, &list, &()).unwrap();
         let again = read(&file.encoded.bytes, Format::Glb).unwrap();
         let lists = again.parts.iter().map(|part| part.mesh.faces().as_triangles().unwrap().to_vec());
         let fifo = tristrip::vertex_cache::VertexCache::fifo(16);
@@ -136,9 +137,9 @@ fn lists_are_in_the_order_of_a_vertex_cache() {
             })
             .sum::<usize>()
     };
-    let by_cache = misses(&chain(&source, &options(Format::Glb).with_stripify(cached)).unwrap());
+    let by_cache = misses(&chain::run(&source, &options(Format::Glb).with_stripify(cached), &()).unwrap());
     let input = StripifyOptions::default().with_method(Method::Input);
-    let by_input = misses(&chain(&source, &options(Format::Glb).with_stripify(input)).unwrap());
+    let by_input = misses(&chain::run(&source, &options(Format::Glb).with_stripify(input), &()).unwrap());
     assert!(by_cache * 10 < by_input * 9, "{by_cache}, {by_input}");
 }
 
@@ -148,8 +149,8 @@ fn the_bytes_do_not_depend_on_the_threads() {
     let bytes = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let all = chain(&source, &options(Format::Glb)).unwrap();
-            all.encode(&source, &encode::Options::new(Format::Glb), &()).unwrap().encoded.bytes
+            let all = chain::run(&source, &options(Format::Glb), &()).unwrap();
+            all.chain.encode(&source, &encode::Options::new(Format::Glb), &()).unwrap().encoded.bytes
         })
     };
     assert_eq!(bytes(1), bytes(3));
@@ -158,11 +159,14 @@ fn the_bytes_do_not_depend_on_the_threads() {
 #[test]
 fn a_chain_is_written_in_its_format() {
     let source = model("fish_control.ply");
-    let all = chain(&source, &options(Format::Ply)).unwrap();
-    assert!(all.encode(&source, &encode::Options::new(Format::Ply), &()).is_err(), "one level per file");
-    assert!(all.encode(&source, &encode::Options::new(Format::Glb), &()).is_err(), "numbered for PLY");
+    let all = chain::run(&source, &options(Format::Ply), &()).unwrap();
+    assert!(
+        all.chain.encode(&source, &encode::Options::new(Format::Ply), &()).is_err(),
+        "one level per file"
+    );
+    assert!(all.chain.encode(&source, &encode::Options::new(Format::Glb), &()).is_err(), "numbered for PLY");
     assert!(matches!(
-        all.encode_level(&source, 4, &encode::Options::new(Format::Ply), &()),
+        all.chain.encode_level(&source, 4, &encode::Options::new(Format::Ply), &()),
         Err(Error::Level { found: 4, last: 3 })
     ));
 }
@@ -171,7 +175,7 @@ fn a_chain_is_written_in_its_format() {
 #[test]
 fn a_level_of_another_model_is_refused() {
     let (fish, bishop) = (model("fish_control.ply"), model("catmark_bishop.ply"));
-    let all = chain(&fish, &options(Format::Glb)).unwrap();
-    assert!(all.encode(&bishop, &encode::Options::new(Format::Glb), &()).is_err());
-    assert!(all.encode_level(&bishop, 0, &encode::Options::new(Format::Glb), &()).is_err());
+    let all = chain::run(&fish, &options(Format::Glb), &()).unwrap();
+    assert!(all.chain.encode(&bishop, &encode::Options::new(Format::Glb), &()).is_err());
+    assert!(all.chain.encode_level(&bishop, 0, &encode::Options::new(Format::Glb), &()).is_err());
 }

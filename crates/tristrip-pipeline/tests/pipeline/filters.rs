@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use tristrip::lod::RepairOptions;
 use tristrip::{Layout, Method, StripifyOptions};
 use tristrip_io::{Format, Model, read, read_path};
-use tristrip_pipeline::{DisplayFilter, LevelsOptions, encode, levels};
+use tristrip_pipeline::{DisplayFilter, encode, levels};
 
 const FILES: [(Format, Layout); 6] = [
     (Format::Glb, Layout::Degenerate),
@@ -22,7 +22,7 @@ const FILES: [(Format, Layout); 6] = [
 /// Writes levels of a model by all filters; every file is proven to draw the level.
 fn check(name: &str, model: &Model, files: &[(Format, Layout)]) {
     let stripify = StripifyOptions::default().with_method(Method::Sequential);
-    let all = levels(model, &LevelsOptions::default().with_stripify(stripify)).unwrap();
+    let all = levels::run(model, &levels::Options::default().with_stripify(stripify), &()).unwrap().model;
     let last = all.collapse_count();
     for level in [0, last / 10, last / 2, last] {
         for filter in DisplayFilter::ALL {

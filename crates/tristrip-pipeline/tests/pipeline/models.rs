@@ -12,8 +12,8 @@ use tristrip::stripify::{Progress, Watch};
 use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
 use tristrip_pipeline::{
-    Amount, Deviation, DisplayFilter, Error, Goal, LevelsOptions, ModelLevels, Observer, PreparedModel,
-    Search, Stage, Stopped, bound, convert, encode, levels, simplify, strip, verify,
+    Amount, Deviation, DisplayFilter, Error, Goal, ModelLevels, Observer, PreparedModel, Search, Stage,
+    Stopped, bound, convert, encode, levels, simplify, strip, verify,
 };
 
 /// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.
@@ -96,7 +96,7 @@ fn both_sides_of_a_shared_border_are_simplified_together() {
         Some(simplified.collapses.triangles_after)
     );
     // So does every level of detail.
-    let all = levels(&model, &LevelsOptions::default()).unwrap();
+    let all = levels::run(&model, &levels::Options::default(), &()).unwrap().model;
     for level in 0..=all.collapse_count() {
         let of_parts = all.order.of_parts(level).unwrap();
         let of_part = |i: usize| border(&model.parts[i].mesh, &all.parts[i].triangles(of_parts[i]).unwrap());
@@ -107,7 +107,9 @@ fn both_sides_of_a_shared_border_are_simplified_together() {
 #[test]
 fn every_level_and_filter_is_proven_and_can_be_written() {
     let model = two_parts();
-    let all = levels(&model, &LevelsOptions::default().with_base("10%".parse().unwrap())).unwrap();
+    let all = levels::run(&model, &levels::Options::default().with_base("10%".parse().unwrap()), &())
+        .unwrap()
+        .model;
     let last = all.collapse_count();
     assert!(last > 20, "{last}");
     for level in [0, 1, last / 2, last] {
@@ -134,9 +136,9 @@ fn strips_of_another_model_are_refused() {
     assert!(matches!(prepared.prove(&both), Err(Error::Unproven { .. })));
     assert!(matches!(prepared.prove(&both[..1]), Err(Error::Unproven { .. })));
     assert!(prepared.metrics(&both, &StripifyOptions::default()).is_err());
-    assert!(ModelLevels::from_strips(&prepared, &both, &LevelsOptions::default(), &()).is_err());
-    assert!(ModelLevels::from_strips(&prepared, &both[..1], &LevelsOptions::default(), &()).is_err());
-    let all = levels(&model, &LevelsOptions::default()).unwrap();
+    assert!(ModelLevels::from_strips(&prepared, &both, &levels::Options::default(), &()).is_err());
+    assert!(ModelLevels::from_strips(&prepared, &both[..1], &levels::Options::default(), &()).is_err());
+    let all = levels::run(&model, &levels::Options::default(), &()).unwrap().model;
     assert!(all.parts[0].outward(&strips).is_err());
 }
 

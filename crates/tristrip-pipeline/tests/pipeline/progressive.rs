@@ -10,9 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use tristrip::stream::{StreamLimits, StreamOptions};
 use tristrip_io::gltf::{ArrivalLimits, ArrivingGlb, ProgressiveGlb};
 use tristrip_io::{Format, Model, read};
-use tristrip_pipeline::{
-    Error, Level, Observer, PackOptions, StreamGoal, Unpacked, pack, stream_figures, unpack,
-};
+use tristrip_pipeline::{Error, Level, Observer, StreamGoal, inspect, pack, unpack};
 
 fn model(name: &str) -> Model {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/models");
@@ -38,15 +36,19 @@ fn two_materials(n: usize) -> Model {
 }
 
 fn packed(model: &Model) -> Vec<u8> {
-    pack(model, &PackOptions::default(), &()).unwrap().bytes
+    pack::run(model, &pack::Options::default(), &()).unwrap().bytes
 }
 
 fn open(bytes: &[u8]) -> ProgressiveGlb {
     ProgressiveGlb::open(bytes.to_vec()).unwrap().unwrap()
 }
 
-fn at(glb: &ProgressiveGlb, goal: StreamGoal) -> Unpacked {
-    let unpacked = unpack(glb, goal, None).unwrap();
+fn unpack_to(glb: &ProgressiveGlb, goal: StreamGoal) -> Result<unpack::Outcome, Error> {
+    unpack::run(glb, &unpack::Options::default().with_goal(goal), &())
+}
+
+fn at(glb: &ProgressiveGlb, goal: StreamGoal) -> unpack::Outcome {
+    let unpacked = unpack_to(glb, goal).unwrap();
     assert_eq!(unpacked.problem, None);
     unpacked
 }
@@ -73,10 +75,10 @@ fn borders_between_materials_stay_closed_at_every_level() {
     let glb = open(&packed(&two_materials(n)));
     assert_eq!(glb.primitive_count(), 2);
     let full = at(&glb, StreamGoal::Level(Level::Percent(100.0)));
-    assert_eq!((full.level, full.triangles), (full.full_level, 2 * (n - 1) * (n - 1)));
+    assert_eq!((full.level, full.triangles), (full.levels, 2 * (n - 1) * (n - 1)));
     assert_eq!(border(&full.model), 4 * (n - 1));
     // The positions of the lowest levels are known to a few units only.
-    for level in (full.full_level / 4..=full.full_level).step_by(7) {
+    for level in (full.levels / 4..=full.levels).step_by(7) {
         let part = at(&glb, StreamGoal::Level(Level::Number(level)));
         assert_eq!(part.level, level);
         assert_eq!(part.model.parts.len(), 2);
@@ -90,7 +92,7 @@ fn borders_between_materials_stay_closed_at_every_level() {
         let outer: HashSet<[u32; 3]> = outer.map(|p| p.map(f32::to_bits)).collect();
         assert_eq!(border(&part.model), outer.len(), "level {level}");
     }
-    let beyond = unpack(&glb, StreamGoal::Level(Level::Number(full.full_level + 1)), None);
+    let beyond = unpack_to(&glb, StreamGoal::Level(Level::Number(full.levels + 1)));
     assert!(beyond.unwrap_err().to_string().contains("level: found"));
 }
 
@@ -98,7 +100,7 @@ fn borders_between_materials_stay_closed_at_every_level() {
 fn goals_are_reached_as_closely_as_possible() {
     let bytes = packed(&model("milktruck.glb"));
     let glb = open(&bytes);
-    let figures = stream_figures(&glb);
+    let figures = inspect::run(&glb, &()).unwrap();
     assert_eq!(figures.problem, None);
     let full = at(&glb, StreamGoal::Level(Level::Percent(100.0)));
     assert_eq!(full.bytes, glb.chunk_start() + glb.chunk_bytes());
@@ -148,7 +150,7 @@ fn a_scene_keeps_all_but_its_meshes() {
 fn a_file_that_is_cut_at_any_byte_gives_what_is_complete() {
     let bytes = packed(&two_materials(20));
     let whole = open(&bytes);
-    let ends: Vec<usize> = stream_figures(&whole).chunks.iter().map(|chunk| chunk.end).collect();
+    let ends: Vec<usize> = inspect::run(&whole, &()).unwrap().chunks.iter().map(|chunk| chunk.end).collect();
     assert!(ends.len() > 1);
     let full = at(&whole, StreamGoal::Level(Level::Percent(100.0)));
     for end in 0..bytes.len() {
@@ -161,7 +163,7 @@ fn a_file_that_is_cut_at_any_byte_gives_what_is_complete() {
             assert!(end < 4, "{end}");
             continue;
         };
-        let part = unpack(&glb, StreamGoal::Level(Level::Percent(100.0)), None).unwrap();
+        let part = unpack_to(&glb, StreamGoal::Level(Level::Percent(100.0))).unwrap();
         let complete = ends.iter().filter(|&&chunk| chunk <= end).count();
         assert_eq!(part.chunks, complete, "{end}");
         assert_eq!(part.problem.is_none(), complete == ends.len(), "{end}");
@@ -190,7 +192,7 @@ fn damaged_files_are_reported() {
             refused += 1;
             continue;
         };
-        let unpacked = unpack(&glb, StreamGoal::Level(Level::Percent(100.0)), None);
+        let unpacked = unpack_to(&glb, StreamGoal::Level(Level::Percent(100.0)));
         let read = read(&damaged, Format::Glb);
         if at >= start && at < start + glb.chunk_bytes() {
             // Every byte of the chunks is under a checksum; a head may ask for more bytes than there are.
@@ -232,7 +234,7 @@ fn what_is_near_the_eye_is_refined_first() {
     }
     let model = read(obj.as_bytes(), Format::Obj).unwrap();
     let near = |eye: Option<[f32; 3]>| {
-        let packed = pack(&model, &PackOptions::default().with_eye(eye), &()).unwrap();
+        let packed = pack::run(&model, &pack::Options::default().with_eye(eye), &()).unwrap();
         let part = at(&open(&packed.bytes), StreamGoal::Level(Level::Percent(30.0)));
         let positions = part.model.parts.iter().flat_map(|part| part.mesh.positions().iter());
         positions.filter(|p| p[0] + p[1] < n as f32 / 2.0).count()
@@ -258,7 +260,7 @@ fn packing_is_cancelled_between_stages_and_meshes() {
     let model = model("milktruck.glb");
     let run = |at| {
         let observer = CancelAt { asked: AtomicUsize::new(0), at };
-        let result = pack(&model, &PackOptions::default(), &observer).map(|packed| packed.meshes);
+        let result = pack::run(&model, &pack::Options::default(), &observer).map(|packed| packed.meshes);
         (result, observer.asked.into_inner())
     };
     let (meshes, asked) = run(usize::MAX);
@@ -272,7 +274,7 @@ fn packing_is_cancelled_between_stages_and_meshes() {
 #[test]
 fn tiny_meshes_stay_whole() {
     let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj).unwrap();
-    let packed = pack(&model, &PackOptions::default(), &()).unwrap();
+    let packed = pack::run(&model, &pack::Options::default(), &()).unwrap();
     assert_eq!((packed.meshes, packed.chunks, packed.triangles, packed.vertices), (0, 0, 1, 3));
     assert!(packed.notes.iter().any(|note| note.contains("whole")), "{:?}", packed.notes);
     assert!(ProgressiveGlb::open(packed.bytes).unwrap().is_none());
@@ -282,8 +284,8 @@ fn tiny_meshes_stay_whole() {
 fn more_position_bits_are_nearer_to_the_input() {
     let error = |bits: u32| {
         let stream = StreamOptions::default().with_position_bits(bits);
-        let options = PackOptions::default().with_stream(stream);
-        pack(&two_materials(16), &options, &()).unwrap().position_error
+        let options = pack::Options::default().with_stream(stream);
+        pack::run(&two_materials(16), &options, &()).unwrap().position_error
     };
     assert!(error(10) > 12.0 * error(14));
 }
@@ -338,7 +340,7 @@ fn wrong_documents_are_refused() {
     let refused = |from: &str, to: &str| {
         let glb = with_json(&bytes, from, to);
         let level = StreamGoal::Level(Level::Percent(100.0));
-        let unpacked = ProgressiveGlb::open(glb.clone()).map(|glb| glb.map(|glb| unpack(&glb, level, None)));
+        let unpacked = ProgressiveGlb::open(glb.clone()).map(|glb| glb.map(|glb| unpack_to(&glb, level)));
         assert!(read(&glb, Format::Glb).is_err(), "{from} became {to}");
         assert!(!matches!(unpacked, Ok(Some(Ok(_)))), "{from} became {to}");
     };
@@ -366,7 +368,7 @@ fn a_file_that_arrives_byte_by_byte_gives_what_is_complete() {
         if arriving.has_base() && seen.insert(chunks) {
             // What there is of the file, cut off here, has the same meshes. Without its first chunk there are the base meshes.
             let now = arriving.model(None).unwrap().unwrap();
-            let cut = unpack(&open(&bytes[..=at]), StreamGoal::Bytes(at + 1), None).unwrap().model;
+            let cut = unpack_to(&open(&bytes[..=at]), StreamGoal::Bytes(at + 1)).unwrap().model;
             assert_eq!(meshes(&now), meshes(&cut));
         }
     }

@@ -211,7 +211,8 @@ fn a_file_that_becomes_shorter_ends_its_response_alone() {
 #[test]
 fn files_in_memory_are_served_and_drawn() {
     let model = tristrip_io::read(&grid(30), tristrip_io::Format::Obj).unwrap();
-    let packed = tristrip_pipeline::pack(&model, &tristrip_pipeline::PackOptions::default(), &()).unwrap();
+    let packed =
+        tristrip_pipeline::pack::run(&model, &tristrip_pipeline::pack::Options::default(), &()).unwrap();
     let file = MemoryFile { name: "a b.glb".into(), bytes: packed.bytes.clone() };
     let server = Server::bind(Content::Files(vec![file]), &ServerOptions::default().with_port(0)).unwrap();
     let (address, stop) = (server.address(), server.stop_handle());

@@ -36,7 +36,8 @@ fn many_clients_share_one_packing() {
     assert_eq!(server.metric(DONE), 1);
     // The same bytes as those of `pack`.
     let model = tristrip_io::read(&grid(60), tristrip_io::Format::Obj).unwrap();
-    let packed = tristrip_pipeline::pack(&model, &tristrip_pipeline::PackOptions::default(), &()).unwrap();
+    let packed =
+        tristrip_pipeline::pack::run(&model, &tristrip_pipeline::pack::Options::default(), &()).unwrap();
     assert!(packed.bytes == bodies[0]);
 }
 

@@ -12,8 +12,9 @@ use tristrip_lab::flight::{
     CameraPath, FlightObserver, FlightOptions, FlightReport, FrameRow, Lens, MAX_FRAMES, as_markdown,
     as_text, draw, fly,
 };
+use tristrip_pipeline::MethodDescription;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{MethodReport, ViewModel, ViewModelOptions, view_model};
+use tristrip_pipeline::view_model::{self, ViewModel};
 use tristrip_render::images::{RenderOptions, strips_seen, triangles_seen};
 
 use crate::args::FlyArgs;
@@ -41,7 +42,7 @@ struct FlyReport {
     file: String,
     /// None for a `.tlod` file, which has strips of its own.
     #[serde(flatten)]
-    method: Option<MethodReport>,
+    method: Option<MethodDescription>,
     filter: String,
     /// The name of the path, or its file.
     path: String,
@@ -170,19 +171,20 @@ fn view_model_of(task: &Task<'_>, console: &Console, report: &mut FlyReport) -> 
     let (model, seconds) = load(&args.input, console)?;
     report.seconds.load = Some(seconds);
     let stripify = args.method.unwrap_or_default();
-    report.method = Some(MethodReport::of(&stripify));
-    let options = ViewModelOptions::default().with_stripify(stripify).with_verify(!args.no_verify);
-    let (built, seconds) = timed(|| view_model(model, &options, &()));
+    report.method = Some(MethodDescription::of(&stripify));
+    let options = view_model::Options::default().with_stripify(stripify).with_verify(!args.no_verify);
+    let (built, seconds) = timed(|| view_model::run(model, &options, &()));
     report.seconds.build = Some(seconds);
-    Ok(built?)
+    let built = built?;
+    report.notes = built.notes;
+    Ok(built.model)
 }
 
 /// Builds the model, flies, and writes the requested files.
 fn flown(task: &Task<'_>, console: &Console, report: &mut FlyReport) -> Result<(), Failure> {
     let args = task.args;
     task.path.check()?;
-    let ViewModel { mesh, strips, sequence, notes, .. } = view_model_of(task, console, report)?;
-    report.notes = notes;
+    let ViewModel { mesh, strips, sequence, .. } = view_model_of(task, console, report)?;
     let model = Arc::new(SkipStrips::new(&strips, &sequence, mesh.positions())?);
     let base = counted(model.levels().triangle_count(0)?, "triangle");
     console.stage("build", &format!("vertex tree over a base mesh of {base}"), report.seconds.build);
@@ -226,7 +228,12 @@ fn flown(task: &Task<'_>, console: &Console, report: &mut FlyReport) -> Result<(
 }
 
 /// Returns the page of a flight.
-fn page(task: &Task<'_>, method: Option<&MethodReport>, model: &SkipStrips, rows: &[FrameRow]) -> String {
+fn page(
+    task: &Task<'_>,
+    method: Option<&MethodDescription>,
+    model: &SkipStrips,
+    rows: &[FrameRow],
+) -> String {
     let criteria = &task.criteria;
     let [columns, height] = task.lens.image;
     let pixels = criteria.pixels;

@@ -9,7 +9,7 @@ use tristrip_lab::traffic::{
     self, FilterTotal, LevelRow, TrafficModel, measure_levels, totals, totals_as_text,
 };
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{LevelsOptions, MethodReport, ModelLevels, levels};
+use tristrip_pipeline::{MethodDescription, ModelLevels, levels};
 
 use crate::args::LevelsArgs;
 use crate::console::Console;
@@ -35,7 +35,7 @@ struct LevelsSeconds {
 struct LevelsReport {
     file: String,
     #[serde(flatten)]
-    method: MethodReport,
+    method: MethodDescription,
     /// The effort of the filter `repair`.
     filter_effort: u8,
     seconds: LevelsSeconds,
@@ -66,7 +66,7 @@ pub(crate) fn run(args: &LevelsArgs, console: &Console) -> Result<(), Failure> {
     for input in &args.inputs {
         let mut report = LevelsReport {
             file: input.display().to_string(),
-            method: MethodReport::of(&args.method.options),
+            method: MethodDescription::of(&args.method.options),
             filter_effort: args.filter_effort.level(),
             ..LevelsReport::default()
         };
@@ -97,10 +97,11 @@ fn measure(
 ) -> Result<(), Failure> {
     let (model, seconds) = load(input, console)?;
     report.seconds.load = Some(seconds);
-    let options = LevelsOptions::default().with_stripify(args.method.options).with_base(args.base);
+    let options = levels::Options::default().with_stripify(args.method.options).with_base(args.base);
     let options = options.with_price(args.price).with_verify(!args.no_verify);
-    let (built, seconds) = timed(|| levels(&model, &options));
-    let levels = built?;
+    let (built, seconds) = timed(|| levels::run(&model, &options, &()));
+    let built = built?;
+    let levels = &built.model;
     report.seconds.build = Some(seconds);
     let base = counted(levels.collapses.triangles_after, "triangle");
     let what = format!("{} to a base mesh of {base}", counted(levels.collapse_count(), "collapse"));
@@ -108,8 +109,8 @@ fn measure(
     report.levels = Some(levels.collapse_count());
     report.triangles_full = Some(levels.collapses.triangles_before);
     report.triangles_base = Some(levels.collapses.triangles_after);
-    report.notes.clone_from(&levels.notes);
-    tables(&levels, args, console, report)
+    report.notes.clone_from(&built.notes);
+    tables(levels, args, console, report)
 }
 
 /// Measures the requested tables.

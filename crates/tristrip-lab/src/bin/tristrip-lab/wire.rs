@@ -6,7 +6,7 @@ use serde::Serialize;
 use tristrip_io::{Drawing, Format};
 use tristrip_lab::wire::{self, Published};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Joined, Level, LevelsOptions, StreamGoal, encode, join};
+use tristrip_pipeline::{Joined, Level, StreamGoal, encode, join, levels};
 use tristrip_render::text;
 
 use crate::args::{PackArgs, UnpackArgs};
@@ -64,7 +64,7 @@ fn packed(args: &PackArgs, console: &Console, report: &mut PackReport) -> Result
     report.seconds.load = Some(seconds);
     let Joined { mesh, notes, .. } = join(model)?;
     report.notes = notes;
-    let options = LevelsOptions::default().with_verify(!args.no_verify);
+    let options = levels::Options::default().with_verify(!args.no_verify);
     let (packed, seconds) = timed(|| wire::pack(&mesh, &options));
     let packed = packed?;
     report.seconds.pack = Some(seconds);

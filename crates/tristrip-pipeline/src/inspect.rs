@@ -1,0 +1,156 @@
+//! What the stream of a progressive GLB holds, and what its bits are spent on.
+
+use serde::Serialize;
+use tristrip::stream::{Decoder, StreamCosts, StreamPart, chunks};
+use tristrip_io::gltf::ProgressiveGlb;
+
+use crate::error::Error;
+use crate::metrics::rounded;
+use crate::observer::{Observer, Stage, begin};
+use crate::unpack::early_end;
+
+/// What a stream holds; the keys are those of the JSON report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Outcome {
+    /// The number of meshes in the file.
+    pub meshes: usize,
+    /// The number of vertices of the full meshes, as the stream states it.
+    pub vertices: usize,
+    /// The number of triangles of the full meshes, as the stream states it.
+    pub triangles: usize,
+    /// The level of the full meshes.
+    pub levels: usize,
+    /// The bits of a coordinate of a position.
+    pub position_bits: u32,
+    /// The bytes before the first chunk: JSON, base meshes, textures.
+    pub base_bytes: usize,
+    /// The bytes of all chunks in the whole file.
+    pub chunk_bytes: usize,
+    /// The bits of the file per vertex.
+    pub bits_per_vertex: f64,
+    /// What the bits are spent on.
+    pub components: Vec<ComponentBits>,
+    /// The chunks in the file.
+    pub chunks: Vec<Chunk>,
+    /// What ends the stream too early: the end of the file, or damage.
+    #[serde(skip)]
+    pub problem: Option<String>,
+    /// What ends the stream too early, as a note.
+    pub notes: Vec<String>,
+}
+
+/// The bits of a component of a stream, and those per vertex of the full meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct ComponentBits {
+    /// What is stored.
+    pub name: &'static str,
+    /// The bits of all chunks.
+    pub bits: f64,
+    /// The bits per vertex.
+    pub per_vertex: f64,
+}
+
+/// A chunk of a stream; the keys are those of the JSON report.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Chunk {
+    /// The number of its mesh.
+    pub mesh: usize,
+    /// The first byte of the file behind it.
+    pub end: usize,
+    /// The level at its end, of all meshes together.
+    pub level: usize,
+    /// The number of triangles of all refined meshes at its end.
+    pub triangles: usize,
+    /// The largest error of a mesh at its end, in the mesh's own units.
+    pub surface_error: f32,
+}
+
+/// Decodes a stream. A stream that is cut off or damaged is decoded up to there, and [`Outcome::problem`] says so.
+///
+/// # Errors
+/// The observer cancelled.
+///
+/// ```
+/// use tristrip_io::gltf::ProgressiveGlb;
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{inspect, pack};
+/// let row = |y: usize| (0..30).map(move |x| format!("v {x} {y} {}\n", x * y % 3));
+/// let square = |i: usize| (i..i + 29).map(|i| format!("f {} {} {} {}\n", i + 1, i + 2, i + 32, i + 31));
+/// let obj: String = (0..30).flat_map(row).chain((0..29).flat_map(|y| square(30 * y))).collect();
+/// let packed = pack::run(&read(obj.as_bytes(), Format::Obj)?, &pack::Options::default(), &())?;
+/// let glb = ProgressiveGlb::open(packed.bytes)?.ok_or_else(|| tristrip_pipeline::Error::unproven("no stream"))?;
+/// let found = inspect::run(&glb, &())?;
+/// assert_eq!((found.chunks.len(), found.vertices), (packed.chunks, 900));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn run(glb: &ProgressiveGlb, observer: &dyn Observer) -> Result<Outcome, Error> {
+    begin(observer, Stage::Decode)?;
+    let mut decoder = Decoder::new(glb.limits()).counting_bits();
+    let mut found = Vec::new();
+    let mut problem = None;
+    for chunk in chunks(glb.chunks()) {
+        if let Err(fault) = decoder.update(chunk.bytes) {
+            problem = Some(fault.to_string());
+            break;
+        }
+        found.push(Chunk {
+            mesh: chunk.stream as usize,
+            end: glb.chunk_start() + decoder.offset() as usize,
+            level: decoder.parts().map(StreamPart::level).sum(),
+            triangles: decoder.parts().map(StreamPart::triangle_count).sum(),
+            surface_error: decoder.parts().map(StreamPart::error).fold(0.0, f32::max),
+        });
+    }
+    let problem = problem.or_else(|| early_end(glb, &mut decoder));
+    let mut costs = StreamCosts::default();
+    decoder.parts().filter_map(StreamPart::costs).for_each(|own| costs.add(&own));
+    let vertices = decoder.parts().map(StreamPart::full_vertex_count).sum();
+    let (base_bytes, chunk_bytes) = (glb.chunk_start(), glb.chunk_bytes());
+    let decoded = found.last().map_or(0, |chunk| chunk.end.saturating_sub(base_bytes));
+    Ok(Outcome {
+        meshes: decoder.parts().count(),
+        vertices,
+        triangles: decoder.parts().map(StreamPart::full_triangle_count).sum(),
+        levels: decoder.parts().map(StreamPart::full_level).sum(),
+        position_bits: decoder.parts().map(|part| part.position_bits()[1]).max().unwrap_or(0),
+        base_bytes,
+        chunk_bytes,
+        bits_per_vertex: per_vertex(8.0 * (base_bytes + chunk_bytes) as f64, vertices),
+        components: components(costs, base_bytes, decoded, vertices),
+        chunks: found,
+        notes: problem.iter().cloned().collect(),
+        problem,
+    })
+}
+
+fn per_vertex(bits: f64, vertices: usize) -> f64 {
+    rounded(bits / vertices.max(1) as f64)
+}
+
+/// Returns what the bits before the chunks, and those of the decoded bytes of chunks, are spent on.
+fn components(
+    costs: StreamCosts,
+    base_bytes: usize,
+    decoded_bytes: usize,
+    vertices: usize,
+) -> Vec<ComponentBits> {
+    let parts = [
+        ("file before the chunks", 8.0 * base_bytes as f64),
+        ("base meshes", costs.base),
+        ("marks", costs.marks),
+        ("corners", costs.corners),
+        ("positions", costs.positions),
+        ("precision", costs.precision),
+        ("attributes", costs.attributes),
+    ];
+    let rest = 8.0 * decoded_bytes as f64 - parts[1..].iter().map(|(_, bits)| bits).sum::<f64>();
+    let component = |(name, bits): (_, f64)| ComponentBits {
+        name,
+        bits: bits.round(),
+        per_vertex: per_vertex(bits, vertices),
+    };
+    parts.into_iter().chain([("heads and rounding", rest)]).map(component).collect()
+}
