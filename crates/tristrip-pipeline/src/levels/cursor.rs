@@ -63,7 +63,7 @@ impl ModelCursor {
     /// use tristrip_io::{Format, read};
     /// use tristrip_pipeline::levels;
     /// let model = read(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", Format::Obj)?;
-    /// let mut far = levels::run(&model, &levels::Options::default())?.cursor(ModelKind::Blocks, &())?.model;
+    /// let mut far = levels::run(&model, &levels::Options::default(), &())?.model.cursor(ModelKind::Blocks)?;
     /// let near = far.another()?;
     /// far.set_level(0)?;
     /// assert!(near.level() > far.level());
