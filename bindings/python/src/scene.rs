@@ -368,7 +368,7 @@ impl Scene {
     /// >>> import tristrip
     /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     /// >>> [row["strips"] for row in square.compare() if row["method"] in ("best", "sgi")]
-    /// [1, 1, 1]
+    /// [1, 1]
     #[pyo3(
         signature = (**given),
         text_signature = "($self, *, all=False, effort=None, cost='restart', seed=0, weld=False, budget=None, progress=None, on_interrupt='raise')"

@@ -180,7 +180,7 @@ def test_ctrl_c_after_the_collapses_keeps_them(stage: str) -> None:
     for width in (100, 200, 400, 800):
         mesh = bumpy(width)
         try:
-            tristrip.simplify(mesh.vertices, mesh.faces, ratio=0.2, error="100%", measure=True, progress=stop_later)
+            tristrip.simplify(mesh.vertices, mesh.faces, ratio=0.2, error="100%", fit=True, progress=stop_later)
         except tristrip.Interrupted as interrupted:
             best = interrupted.best
             break
