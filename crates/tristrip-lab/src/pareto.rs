@@ -296,7 +296,7 @@ mod tests {
         assert_eq!(with(Method::STRIPE).len(), 15);
         assert_eq!(with(Method::Tunnel { length: 9 }).last().map(String::as_str), Some("tunnel"));
         let opengl = StripifyOptions::default().with_cost(tristrip::Cost::OpenGl);
-        assert_eq!(labels(&opengl, None).last().map(String::as_str), Some("best opengl 2"));
+        assert_eq!(labels(&opengl, None).last().map(String::as_str), Some("best:cost=opengl"));
     }
 
     #[test]
