@@ -189,9 +189,7 @@ def simplify(
 
 # --- levels of detail
 
-LevelModel: TypeAlias = Literal[
-    "progressive-mesh", "naive", "progressive", "sets", "blocks", "skip"
-]
+LevelModel: TypeAlias = Literal["progressive-mesh", "naive", "progressive", "sets", "blocks", "skip"]
 
 class LevelRow(TypedDict):
     level: int
@@ -936,7 +934,7 @@ class Scene:
         *,
         eye: Vector | None = None,
         position_bits: int | None = None,
-            verify: bool = True,
+        verify: bool = True,
         progress: ProgressArgument = None,
     ) -> Packed: ...
     def bound(self, weld: bool = False) -> BoundReport: ...
