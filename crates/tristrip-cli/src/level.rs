@@ -106,7 +106,7 @@ impl Drawing<'_> {
             filter: task.filter.to_string(),
             filter_effort: task.filter_effort.level(),
             drawn,
-            output: target.map(|target| target.name()),
+            output: target.map(super::job::Output::name),
             layout: target.map(|target| target.layout.name()),
         })
     }

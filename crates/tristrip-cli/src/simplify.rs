@@ -81,7 +81,7 @@ fn simplify(
     }
     // The report does not need the model.
     outcome.redrawn.model = Model::default();
-    Ok(Simplified { outcome, output: job.output.as_ref().map(|target| target.name()), picture })
+    Ok(Simplified { outcome, output: job.output.as_ref().map(super::job::Output::name), picture })
 }
 
 /// Draws the model before and after, and writes the picture.

@@ -51,7 +51,7 @@ pub(crate) enum Task {
     #[cfg(feature = "serve")]
     Serve(Box<ServeTask>),
     #[cfg(feature = "serve")]
-    View(ViewTask),
+    View(Box<ViewTask>),
     /// A text to print: completions, a man page or a topic.
     Print(Vec<u8>),
 }
@@ -252,7 +252,7 @@ fn validate(command: Command) -> Result<Task, String> {
         #[cfg(feature = "serve")]
         Command::Serve(args) => Task::Serve(Box::new(serve_task(*args)?)),
         #[cfg(feature = "serve")]
-        Command::View(args) => Task::View(view_task(args)?),
+        Command::View(args) => Task::View(Box::new(view_task(args)?)),
         #[cfg(not(feature = "serve"))]
         Command::Serve | Command::View => return Err(args::NO_SERVER.into()),
         Command::Completions(args) => Task::Print(shell::completions(args.shell)),

@@ -17,6 +17,7 @@ use crate::prepared::{PreparedModel, Survey};
 /// Which methods are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[derive(Default)]
 pub struct Options {
     /// The options that all methods share, such as the seed. The method is not used.
     pub stripify: StripifyOptions,
@@ -24,12 +25,6 @@ pub struct Options {
     pub effort: Option<Effort>,
     /// Whether every variant of a method is compared, instead of one or a few of each family.
     pub every_variant: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { stripify: StripifyOptions::default(), effort: None, every_variant: false }
-    }
 }
 
 impl Options {

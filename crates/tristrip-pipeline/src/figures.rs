@@ -44,7 +44,7 @@ impl StripMetrics {
         options: &StripifyOptions,
     ) -> Result<(Self, Vec<PartMetrics>), Error> {
         check_vertices(parts)?;
-        let optimized_cache = (options.method == Method::Cache).then(|| options.vertex_cache);
+        let optimized_cache = (options.method == Method::Cache).then_some(options.vertex_cache);
         let caches: Vec<_> =
             [VertexCache::fifo(16), VertexCache::fifo(32)].into_iter().chain(optimized_cache).collect();
         let measured = map(parts, |&(strips, _)| {

@@ -125,7 +125,7 @@ pub struct Outcome {
 }
 
 /// Serializes whether a number is known: `true` or `null`.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
+#[expect(clippy::ref_option, reason = "the signature that serde calls")]
 fn is_some_or_null<S: Serializer>(number: &Option<usize>, serializer: S) -> Result<S::Ok, S::Error> {
     number.map(|_| true).serialize(serializer)
 }

@@ -210,7 +210,7 @@ pub(crate) struct CameraLevelArgs {
 
 /// Write several levels of detail for a viewer to switch between
 ///
-/// All levels come from one simplification and share the vertices of the input. A GLB or .gltf holds all of them (MSFT_lod); in a directory, each
+/// All levels come from one simplification and share the vertices of the input. A GLB or .gltf holds all of them (`MSFT_lod`); in a directory, each
 /// level is a file of its own. Normals are kept: `simplify --normals` rebuilds them for a single level. Without -o, only report. `tristrip help
 /// levels` and `tristrip help simplification` explain the details.
 #[derive(Debug, Args)]

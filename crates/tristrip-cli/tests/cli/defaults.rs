@@ -1,5 +1,7 @@
 //! Options have the same defaults in Rust, the command, Python and JavaScript.
 
+#![expect(clippy::unwrap_used, reason = "a test that panics fails")]
+
 use std::fs;
 use std::path::PathBuf;
 

@@ -1,5 +1,7 @@
 //! Searches of `tristrip strip`: bounds, repeatable results, budgets and interrupts.
 
+#![expect(clippy::unwrap_used, reason = "a test that panics fails")]
+
 use super::{json, keys, model, tristrip};
 use serde_json::Value;
 

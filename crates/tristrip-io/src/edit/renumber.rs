@@ -16,6 +16,9 @@ use crate::gltf::edit::renumber::{self as scene_vertices, SceneGroup};
 use crate::join;
 use crate::model::{Model, Part};
 
+/// Parts that share one order of vertices, and that order.
+pub(crate) type RenumberedGroup = (Vec<usize>, Renumbering);
+
 /// Gives the vertices of a model new numbers, and drops some of them: the one algorithm behind every change that keeps or removes
 /// vertices.
 ///
@@ -32,7 +35,7 @@ pub(crate) fn renumbered(
     mut meshes: Vec<Mesh>,
     (format, has_new_triangles): (Format, bool),
     mut number: impl FnMut(&[Mesh], &[usize], Option<&SceneGroup>) -> Result<Renumbering, Error>,
-) -> Result<(Model, Vec<(Vec<usize>, Renumbering)>), Error> {
+) -> Result<(Model, Vec<RenumberedGroup>), Error> {
     let scene = model.scene.as_ref().filter(|_| format == Format::Glb);
     let found = scene.map(|scene| scene_vertices::groups(scene, meshes.len())).transpose()?;
     let groups: Vec<Vec<usize>> = match &found {

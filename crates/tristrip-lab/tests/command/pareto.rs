@@ -85,7 +85,7 @@ fn points_equal_the_results_of_the_methods() {
         assert_eq!(point["acmr"], alone["acmr_fifo_16"], "{label}");
     }
     let list = point(&report, "list");
-    assert_eq!(figures(list).0, 3.0);
+    assert_eq!(list["indices_restart_per_triangle"], 3.0);
     assert_eq!((&list["effort"], &list["vertex_cache"]), (&Value::Null, &"fifo:16".into()));
 }
 

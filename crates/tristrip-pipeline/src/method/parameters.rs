@@ -148,7 +148,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         help: "The vertex cache to optimize for. Desktop GPUs behave like 16 to 32 entries. The cache is kept \
                from one strip to the next, as GPUs do.",
         values: Values::Other("fifo:N or lru:N, N entries"),
-        get: |options| (options.method == Method::Cache).then(|| word(options.vertex_cache)),
+        get: |options| (options.method == Method::Cache).then(|| word(&options.vertex_cache)),
         set: |options, text| Ok(options.with_vertex_cache(text.parse()?)),
     },
     Parameter {
@@ -273,7 +273,7 @@ const POSITIVE: &str = "an integer of at least 1";
 const NATURAL: &str = "an integer of at least 0";
 const EFFORT: &str = "an integer from 0 to 9";
 
-fn word(word: impl ToString) -> Value {
+fn word(word: &(impl ToString + ?Sized)) -> Value {
     Value::Word(word.to_string())
 }
 

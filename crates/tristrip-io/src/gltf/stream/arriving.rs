@@ -322,7 +322,7 @@ impl ArrivingGlb {
         if self.decoder().is_none() {
             return read(self.start.clone(), base_dir).map(Some);
         }
-        let Some(glb) = ProgressiveGlb::open(self.start.to_vec())? else { return Ok(None) };
+        let Some(glb) = ProgressiveGlb::open(self.start.clone())? else { return Ok(None) };
         let meshes = self.parts().map(|(number, part)| Ok((number, part.mesh()?)));
         let meshes: StreamMeshes = meshes.collect::<Result<_, Error>>()?;
         glb.model(&meshes, base_dir).map(Some)

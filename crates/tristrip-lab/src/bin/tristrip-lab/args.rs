@@ -180,6 +180,7 @@ pub(crate) struct ParetoArgs {
   tristrip-lab fly terrain.ply --path flyover --triangles 200000
   tristrip-lab fly dragon.tlod --path dolly --filter linked --json
   tristrip-lab fly bunny.ply --path cameras.json --image 960x540 --video frames/")]
+#[allow(clippy::struct_excessive_bools, reason = "each is a flag")]
 pub(crate) struct FlyArgs {
     /// The mesh file, or a .tlod file
     #[arg(value_name = "INPUT")]

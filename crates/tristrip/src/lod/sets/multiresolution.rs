@@ -238,6 +238,9 @@ impl<L: SuccessorLists> StripGraphs<L> {
 
 impl<L: SuccessorLists> StripGraphs<L> {
     /// Counts the entries that a move reads: those of the strips that differ between two levels.
+    ///
+    /// # Errors
+    /// A level is greater than the number of collapses.
     pub fn accesses(&self, from: usize, to: usize) -> Result<u64, Error> {
         for level in [from, to] {
             self.levels.check(level)?;
