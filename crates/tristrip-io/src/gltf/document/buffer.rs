@@ -10,7 +10,6 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use crate::error::Error;
-#[cfg(feature = "fs")]
 use crate::gltf::BufferFiles;
 use crate::gltf::document::byte_ranges::{SharedBytes, whole_of};
 use crate::gltf::document::json::Value;
