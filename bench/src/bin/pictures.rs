@@ -19,7 +19,9 @@ use tristrip_bench::failure::Failure;
 use tristrip_bench::scenes::{self, name, packed};
 use tristrip_bench::text::Table;
 use tristrip_io::{Format, Model, read, read_path, replace_file};
-use tristrip_pipeline::{Amount, CollapseRules, Deviation, Goal, Normals, Ratio, simplify};
+use tristrip_pipeline::{
+    Amount, Deviation, Goal, Ratio, simplify, simplify::CollapseRules, simplify::Normals,
+};
 use tristrip_render::images::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 
 /// The shares of the triangles that are kept.

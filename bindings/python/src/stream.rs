@@ -11,8 +11,8 @@ use tristrip::stream::StreamOptions;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Error as FileError, Format};
 use tristrip_pipeline::{
-    Level, StreamGoal, Target, encode, inspect as inspect_stream, join, pack as pack_scene,
-    unpack as unpack_stream,
+    Target, encode, inspect as inspect_stream, join, levels::Level, pack as pack_scene,
+    unpack as unpack_stream, unpack::StreamGoal,
 };
 
 use crate::arguments::{Arguments, Keywords};

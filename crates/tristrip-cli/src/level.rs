@@ -5,7 +5,7 @@ use tristrip::lod::{Camera, ModelKind, ViewCriteria};
 use tristrip_io::Model;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
-    Error, LevelGoal, ModelLevels, Observer, Stage, StripMetrics, encode, levels, rounded,
+    Error, Observer, Stage, StripMetrics, encode, levels, levels::LevelGoal, levels::ModelLevels, rounded,
 };
 
 use crate::clock::{SecondsKeys, StageClock};

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use tristrip::lod::ModelKind;
-use tristrip_pipeline::DisplayFilter;
+use tristrip_pipeline::levels::DisplayFilter;
 
 /// A topic of `tristrip help`.
 pub(crate) struct Topic {

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use tristrip_pipeline::text::count;
-use tristrip_pipeline::{ModelCursor, ModelLevels, rounded};
+use tristrip_pipeline::{levels::ModelCursor, levels::ModelLevels, rounded};
 
 use crate::baselines::ComparedModel;
 use crate::error::Error;

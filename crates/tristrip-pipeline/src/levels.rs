@@ -116,7 +116,7 @@ pub struct DisplayedLevel {
 /// ```
 /// use tristrip::lod::RepairOptions;
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{DisplayFilter, encode, levels};
+/// use tristrip_pipeline::{levels::DisplayFilter, encode, levels};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
@@ -165,7 +165,7 @@ impl ModelLevels {
     /// The strips do not fit the model, it is too large, or the observer ended the collapses.
     ///
     /// ```
-    /// use tristrip_pipeline::{ModelLevels, PreparedModel, levels};
+    /// use tristrip_pipeline::{levels::ModelLevels, PreparedModel, levels};
     /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
     /// let prepared = PreparedModel::new(&model, false);
     /// let options = levels::Options::default();
@@ -234,7 +234,7 @@ impl ModelLevels {
     /// ```
     /// use tristrip::lod::View;
     /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{Deviation, LevelGoal};
+    /// use tristrip_pipeline::{Deviation, levels::LevelGoal};
     /// // A pyramid of height 1 over a square: without its top, the error is 1.
     /// let model = read(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", Format::Obj)?;
     /// let levels = tristrip_pipeline::levels::run(&model, &Default::default(), &())?.model;

@@ -59,7 +59,6 @@ pub mod verify;
 pub mod view_model;
 
 pub use bounds::{BoundGap, Bounds};
-pub use chain::ChainRatios;
 pub use collapses::{Collapses, KeptVertices};
 pub use drawing::{DrawCost, Drawn, DrawnAs, DrawnParts, FileCost};
 pub use error::{Error, UnprovenMetrics};
@@ -68,15 +67,10 @@ pub use figures::MeshProperties;
 pub use files::{Target, WRITTEN_FORMATS, WrittenFiles, format_to_write, layout_to_write, path_of_level};
 pub use goal::{Amount, Deviation, Goal, Ratio};
 pub use join::{Joined, join};
-pub use levels::{
-    DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, ModelCursor, ModelLevels,
-};
 pub use method::{MethodDescription, method_help, parse_method, with_method_parameter};
 pub use metrics::{StripMetrics, rounded};
 pub use observer::{Observer, Search, SimplifyProgress, Stage, Stopped};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
-pub use simplify::{CollapseRules, LevelOrder, Normals};
 pub use stream::{StreamedMesh, stream_of_mesh};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
-pub use unpack::StreamGoal;

@@ -101,7 +101,7 @@ pub struct Outcome {
 /// ```
 /// use tristrip_io::gltf::ProgressiveGlb;
 /// use tristrip_io::{Format, read};
-/// use tristrip_pipeline::{StreamGoal, pack, unpack};
+/// use tristrip_pipeline::{unpack::StreamGoal, pack, unpack};
 /// let row = |y: usize| (0..30).map(move |x| format!("v {x} {y} {}\n", x * y % 3));
 /// let square = |i: usize| (i..i + 29).map(|i| format!("f {} {} {} {}\n", i + 1, i + 2, i + 32, i + 31));
 /// let obj: String = (0..30).flat_map(row).chain((0..29).flat_map(|y| square(30 * y))).collect();

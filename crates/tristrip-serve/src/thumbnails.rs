@@ -6,7 +6,7 @@
 use tristrip::Layout;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Format, Model};
-use tristrip_pipeline::{StreamGoal, unpack};
+use tristrip_pipeline::{unpack, unpack::StreamGoal};
 use tristrip_render::images::{Mode, RenderOptions, TexturedModel};
 
 use crate::deadline::Deadline;

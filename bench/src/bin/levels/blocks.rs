@@ -14,7 +14,7 @@ use tristrip_bench::text::Table;
 use tristrip_io::read_path;
 use tristrip_lab::baselines::ComparedModel;
 use tristrip_lab::recovery::ModelRecovery;
-use tristrip_pipeline::{LevelPart, Ratio, levels};
+use tristrip_pipeline::{Ratio, levels, levels::LevelPart};
 
 /// The models that `blocks` is compared with.
 const PUBLISHED: [ComparedModel; 3] =

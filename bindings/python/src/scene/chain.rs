@@ -9,7 +9,7 @@ use pyo3::types::{PyBytes, PyDict, PyList, PyTuple, PyType};
 use tristrip::Layout;
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::chain::{Chain as BuiltChain, Options, run};
-use tristrip_pipeline::{ChainRatios, WrittenFiles, encode, path_of_level};
+use tristrip_pipeline::{WrittenFiles, chain::ChainRatios, encode, path_of_level};
 
 use super::class::Scene;
 use super::data::SceneData;

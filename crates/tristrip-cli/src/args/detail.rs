@@ -6,7 +6,9 @@ use clap::Args;
 use tristrip::Effort;
 use tristrip::lod::{ModelKind, View};
 use tristrip::simplify::{MergeOrder, Price};
-use tristrip_pipeline::{ChainRatios, Deviation, DisplayFilter, Level, Normals, Ratio};
+use tristrip_pipeline::{
+    Deviation, Ratio, chain::ChainRatios, levels::DisplayFilter, levels::Level, simplify::Normals,
+};
 
 use super::groups::{CollapseArgs, FromArgs, GeneralArgs, OutputArgs, TargetArgs};
 use super::view::{CriteriaArgs, LensArgs};

@@ -6,7 +6,7 @@ use clap::Args;
 use tristrip::Layout;
 use tristrip::simplify::{AttributeWeights, Price};
 use tristrip_io::Format;
-use tristrip_pipeline::{CollapseRules, Deviation, WRITTEN_FORMATS};
+use tristrip_pipeline::{Deviation, WRITTEN_FORMATS, simplify::CollapseRules};
 
 use crate::values::{format_parser, layout_help, named};
 

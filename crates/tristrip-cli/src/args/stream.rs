@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use tristrip_pipeline::Level;
+use tristrip_pipeline::levels::Level;
 
 use super::groups::{GeneralArgs, TargetArgs};
 use crate::values::Vector;

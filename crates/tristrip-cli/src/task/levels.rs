@@ -7,7 +7,7 @@ use tristrip::lod::{Camera, ModelKind, RepairOptions, View, ViewCriteria};
 use tristrip::simplify::{MergeOrder, Price};
 use tristrip::{Effort, Layout, StripifyOptions};
 use tristrip_io::Format;
-use tristrip_pipeline::{DisplayFilter, Level, LevelGoal, Ratio, chain};
+use tristrip_pipeline::{Ratio, chain, levels::DisplayFilter, levels::Level, levels::LevelGoal};
 
 use super::checks::of_flag;
 use super::views::{checked_pixels, view_criteria};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use tristrip::Layout;
 use tristrip::stream::StreamOptions;
 use tristrip_io::Format;
-use tristrip_pipeline::{Level, StreamGoal, pack};
+use tristrip_pipeline::{levels::Level, pack, unpack::StreamGoal};
 
 use super::checks::check_chart;
 use crate::args::{InspectArgs, OutputArgs, PackArgs, TargetArgs, UnpackArgs};

@@ -10,7 +10,7 @@ use tristrip::simplify::{MergeOrder, Price};
 use tristrip::stream::{StreamLimits, StreamOptions};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{Cost, Method, StripifyOptions};
-use tristrip_pipeline::{ChainRatios, Deviation, DisplayFilter, Normals, simplify};
+use tristrip_pipeline::{Deviation, chain::ChainRatios, levels::DisplayFilter, simplify, simplify::Normals};
 
 use super::tristrip;
 

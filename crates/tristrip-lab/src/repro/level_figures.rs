@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 
 use tristrip::Strips;
 use tristrip::lod::RepairOptions;
-use tristrip_pipeline::{LevelPart, ModelLevels, PreparedModel, Ratio, levels};
+use tristrip_pipeline::{PreparedModel, Ratio, levels, levels::LevelPart, levels::ModelLevels};
 
 use super::wire_figures;
 use crate::error::Error;

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use tristrip::lod::Sets;
 use tristrip::{Error as CoreError, Strips};
-use tristrip_pipeline::{ModelLevels, PreparedModel, Ratio, levels};
+use tristrip_pipeline::{PreparedModel, Ratio, levels, levels::ModelLevels};
 
 use crate::baselines::{ComparedModel, Mts};
 use crate::error::Error;

@@ -7,7 +7,7 @@
 
 use tristrip::Strips;
 use tristrip::lod::Encoding;
-use tristrip_pipeline::{Error as PipelineError, LevelPart, ModelLevels, PreparedModel};
+use tristrip_pipeline::{Error as PipelineError, PreparedModel, levels::LevelPart, levels::ModelLevels};
 
 use crate::error::Error;
 use crate::wire::{Decoder, Encoded, Sizes, encode_part};

@@ -2,7 +2,7 @@
 
 use super::rows::LevelRow;
 use crate::error::Error;
-use tristrip_pipeline::DisplayFilter;
+use tristrip_pipeline::levels::DisplayFilter;
 use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
 /// Draws a panel per model, from its name and rows.

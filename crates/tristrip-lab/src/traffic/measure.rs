@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use tristrip::lod::{Filter, RepairOptions};
 use tristrip_pipeline::text::count;
-use tristrip_pipeline::{DisplayFilter, rounded};
+use tristrip_pipeline::{levels::DisplayFilter, rounded};
 
 use super::rows::{LevelRow, VerticesSent};
 use super::updates::{TrafficModel, scanned, sent_by_repair};

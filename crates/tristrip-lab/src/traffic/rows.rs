@@ -1,7 +1,7 @@
 //! The rows of tables of levels; the keys are those of the JSON report of `tristrip-lab levels`.
 
 use serde::{Serialize, Serializer};
-use tristrip_pipeline::DisplayFilter;
+use tristrip_pipeline::levels::DisplayFilter;
 
 /// The name of the mesh drawn as single triangles, beside the names of the filters.
 pub const SINGLE_TRIANGLES: &str = "triangles";

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use tristrip::Error as MeshError;
 use tristrip::lod::{Filter, Repair, RepairOptions};
 use tristrip_pipeline::text::grouped;
-use tristrip_pipeline::{DisplayFilter, LevelPart, ModelLevels, rounded};
+use tristrip_pipeline::{levels::DisplayFilter, levels::LevelPart, levels::ModelLevels, rounded};
 
 use super::levels::walk;
 use super::rows::{FilterTotal, SINGLE_TRIANGLES};

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use tristrip::Strips;
 use tristrip::lod::{Encoding, ProgressiveStrips};
 use tristrip::lod::{LevelCursor, Repair, RepairOptions};
-use tristrip_pipeline::{LevelPart, ModelLevels, rounded};
+use tristrip_pipeline::{levels::LevelPart, levels::ModelLevels, rounded};
 
 use super::rows::Refinement;
 use crate::error::Error;

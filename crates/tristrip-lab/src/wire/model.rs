@@ -5,7 +5,7 @@ use tristrip::lod::Encoding;
 use tristrip::verify::verify_models;
 use tristrip::{Faces, Mesh};
 use tristrip_io::{Model, Part};
-use tristrip_pipeline::{LevelPart, StreamGoal, levels, rounded};
+use tristrip_pipeline::{levels, levels::LevelPart, rounded, unpack::StreamGoal};
 
 use super::{Decoder, Encoded, encode};
 use crate::error::Error;
@@ -77,7 +77,7 @@ pub(crate) fn encode_part(
 /// ```
 /// use tristrip_io::{Format, read};
 /// use tristrip_lab::wire::{pack, unpack};
-/// use tristrip_pipeline::{StreamGoal, levels};
+/// use tristrip_pipeline::{unpack::StreamGoal, levels};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let packed = pack(&model.parts[0].mesh, &levels::Options::default())?;

@@ -11,7 +11,7 @@ const MAX_LEVELS: usize = 16;
 /// The ratios of triangles that the levels of a chain keep, the finest first, each less than the one before.
 ///
 /// ```
-/// use tristrip_pipeline::ChainRatios;
+/// use tristrip_pipeline::chain::ChainRatios;
 /// let ratios: ChainRatios = "100%,50%,0.1".parse()?;
 /// assert_eq!(ratios.as_slice().iter().map(|ratio| ratio.of(500)).collect::<Vec<_>>(), [500, 250, 50]);
 /// assert!("50%,50%".parse::<ChainRatios>().is_err());

@@ -34,7 +34,7 @@ impl DisplayFilter {
     /// Returns a line on the filter, as the help of the command has it.
     ///
     /// ```
-    /// use tristrip_pipeline::DisplayFilter;
+    /// use tristrip_pipeline::levels::DisplayFilter;
     /// assert!(DisplayFilter::Dtfs.summary().ends_with("(Kim et al. 2005)"));
     /// ```
     pub fn summary(self) -> &'static str {
@@ -63,7 +63,7 @@ impl fmt::Display for DisplayFilter {
 /// Parses the name of a filter.
 ///
 /// ```
-/// use tristrip_pipeline::DisplayFilter;
+/// use tristrip_pipeline::levels::DisplayFilter;
 /// assert_eq!("dtfs".parse(), Ok(DisplayFilter::Dtfs));
 /// assert!(DisplayFilter::ALL.iter().all(|filter| filter.to_string().parse() == Ok(*filter)));
 /// ```

@@ -23,7 +23,7 @@ impl Level {
     /// The level is greater than the number of collapses.
     ///
     /// ```
-    /// use tristrip_pipeline::Level;
+    /// use tristrip_pipeline::levels::Level;
     /// assert_eq!("40%".parse::<Level>()?.of(200).ok(), Some(80));
     /// # Ok::<(), String>(())
     /// ```

@@ -49,7 +49,7 @@ const WATCHED_ROUND: (usize, usize) = (16, 1000);
 /// What collapses may do, and what they cost.
 ///
 /// ```
-/// use tristrip_pipeline::{CollapseRules, simplify};
+/// use tristrip_pipeline::{simplify::CollapseRules, simplify};
 /// let tiles = CollapseRules { lock_borders: true, ..CollapseRules::default() };
 /// assert!(!tiles.permissive && simplify::Options::default().with_rules(tiles).rules == tiles);
 /// ```

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use tristrip::{Layout, Method, StripifyOptions};
 use tristrip_io::{Format, Model, read, read_path};
-use tristrip_pipeline::{Amount, Deviation, Error, Goal, Normals, chain, encode, simplify, verify};
+use tristrip_pipeline::{Amount, Deviation, Error, Goal, chain, encode, simplify, simplify::Normals, verify};
 
 fn model(name: &str) -> Model {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models");

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use tristrip::lod::RepairOptions;
 use tristrip::{Layout, Method, StripifyOptions};
 use tristrip_io::{Format, Model, read, read_path};
-use tristrip_pipeline::{DisplayFilter, encode, levels};
+use tristrip_pipeline::{encode, levels, levels::DisplayFilter};
 
 const FILES: [(Format, Layout); 6] = [
     (Format::Glb, Layout::Degenerate),

@@ -12,8 +12,8 @@ use tristrip::stripify::{Progress, Watch};
 use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
 use tristrip_pipeline::{
-    Amount, Deviation, DisplayFilter, Error, Goal, ModelLevels, Observer, PreparedModel, Search, Stage,
-    Stopped, bound, convert, encode, levels, simplify, strip, verify,
+    Amount, Deviation, Error, Goal, Observer, PreparedModel, Search, Stage, Stopped, bound, convert, encode,
+    levels, levels::DisplayFilter, levels::ModelLevels, simplify, strip, verify,
 };
 
 /// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.

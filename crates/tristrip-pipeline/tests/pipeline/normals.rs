@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use tristrip::{Attribute, AttributeData, Faces, Mesh};
 use tristrip_io::{Format, Model, Part, read};
-use tristrip_pipeline::{Amount, Deviation, Goal, Normals, simplify};
+use tristrip_pipeline::{Amount, Deviation, Goal, simplify, simplify::Normals};
 
 const COLUMNS: usize = 36;
 const ROWS: usize = 20;

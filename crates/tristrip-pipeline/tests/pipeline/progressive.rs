@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use tristrip::stream::{StreamLimits, StreamOptions};
 use tristrip_io::gltf::{ArrivalLimits, ArrivingGlb, ProgressiveGlb};
 use tristrip_io::{Format, Model, read};
-use tristrip_pipeline::{Error, Level, Observer, StreamGoal, inspect, pack, unpack};
+use tristrip_pipeline::{Error, Observer, inspect, levels::Level, pack, unpack, unpack::StreamGoal};
 
 fn model(name: &str) -> Model {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/models");

@@ -10,7 +10,7 @@ use tristrip::vertex_cache::VertexCache;
 use tristrip::{Effort, StripifyOptions};
 use tristrip_lab::flight::Axis;
 use tristrip_lab::recovery::Sweep;
-use tristrip_pipeline::{Level, Ratio, parse_method};
+use tristrip_pipeline::{Ratio, levels::Level, parse_method};
 
 use crate::values::{effort, image_size, numbers};
 

@@ -9,7 +9,7 @@ use tristrip_lab::traffic::{
     self, FilterTotal, LevelRow, TrafficModel, measure_levels, totals, totals_as_text,
 };
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{MethodDescription, ModelLevels, levels};
+use tristrip_pipeline::{MethodDescription, levels, levels::ModelLevels};
 
 use crate::args::LevelsArgs;
 use crate::console::Console;

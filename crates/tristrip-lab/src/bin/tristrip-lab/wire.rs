@@ -6,7 +6,7 @@ use serde::Serialize;
 use tristrip_io::{Drawing, Format};
 use tristrip_lab::wire::{self, Published};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Joined, Level, StreamGoal, encode, join, levels};
+use tristrip_pipeline::{Joined, encode, join, levels, levels::Level, unpack::StreamGoal};
 use tristrip_render::text;
 
 use crate::args::{PackArgs, UnpackArgs};

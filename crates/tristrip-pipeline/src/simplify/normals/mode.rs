@@ -32,7 +32,7 @@ impl Normals {
     /// Returns a line of help.
     ///
     /// ```
-    /// assert!(tristrip_pipeline::Normals::Auto.summary().contains("flat-shaded"));
+    /// assert!(tristrip_pipeline::simplify::Normals::Auto.summary().contains("flat-shaded"));
     /// ```
     pub fn summary(self) -> &'static str {
         match self {
@@ -58,7 +58,7 @@ impl fmt::Display for Normals {
 /// Parses a name.
 ///
 /// ```
-/// use tristrip_pipeline::Normals;
+/// use tristrip_pipeline::simplify::Normals;
 /// assert!(Normals::ALL.iter().all(|normals| normals.to_string().parse() == Ok(*normals)));
 /// assert!("smooth".parse::<Normals>().is_err());
 /// ```
