@@ -364,8 +364,7 @@ impl Levels {
     ) -> PyResult<Bound<'py, PyAny>> {
         let layout = layout_of(layout)?;
         let strips = self.strips_of(py, part.0)?;
-        let vertex_count =
-            self.built.parts.get(part.0).map_or(0, levels::LevelPart::vertex_count);
+        let vertex_count = self.built.parts.get(part.0).map_or(0, levels::LevelPart::vertex_count);
         let bits = index_bits(py, dtype, vertex_count)?;
         Ok(indices_to_array(py, &strips, layout, bits)?)
     }
@@ -391,8 +390,7 @@ impl Levels {
         part: Count,
     ) -> PyResult<Updated<'py>> {
         let layout = layout_of(layout)?;
-        let vertex_count =
-            self.built.parts.get(part.0).map_or(0, levels::LevelPart::vertex_count);
+        let vertex_count = self.built.parts.get(part.0).map_or(0, levels::LevelPart::vertex_count);
         let bits = index_bits(py, dtype, vertex_count)?;
         // The state is not locked while Python runs, so that threads that wait for it do not wait for each other.
         let (buffer, changed) = py.detach(|| {
