@@ -51,11 +51,7 @@ pub struct DrawCost {
 
 impl DrawCost {
     /// Returns the misses per triangle.
-    ///
-    /// ```
-    /// assert_eq!(tristrip_pipeline::DrawCost::default().acmr().to_string(), "0");
-    /// ```
-    pub fn acmr(&self) -> f64 {
+    pub(crate) fn acmr(&self) -> f64 {
         if self.triangles == 0 { 0.0 } else { self.misses as f64 / self.triangles as f64 }
     }
 
@@ -112,7 +108,7 @@ pub struct FileCost {
 
 impl FileCost {
     /// Reports a cost and a size.
-    pub fn of(cost: &DrawCost, bytes: Option<u64>) -> Self {
+    pub(crate) fn of(cost: &DrawCost, bytes: Option<u64>) -> Self {
         Self { indices: cost.indices, acmr_fifo_16: rounded(cost.acmr()), bytes }
     }
 }
@@ -131,7 +127,7 @@ pub struct DrawnParts {
 
 impl DrawnParts {
     /// Returns a note for each kind of parts that are not drawn as the strips found.
-    pub fn notes(&self) -> Vec<String> {
+    pub(crate) fn notes(&self) -> Vec<String> {
         let stored =
             format!("{} drawn as the strips of the input: fewer indices", counted(self.stored, "part"));
         let list = format!("{} drawn as faces, not as strips: fewer indices", counted(self.list, "part"));
@@ -159,7 +155,7 @@ pub struct Drawn<'a> {
 
 impl Drawn<'_> {
     /// Counts the parts by what they are drawn as.
-    pub fn parts(&self) -> DrawnParts {
+    pub(crate) fn parts(&self) -> DrawnParts {
         let count = |kind| self.drawn_as.iter().filter(|&&one| one == kind).count();
         DrawnParts {
             found: count(DrawnAs::Found),

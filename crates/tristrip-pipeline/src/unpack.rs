@@ -48,16 +48,12 @@ pub struct Options {
 }
 
 impl Options {
-    /// Sets what selects the level.
-    #[must_use]
-    pub fn with_goal(self, goal: StreamGoal) -> Self {
-        Self { goal, ..self }
-    }
+    tristrip::setters! {
+        /// Sets what selects the level.
+        with_goal(goal: StreamGoal);
 
-    /// Sets the directory of the files that the document refers to.
-    #[must_use]
-    pub fn with_base_dir(self, base_dir: Option<PathBuf>) -> Self {
-        Self { base_dir, ..self }
+        /// Sets the directory of the files that the document refers to.
+        with_base_dir(base_dir: Option<PathBuf>);
     }
 }
 

@@ -93,7 +93,7 @@ impl LevelPart {
     ///
     /// # Errors
     /// The part does not have this level.
-    pub fn display(
+    pub(crate) fn display(
         &self,
         level: usize,
         filter: DisplayFilter,
