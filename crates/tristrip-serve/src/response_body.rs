@@ -18,7 +18,7 @@ use tokio::time::{Instant, Sleep, sleep_until};
 
 use crate::activity::{Activity, OpenBody};
 use crate::clients::Place;
-use crate::metrics::Metrics;
+use crate::metrics::ServerMetrics;
 use crate::streams::StreamEnd;
 
 /// The pieces per second of a paced body, and the fewest bytes of one.
@@ -72,7 +72,7 @@ pub(crate) struct ResponseBody {
     sent: u64,
     is_whole: bool,
     record: Record,
-    metrics: Arc<Metrics>,
+    metrics: Arc<ServerMetrics>,
     activity: Arc<Activity>,
     open: OpenBody,
     /// The response counts until its body ends.
@@ -84,7 +84,7 @@ impl ResponseBody {
         inner: Body,
         pace: Option<Pace>,
         record: Record,
-        metrics: Arc<Metrics>,
+        metrics: Arc<ServerMetrics>,
         activity: Arc<Activity>,
         place: Option<Place>,
     ) -> Self {
@@ -182,7 +182,7 @@ mod tests {
             started: Instant::now(),
         };
         let inner = Body::from(vec![1; 100_000]);
-        let (metrics, activity) = (Arc::new(Metrics::new()), Arc::new(Activity::new()));
+        let (metrics, activity) = (Arc::new(ServerMetrics::new()), Arc::new(Activity::new()));
         let mut body =
             ResponseBody::new(inner, Some(Pace::new(400_000)), record, Arc::clone(&metrics), activity, None);
         let started = Instant::now();

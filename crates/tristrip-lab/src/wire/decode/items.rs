@@ -1,11 +1,11 @@
 //! The items of the bytes, one after the other: each is checked, and changes the decoder or is an error at its offset.
 
 use super::super::layout::{HEADER_BYTES, Header, POSITION_BYTES, is_entry, number};
-use super::{Decoder, Next, references};
+use super::{Next, WireDecoder, references};
 use tristrip::Error;
 use tristrip::lod::RESTART;
 
-impl Decoder {
+impl WireDecoder {
     /// Reads all items that end in some bytes.
     pub(super) fn read(&mut self, mut bytes: &[u8]) -> Result<(), Error> {
         while !bytes.is_empty() {

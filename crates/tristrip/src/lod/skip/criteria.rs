@@ -230,7 +230,7 @@ pub(super) struct Criteria {
 
 /// Whether a collapse has to change.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Choice {
+pub(super) enum CollapseChoice {
     /// It is to be split, or done; with the error in shares of what is allowed.
     Change { ratio: f64 },
     /// It stays as it is for some travel.
@@ -283,7 +283,7 @@ impl Criteria {
     }
 
     /// Returns whether a collapse, done or not, has to change, or for how long it stays.
-    pub(super) fn choose(&self, node: &NodeBounds, is_collapsed: bool) -> Choice {
+    pub(super) fn choose(&self, node: &NodeBounds, is_collapsed: bool) -> CollapseChoice {
         let away = sub(node.position.map(f64::from), self.frame.eye);
         let distance = dot(away, away).sqrt();
         let radius = f64::from(node.radius);
@@ -302,18 +302,18 @@ impl Criteria {
         }
         // If all tolerances inside of the frustum lead to the same choice for long, that is known without the normals.
         let sure = match state.choice(self.tolerances[usize::from(!is_collapsed)], inside) {
-            Choice::Stay { travel } => travel,
-            Choice::Change { .. } => 0.0,
+            CollapseChoice::Stay { travel } => travel,
+            CollapseChoice::Change { .. } => 0.0,
         };
         if sure > SURE_SHARE * state.near {
-            return Choice::Stay { travel: sure };
+            return CollapseChoice::Stay { travel: sure };
         }
         let (tolerance, stays) = self.tolerance(node, away, distance, radius);
         let blur = self.gaze.map_or(Blur::NONE, |gaze| gaze.at(away, distance, radius));
         let state = Looked { blur, ..state };
         match state.choice(tolerance, inside.min(stays)) {
-            Choice::Stay { travel } => Choice::Stay { travel: travel.max(sure) },
-            change @ Choice::Change { .. } => change,
+            CollapseChoice::Stay { travel } => CollapseChoice::Stay { travel: travel.max(sure) },
+            change @ CollapseChoice::Change { .. } => change,
         }
     }
 
@@ -392,19 +392,19 @@ struct Looked {
 
 impl Looked {
     /// Returns the choice at a tolerance that stays for some travel.
-    fn choice(&self, tolerance: f64, stays: f64) -> Choice {
+    fn choice(&self, tolerance: f64, stays: f64) -> CollapseChoice {
         let needed = if tolerance == f64::INFINITY { 0.0 } else { self.needed / tolerance };
         let seen = self.near * self.blur.factor;
         let is_allowed = seen >= needed;
         if is_allowed != self.is_collapsed {
-            return Choice::Change { ratio: needed / seen };
+            return CollapseChoice::Change { ratio: needed / seen };
         }
         // What travel changes in distance, errors that are allowed change in proportion to the distance needed.
         let slack = (seen - needed).abs();
         let travel = self.blur.travel(slack, self.near);
         let travel = if needed > self.far { travel.min(slack * (self.far / needed)) } else { travel };
         let travel = 0.999 * travel.min(stays);
-        Choice::Stay { travel: if travel > 0.0 { travel } else { 0.0 } }
+        CollapseChoice::Stay { travel: if travel > 0.0 { travel } else { 0.0 } }
     }
 }
 
