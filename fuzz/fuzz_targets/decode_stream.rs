@@ -7,7 +7,8 @@ use tristrip::stream::{Decoder, StreamLimits, StreamOptions, encode};
 use tristrip_fuzz::{Bytes, mesh, with_attributes};
 
 /// Few triangles, so that time and memory are in proportion to the bytes.
-const LIMITS: StreamLimits = StreamLimits { meshes: 4, triangles: 10_000, chunk_bytes: 1 << 20, corners: 1 << 20 };
+const LIMITS: StreamLimits =
+    StreamLimits { meshes: 4, triangles: 10_000, chunk_bytes: 1 << 20, corners: 1 << 20 };
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let piece = usize::from(data.first().copied().unwrap_or(0)) + 1;

@@ -1,10 +1,11 @@
-//! Arbitrary bytes, read as strips and collapses: every level model draws every level, in rising, falling and jumping order.
+//! Arbitrary bytes, read as strips and collapses. Every level model draws every level, in rising,
+//! falling and jumping order.
 #![no_main]
 
 use std::sync::Arc;
 
-use tristrip_lab::baselines::ComparedModel;
 use tristrip_fuzz::{Bytes, Model, model, sorted};
+use tristrip_lab::baselines::ComparedModel;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let mut bytes = Bytes(data);

@@ -1,10 +1,10 @@
-//! Arbitrary bytes, read as the transmission of paper 001 in pieces of any size; and read as strips and collapses, of which each level is
-//! drawn as it arrives.
+//! Arbitrary bytes, decoded as the transmission of paper 001 in pieces of any size. The same bytes, read
+//! as strips and collapses, are encoded, and each level is drawn as it arrives.
 #![no_main]
 
 use tristrip::lod::Encoding;
-use tristrip_lab::wire::{WireDecoder, encode};
 use tristrip_fuzz::{Bytes, Model, model, sorted};
+use tristrip_lab::wire::{WireDecoder, encode};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let piece = usize::from(data.first().copied().unwrap_or(0)) + 1;

@@ -15,9 +15,12 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         // Every other part by its faces.
         let drawing = |(part, strips)| if part % 2 == 0 { Drawing::Strips(strips) } else { Drawing::Faces };
         let drawings: Vec<_> = strips.iter().enumerate().map(drawing).collect();
-        let ordered = reorder(&model, &drawings, Format::Glb, Layout::Degenerate).expect("strips of the model");
+        let ordered =
+            reorder(&model, &drawings, Format::Glb, Layout::Degenerate).expect("strips of the model");
         // Buffers of which an extension names bytes cannot be joined.
-        let Ok(bytes) = write(&ordered.model, &ordered.drawings(), Format::Glb, ordered.layout) else { continue };
+        let Ok(bytes) = write(&ordered.model, &ordered.drawings(), Format::Glb, ordered.layout) else {
+            continue;
+        };
         let again = read(&bytes, Format::Glb).expect("what was written can be read");
         let proof = verify_models(&meshes(&model), &meshes(&again)).expect("few enough vertices");
         assert!(proof.is_ok(), "{proof:?}");

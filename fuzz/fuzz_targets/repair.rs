@@ -4,9 +4,9 @@
 
 use std::sync::Arc;
 
-use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 use tristrip::Cost;
 use tristrip::Effort;
+use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 use tristrip_fuzz::{Bytes, Model, model, sorted};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

@@ -15,8 +15,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let triangles: Vec<u32> = mesh.faces().iter().flat_map(fan).collect();
     // More values than vertices are an error, which the library's own tests cover.
     let locked_count = (u32::from(locked) % 32).min(u32::try_from(mesh.vertex_count()).unwrap());
-    let locked: Vec<bool> =
-        (0..locked_count).map(|v| u32::from(locked).rotate_left(v) & 1 == 1).collect();
+    let locked: Vec<bool> = (0..locked_count).map(|v| u32::from(locked).rotate_left(v) & 1 == 1).collect();
     let mut options = SimplifyOptions::default().with_triangles(goal.into()).with_locked(locked.clone());
     let most = f32::from(allowed) / 8.0;
     if allowed < 128 {

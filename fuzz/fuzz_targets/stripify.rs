@@ -2,14 +2,14 @@
 //! the same triangles; none is below a lower bound.
 #![no_main]
 
-use tristrip::{Cost, Metrics, strip_triangles};
-use tristrip::stripify::bound::Bound;
 use tristrip::Effort;
+use tristrip::stripify::bound::Bound;
 use tristrip::stripify::{Acceptance, Localization, Objective, Start, TunnelOptions, plan};
+use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip::verify::verify;
 use tristrip::vertex_cache::VertexCache;
+use tristrip::{Cost, Metrics, strip_triangles};
 use tristrip::{DualGraph, Error, Method, PreparedFaces, StripifyOptions, Strips};
-use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip_fuzz::{Bytes, mesh, sorted};
 
 const RESTART: u32 = u32::MAX;
@@ -72,10 +72,9 @@ fn methods(cutoff: u32) -> Vec<Method> {
     let mut all = vec![Method::Best, Method::Sequential, Method::Input, Method::STRIPE];
     all.extend(LastTie::ALL.map(|last_tie| Method::Sgi { last_tie }));
     all.extend([Method::QuadRows { cutoff }, Method::Fewest, Method::Cache, Method::Tunnel { length: 5 }]);
-    all.extend(
-        [Start::Isolated, Start::Sgi, Start::Sequential]
-            .map(|start| Method::GuidedTunnels(TunnelOptions::default().with_start(start).with_length(2 * cutoff + 1))),
-    );
+    all.extend([Start::Isolated, Start::Sgi, Start::Sequential].map(|start| {
+        Method::GuidedTunnels(TunnelOptions::default().with_start(start).with_length(2 * cutoff + 1))
+    }));
     for acceptance in Acceptance::ALL {
         let tunnels = TunnelOptions::ETA.with_length(2 * cutoff + 1);
         all.extend(Localization::ALL.map(|localization| Method::Eta { tunnels, acceptance, localization }));

@@ -128,14 +128,8 @@ pub fn model(bytes: &mut Bytes) -> Option<Model> {
     let choice_count = if is_simplified { 0 } else { kind / 8 };
     let choices: Vec<[u8; 4]> = (0..choice_count).map(|_| [0; 4].map(|_| bytes.next())).collect();
     let mesh = with_attributes(mesh(bytes), attributes);
-    let methods = [
-        Method::Input,
-        Method::Sequential,
-        Method::SGI,
-        Method::STRIPE,
-        Method::QUAD_ROWS,
-        Method::Fewest,
-    ];
+    let methods =
+        [Method::Input, Method::Sequential, Method::SGI, Method::STRIPE, Method::QUAD_ROWS, Method::Fewest];
     let options = StripifyOptions::default().with_method(methods[usize::from(method) % methods.len()]);
     let strips = stripify(&mesh, &options).ok()?;
     let sequence = if is_simplified {

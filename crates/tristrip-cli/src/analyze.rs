@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::input::short_name;
 use crate::job::Input;
 use crate::report::{self, Batch};
-use crate::stage::load_timed;
+use crate::stage::load_input;
 use crate::task::AnalyzeTask;
 
 /// The maximum number of parts listed in the text.
@@ -67,10 +67,7 @@ fn analyze(
     console: &mut Console,
     clock: &StageClock,
 ) -> Result<(analyze::Outcome, Option<Curve>), Failure> {
-    let (model, load) = load_timed(input, console)?;
-    clock.add_seconds(Stage::Load, load);
-    console.stage("load", &counted(model.parts.len(), "part"), Some(load));
-    model.notes.iter().for_each(|note| console.note(note));
+    let model = load_input(input, console, clock)?;
     let found = clock.observe(|observer| analyze::run(&model, &task.options, observer))?;
     let for_curve = task.curve.clone().map(|list| task.options.clone().with_vertex_caches(list));
     let curve = for_curve.map(|options| clock.observe(|observer| analyze::run(&model, &options, observer)));

@@ -9,7 +9,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Input;
 use crate::report::{self, Batch};
-use crate::stage::{load_timed, show_mesh};
+use crate::stage::{load_input, show_mesh};
 use crate::task::BoundTask;
 
 /// The keys of `seconds`.
@@ -49,13 +49,10 @@ fn bound(
     console: &Console,
     clock: &StageClock,
 ) -> Result<bound::Outcome, Failure> {
-    let (model, load) = load_timed(input, console)?;
-    clock.add_seconds(Stage::Load, load);
+    let model = load_input(input, console, clock)?;
     let options = bound::Options::default().with_weld(task.options.weld);
-    let found = clock.observe(|observer| bound::run(&model, &options, observer))?;
-    show_mesh(&found.mesh, found.parts, &found.notes, clock, console);
-    let what = counted(found.components.len(), "component");
-    console.stage("bound", &what, clock.seconds(&[Stage::Bound]));
+    let found = clock.observe_and_print(|observer| bound::run(&model, &options, observer))?;
+    show_mesh(&found.mesh, &found.notes, model.notes.len(), console);
     Ok(found)
 }
 

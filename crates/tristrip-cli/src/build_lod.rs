@@ -10,7 +10,7 @@ use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::report::{self, Batch};
-use crate::stage::{load_timed, show_mesh};
+use crate::stage::{load_input, show_mesh, show_proof};
 use crate::task::BuildLodTask;
 
 /// The keys of `seconds`.
@@ -46,11 +46,11 @@ pub(crate) fn run(task: &BuildLodTask, console: &mut Console) -> bool {
 
 /// Takes the input through all stages.
 fn build(task: &BuildLodTask, console: &mut Console, clock: &StageClock) -> Result<Built, Failure> {
-    let (model, load) = load_timed(&task.input, console)?;
-    clock.add_seconds(Stage::Load, load);
+    let model = load_input(&task.input, console, clock)?;
+    let read = model.notes.len();
     let options = view_model::Options::default().with_stripify(task.options).with_order(task.order);
-    let mut outcome = clock.observe(|observer| view_model::run(model, &options, observer))?;
-    show_stages(&outcome, clock, console);
+    let mut outcome = clock.observe_and_print(|observer| view_model::run(model, &options, observer))?;
+    show_result(&outcome, read, console);
     let mut file = encode(&outcome.model, clock, console)?;
     // The report does not need the model nor the bytes.
     outcome.model = ViewModel::default();
@@ -63,17 +63,15 @@ fn build(task: &BuildLodTask, console: &mut Console, clock: &StageClock) -> Resu
     Ok(Built { outcome, file, output: path.display().to_string() })
 }
 
-/// Prints a line on each stage up to the collapses.
-fn show_stages(outcome: &view_model::Outcome, clock: &StageClock, console: &Console) {
-    // The parts are one mesh.
-    show_mesh(&outcome.mesh, 1, &outcome.notes, clock, console);
-    let what = format!("{} ({})", counted(outcome.strips, "strip"), outcome.method.description());
-    console.stage("stripify", &what, clock.seconds(&[Stage::Stripify]));
-    let what = format!("proven: the strips draw exactly the {}", counted(outcome.mesh.faces, "face"));
-    console.stage("verify", &what, clock.seconds(&[Stage::Prove]));
+/// Prints the results of the strips and the collapses; the first `read` notes were printed before.
+fn show_result(outcome: &view_model::Outcome, read: usize, console: &Console) {
+    show_mesh(&outcome.mesh, &outcome.notes, read, console);
+    let what = format!("{} ({})", count(outcome.strips), outcome.method.description());
+    console.stage("strips", &what, None);
+    show_proof(outcome.proven, &outcome.mesh, console);
     let (collapses, levels) = (counted(outcome.collapses, "collapse"), counted(outcome.levels, "level"));
     let what = format!("{collapses} in {levels} ({})", outcome.order);
-    console.stage("collapse", &what, clock.seconds(&[Stage::Simplify]));
+    console.stage("result", &what, None);
 }
 
 /// Encodes the model, and reads the bytes back.

@@ -14,7 +14,7 @@ use crate::job::{Job, Output};
 use crate::output;
 use crate::report::{self, Batch};
 use crate::search::interrupted;
-use crate::stage::{load_job, show_mesh};
+use crate::stage::{load_job, show_mesh, show_proof_of_collapses};
 use crate::task::ChainTask;
 
 /// The keys of `seconds`.
@@ -53,12 +53,11 @@ fn build(job: &Job, task: &ChainTask, console: &mut Console, clock: &StageClock)
     if interrupted() {
         return Err(Failure::Input("not done: interrupted".into()));
     }
-    let (model, load) = load_job(job, console)?;
-    clock.add_seconds(Stage::Load, load);
+    let model = load_job(job, console, clock)?;
     let format = job.output.as_ref().map_or(Format::Glb, |output| output.format);
     let options = task.options.clone().with_format(format);
-    let mut outcome = clock.observe(|observer| chain::run(&model, &options, observer))?;
-    show_stages(&outcome, &job.input.name(), clock, console);
+    let mut outcome = clock.observe_and_print(|observer| chain::run(&model, &options, observer))?;
+    show_result(&outcome, &job.input.name(), model.notes.len(), console);
     // The report does not need the models.
     let chain = std::mem::take(&mut outcome.chain);
     let mut output = None;
@@ -74,21 +73,16 @@ fn build(job: &Job, task: &ChainTask, console: &mut Console, clock: &StageClock)
     Ok(Chained { outcome, output, layout: job.output.as_ref().map(|target| target.layout.name()) })
 }
 
-/// Prints a line on each stage of the collapses.
-fn show_stages(outcome: &chain::Outcome, name: &str, clock: &StageClock, console: &Console) {
-    show_mesh(&outcome.mesh, outcome.parts, &outcome.notes, clock, console);
+/// Prints the results of the collapses; the first `read` notes were printed before.
+fn show_result(outcome: &chain::Outcome, name: &str, read: usize, console: &Console) {
+    show_mesh(&outcome.mesh, &outcome.notes, read, console);
     let collapses = &outcome.collapses;
     let coarsest = counted(collapses.triangles_after, "triangle");
     let what = format!("{} to a coarsest level of {coarsest}", counted(collapses.collapse_count, "collapse"));
-    console.stage("simplify", &what, clock.seconds(&[Stage::Simplify]));
+    console.stage("result", &what, None);
+    show_proof_of_collapses(outcome.proven, console);
     if let Some(warning) = &outcome.warning {
         console.warning(name, warning);
-    }
-    if outcome.proven {
-        let what = "proven: replaying the collapses removes exactly these triangles";
-        console.stage("verify", what, clock.seconds(&[Stage::Prove]));
-    } else {
-        console.stage("verify", "skipped", None);
     }
 }
 

@@ -1,16 +1,16 @@
-//! The time of each stage of an input, measured by an observer of the pipeline, which also shows the progress and watches searches.
+//! The command's observer of the pipeline: it measures the time of each stage of an input, prints a
+//! line when a stage ends, shows the progress and watches searches.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::ProgressBar;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use tristrip::StripifyOptions;
 use tristrip_pipeline::{Observer, Search, Stage};
 
-use crate::console::Console;
+use crate::console::{Console, Lines};
 use crate::search::SearchWatch;
 
 /// The keys of `seconds` in a report, each with the stages whose times it sums.
@@ -27,6 +27,27 @@ pub(crate) const STRIP_SECONDS: SecondsKeys = &[
 
 /// The stages of packing a model.
 pub(crate) const PACKING: &[Stage] = &[Stage::Simplify, Stage::Encode, Stage::ReadBack];
+
+/// Returns the name of a stage in its line, and what was done in it.
+fn stage_text(stage: Stage) -> (&'static str, &'static str) {
+    match stage {
+        Stage::Prepare => ("dual", "faces joined across shared edges"),
+        Stage::Survey => ("mesh", "edges, vertices and components counted"),
+        Stage::Stripify => ("stripify", "strips built"),
+        Stage::Measure => ("measure", "indices counted and vertex caches simulated"),
+        Stage::Bound => ("bound", "lower bounds computed"),
+        Stage::Prove => ("verify", "result proven"),
+        Stage::Simplify => ("simplify", "half-edges collapsed"),
+        Stage::Fit => ("fit", "vertices moved closer to the original"),
+        Stage::Rebuild => ("rebuild", "model built without unused vertices"),
+        Stage::Compare => ("compare", "distances to the original measured"),
+        Stage::Reorder => ("reorder", "vertices numbered in the order of first use"),
+        Stage::Encode => ("encode", "bytes laid out"),
+        Stage::ReadBack => ("verify", "bytes read back and proven"),
+        // The command prints the lines of the other stages with their results.
+        _ => ("stage", ""),
+    }
+}
 
 /// The time of each stage in seconds; serialized as a map with the keys of its command, `null` for stages that did not run.
 #[derive(Debug, Clone, Default)]
@@ -57,9 +78,9 @@ impl Serialize for Seconds {
     }
 }
 
-/// Measures the stages of an input. A stage ends when the next one starts, or with [`StageClock::observe`].
+/// Measures the stages of an input. A stage ends when the next one starts, or with the operation.
 pub(crate) struct StageClock {
-    bar: ProgressBar,
+    lines: Lines,
     budget: Option<Duration>,
     state: Mutex<State>,
 }
@@ -68,25 +89,29 @@ pub(crate) struct StageClock {
 struct State {
     current: Option<(Stage, Instant)>,
     times: BTreeMap<Stage, f64>,
+    /// Whether a line is printed when a stage ends.
+    prints: bool,
 }
 
 impl State {
-    fn end(&mut self) {
-        if let Some((stage, started)) = self.current.take() {
-            *self.times.entry(stage).or_default() += started.elapsed().as_secs_f64();
-        }
+    /// Ends the current stage; returns it with its time.
+    fn end(&mut self) -> Option<(Stage, f64)> {
+        let (stage, started) = self.current.take()?;
+        let seconds = started.elapsed().as_secs_f64();
+        *self.times.entry(stage).or_default() += seconds;
+        Some((stage, seconds))
     }
 }
 
 impl StageClock {
     /// Creates a clock that shows stages in the progress display, and stops each search after a time.
     pub(crate) fn new(console: &Console, budget: Option<Duration>) -> Self {
-        Self { bar: console.progress(), budget, state: Mutex::default() }
+        Self { lines: console.lines(), budget, state: Mutex::default() }
     }
 
     /// Creates a clock without times, for a part of the work that is reported by itself; [`StageClock::add`] takes its times over.
     pub(crate) fn fresh(&self) -> Self {
-        Self { bar: self.bar.clone(), budget: self.budget, state: Mutex::default() }
+        Self { lines: self.lines.clone(), budget: self.budget, state: Mutex::default() }
     }
 
     /// Calls an operation with this observer, and ends its last stage.
@@ -96,9 +121,27 @@ impl StageClock {
         result
     }
 
+    /// Calls an operation with this observer, and prints a line when a stage ends without an error.
+    pub(crate) fn observe_and_print<R, E>(
+        &self,
+        operation: impl FnOnce(&dyn Observer) -> Result<R, E>,
+    ) -> Result<R, E> {
+        self.state().prints = true;
+        let result = operation(self);
+        self.state().prints = result.is_ok();
+        self.end();
+        self.state().prints = false;
+        result
+    }
+
     /// Ends the current stage, if there is one.
     pub(crate) fn end(&self) {
-        self.state().end();
+        let mut state = self.state();
+        let Some((stage, seconds)) = state.end() else { return };
+        if state.prints {
+            let (name, what) = stage_text(stage);
+            self.lines.stage(name, what, Some(seconds));
+        }
     }
 
     /// Calls `work` as a stage.
@@ -142,14 +185,14 @@ impl StageClock {
 
 impl Observer for StageClock {
     fn stage(&self, stage: Stage) {
-        self.bar.set_message(stage.to_string());
-        let mut state = self.state();
-        state.end();
-        state.current = Some((stage, Instant::now()));
+        // Before the line of the last stage, below which the progress display is drawn again.
+        self.lines.progress().set_message(stage.to_string());
+        self.end();
+        self.state().current = Some((stage, Instant::now()));
     }
 
     fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
-        Box::new(SearchWatch::new(self.bar.clone(), self.budget, options))
+        Box::new(SearchWatch::new(self.lines.progress(), self.budget, options))
     }
 }
 
@@ -159,7 +202,7 @@ mod tests {
 
     #[test]
     fn seconds_are_sums_of_stages_and_null_for_those_that_did_not_run() {
-        let clock = StageClock { bar: ProgressBar::hidden(), budget: None, state: Mutex::default() };
+        let clock = StageClock { lines: Lines::new(true), budget: None, state: Mutex::default() };
         clock.observe(|observer| {
             [Stage::Prepare, Stage::Survey, Stage::Prove].map(|stage| observer.stage(stage))
         });

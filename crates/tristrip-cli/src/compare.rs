@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::job::Input;
 use crate::report::{self, Batch};
 use crate::search::interrupted;
-use crate::stage::{load_timed, show_mesh};
+use crate::stage::{load_input, show_mesh};
 use crate::task::CompareTask;
 
 /// The keys of `seconds`: each method has its own.
@@ -80,11 +80,10 @@ fn compare(
     if interrupted() {
         return Err(Failure::Input("not processed: interrupted".into()));
     }
-    let (model, load) = load_timed(input, console)?;
-    clock.add_seconds(Stage::Load, load);
+    let model = load_input(input, console, clock)?;
     let methods = MethodClocks { clock, console, of_methods: Mutex::default() };
-    let mut compared = clock.observe(|_| compare::run(&model, options, &methods))?;
-    show_mesh(&compared.mesh, compared.parts, &compared.notes, clock, console);
+    let mut compared = clock.observe_and_print(|_| compare::run(&model, options, &methods))?;
+    show_mesh(&compared.mesh, &compared.notes, model.notes.len(), console);
     let clocks = methods.of_methods.into_inner().unwrap_or_else(PoisonError::into_inner);
     for (row, clock) in compared.methods.iter_mut().zip(clocks) {
         row.seconds.stripify = clock.seconds(&[Stage::Stripify]);

@@ -15,16 +15,51 @@ use crate::task::Shared;
 
 /// The two output streams and their settings.
 pub(crate) struct Console {
-    quiet: bool,
+    lines: Lines,
     #[cfg(feature = "serve")]
     threads: Option<usize>,
     results: Results,
     /// Whether a second thread may animate the progress display.
     ticking: bool,
-    bar: ProgressBar,
     stdout: Stream,
     /// Whether standard error shows colours: it is a terminal, and `NO_COLOR` is not set.
     colours: bool,
+}
+
+/// Prints lines on standard error above the progress display. Threads share it by cloning.
+#[derive(Debug, Clone)]
+pub(crate) struct Lines {
+    quiet: bool,
+    bar: ProgressBar,
+}
+
+impl Lines {
+    /// Creates lines without a progress display; `quiet` ones are not printed.
+    pub(crate) fn new(quiet: bool) -> Self {
+        Self { quiet, bar: ProgressBar::hidden() }
+    }
+
+    /// Returns the progress display.
+    pub(crate) fn progress(&self) -> ProgressBar {
+        self.bar.clone()
+    }
+
+    /// Prints a line on a finished stage or a result: name, text and time.
+    pub(crate) fn stage(&self, name: &str, what: &str, seconds: Option<f64>) {
+        let time = seconds.map(text::duration).unwrap_or_default();
+        self.print(format!("  {name:<9} {what:<68} {time:>8}").trim_end());
+    }
+
+    fn print(&self, line: &str) {
+        if !self.quiet {
+            self.write_stderr(line);
+        }
+    }
+
+    fn write_stderr(&self, line: &str) {
+        // A failure to write to standard error cannot be reported.
+        self.bar.suspend(|| writeln!(io::stderr().lock(), "{line}").ok());
+    }
 }
 
 /// The style of the name before an error.
@@ -59,7 +94,7 @@ enum Stream {
 impl Console {
     pub(crate) fn new(shared: &Shared, output_is_stdout: bool) -> Self {
         Self {
-            quiet: shared.quiet,
+            lines: Lines::new(shared.quiet),
             #[cfg(feature = "serve")]
             threads: shared.threads,
             results: match (shared.json, output_is_stdout) {
@@ -68,7 +103,6 @@ impl Console {
                 (false, false) => Results::Text,
             },
             ticking: shared.threads != Some(1),
-            bar: ProgressBar::hidden(),
             stdout: Stream::Open,
             colours: AutoStream::choice(&io::stderr()) != ColorChoice::Never,
         }
@@ -76,47 +110,47 @@ impl Console {
 
     /// Begins an input: prints its name and starts the progress display; `steps` is the number of steps, if known.
     pub(crate) fn begin(&mut self, name: &str, steps: Option<usize>) {
-        self.print(name);
-        if self.quiet || !io::stderr().is_terminal() {
+        self.lines.print(name);
+        if self.lines.quiet || !io::stderr().is_terminal() {
             return;
         }
         let (bar, template) = match steps {
             Some(steps) => (ProgressBar::new(steps as u64), "  {bar:30} {pos}/{len} {msg}"),
             None => (ProgressBar::new_spinner(), "  {spinner} {msg} {elapsed}"),
         };
-        self.bar = match ProgressStyle::with_template(template) {
+        self.lines.bar = match ProgressStyle::with_template(template) {
             Ok(style) => bar.with_style(style),
             Err(_) => bar,
         };
         if self.ticking {
-            self.bar.enable_steady_tick(Duration::from_millis(100));
+            self.lines.bar.enable_steady_tick(Duration::from_millis(100));
         }
     }
 
-    /// Returns a handle to the progress display, for other threads.
-    pub(crate) fn progress(&self) -> ProgressBar {
-        self.bar.clone()
+    /// Returns a handle that prints lines, for the observer of an operation.
+    pub(crate) fn lines(&self) -> Lines {
+        self.lines.clone()
     }
 
     /// Shows the current activity in the progress display.
     pub(crate) fn doing(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
+        self.lines.bar.set_message(what.to_owned());
     }
 
     /// Advances the progress display by one step.
     pub(crate) fn step(&self) {
-        self.bar.inc(1);
+        self.lines.bar.inc(1);
     }
 
     /// Removes the progress display that [`Console::begin`] started.
     pub(crate) fn end(&mut self) {
-        std::mem::replace(&mut self.bar, ProgressBar::hidden()).finish_and_clear();
+        std::mem::replace(&mut self.lines.bar, ProgressBar::hidden()).finish_and_clear();
     }
 
     /// Returns whether only errors and requested results are printed.
     #[cfg(feature = "serve")]
     pub(crate) fn is_quiet(&self) -> bool {
-        self.quiet
+        self.lines.quiet
     }
 
     /// Returns the number of threads, if the user chose one.
@@ -128,30 +162,29 @@ impl Console {
     /// Prints a line on standard error.
     #[cfg(feature = "serve")]
     pub(crate) fn line(&self, line: &str) {
-        self.print(line);
+        self.lines.print(line);
     }
 
-    /// Prints a line on a finished stage: name, result and time.
+    /// Prints a line on a finished stage or a result: name, text and time.
     pub(crate) fn stage(&self, name: &str, what: &str, seconds: Option<f64>) {
-        let time = seconds.map(text::duration).unwrap_or_default();
-        self.print(format!("  {name:<9} {what:<68} {time:>8}").trim_end());
+        self.lines.stage(name, what, seconds);
     }
 
     /// Prints a note on an input.
     pub(crate) fn note(&self, note: &str) {
-        self.print(&format!("  {:<9} {note}", "note"));
+        self.lines.print(&format!("  {:<9} {note}", "note"));
     }
 
     /// Prints a warning on an input, also in quiet mode.
     pub(crate) fn warning(&self, name: &str, message: &str) {
         let word = if self.colours { format!("{WARNING}warning:{WARNING:#}") } else { "warning:".into() };
-        self.write_stderr(&format!("{word} {name}: {message}"));
+        self.lines.write_stderr(&format!("{word} {name}: {message}"));
     }
 
     /// Prints an error, also in quiet mode.
     pub(crate) fn error(&self, message: &str) {
         let name = if self.colours { format!("{ERROR}tristrip:{ERROR:#}") } else { "tristrip:".into() };
-        self.write_stderr(&format!("{name} {message}"));
+        self.lines.write_stderr(&format!("{name} {message}"));
     }
 
     /// Prints a text result to standard output, or to standard error if a mesh is written to standard output.
@@ -159,9 +192,9 @@ impl Console {
     /// In quiet mode, only `requested` results are printed: not those that accompany a written file.
     pub(crate) fn result(&mut self, text: &str, requested: bool) {
         match self.results {
-            _ if self.quiet && !requested => (),
+            _ if self.lines.quiet && !requested => (),
             Results::Text => self.write_stdout(text.as_bytes()),
-            Results::TextBesideMesh => self.write_stderr(text.trim_end()),
+            Results::TextBesideMesh => self.lines.write_stderr(text.trim_end()),
             Results::Json => (),
         }
     }
@@ -189,7 +222,7 @@ impl Console {
         if self.stdout != Stream::Open {
             return;
         }
-        let written = self.bar.suspend(|| {
+        let written = self.lines.bar.suspend(|| {
             let mut stdout = io::stdout().lock();
             stdout.write_all(bytes).and_then(|()| stdout.flush())
         });
@@ -206,16 +239,5 @@ impl Console {
     /// Returns whether all output to standard output was written.
     pub(crate) fn finish(&self) -> bool {
         self.stdout != Stream::Failed
-    }
-
-    fn print(&self, line: &str) {
-        if !self.quiet {
-            self.write_stderr(line);
-        }
-    }
-
-    fn write_stderr(&self, line: &str) {
-        // A failure to write to standard error cannot be reported.
-        self.bar.suspend(|| writeln!(io::stderr().lock(), "{line}").ok());
     }
 }

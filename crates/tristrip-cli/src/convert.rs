@@ -37,16 +37,12 @@ fn convert(
     clock: &StageClock,
 ) -> Result<Converted, Failure> {
     let target = job.output.as_ref().ok_or_else(|| Failure::Output("no output is named".into()))?;
-    let (model, load) = load_job(job, console)?;
-    clock.add_seconds(Stage::Load, load);
+    let model = load_job(job, console, clock)?;
     let mut options = convert::Options::new(target.format).with_verify(task.verify);
     if task.as_strips {
         options = options.with_layout(target.layout);
     }
     let mut outcome = output::encode(target, clock, |observer| convert::run(&model, &options, observer))?;
-    let size = format!("{}, {}", counted(outcome.parts, "part"), counted(outcome.faces, "face"));
-    console.stage("load", &size, Some(load));
-    outcome.notes.iter().for_each(|note| console.note(note));
     if let Some(strips) = outcome.strips {
         let what = format!("{} in the input's order", counted(strips, "strip"));
         console.stage("strips", &what, clock.seconds(&[Stage::Prepare, Stage::Stripify]));

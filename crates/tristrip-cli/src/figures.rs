@@ -38,13 +38,9 @@ pub(crate) fn summary(figures: &StripMetrics) -> String {
     table(&rows, 1..3)
 }
 
-/// Returns a line on the components and the edges of the mesh.
-pub(crate) fn mesh_line(mesh: &MeshProperties, parts: usize) -> String {
-    let mut words = Vec::new();
-    if parts != 1 {
-        words.push(counted(parts, "part"));
-    }
-    words.push(counted(mesh.components, "component"));
+/// Returns a line on the vertices, the components and the edges of the mesh.
+pub(crate) fn mesh_line(mesh: &MeshProperties) -> String {
+    let mut words = vec![counted(mesh.vertices, "vertex"), counted(mesh.components, "component")];
     words.push(match mesh.boundary_edges {
         0 => "closed".into(),
         n => counted(n, "boundary edge"),

@@ -73,6 +73,17 @@ pub(crate) fn run(task: &LevelTask, console: &mut Console) -> bool {
     report::finish(&reports, console)
 }
 
+/// Prints the results of the strips and collapses; the first `read` notes were printed before.
+fn show_built(outcome: &levels::Outcome, read: usize, console: &Console) {
+    show_mesh(&outcome.mesh, &outcome.notes, read, console);
+    let strips = count(outcome.strips_full);
+    let what = format!("{strips} of the full mesh ({})", outcome.method.description());
+    console.stage("strips", &what, None);
+    let base = counted(outcome.triangles_base, "triangle");
+    let what = format!("{} to a base mesh of {base}", counted(outcome.levels, "collapse"));
+    console.stage("result", &what, None);
+}
+
 /// An input that is drawn.
 struct Drawing<'a> {
     job: &'a Job,
@@ -87,12 +98,11 @@ impl Drawing<'_> {
             return Err(Failure::Input("not done: interrupted".into()));
         }
         let task = self.task;
-        let (model, load) = load_job(self.job, console)?;
-        self.clock.add_seconds(Stage::Load, load);
+        let model = load_job(self.job, console, self.clock)?;
         let options = levels::Options::default().with_stripify(task.options);
         let options = options.with_base(task.base).with_price(task.price).with_verify(task.verify);
-        let mut outcome = self.clock.observe(|observer| levels::run(&model, &options, observer))?;
-        self.show_building(&outcome, console);
+        let mut outcome = self.clock.observe_and_print(|observer| levels::run(&model, &options, observer))?;
+        show_built(&outcome, model.notes.len(), console);
         let drawn = match &task.camera {
             Some(camera) => self.draw_view(&model, &mut outcome, camera, console)?,
             None => self.draw_level(&model, &mut outcome, console)?,
@@ -109,17 +119,6 @@ impl Drawing<'_> {
             output: target.map(super::job::Output::name),
             layout: target.map(|target| target.layout.name()),
         })
-    }
-
-    /// Prints a line on each stage of the strips and collapses.
-    fn show_building(&self, outcome: &levels::Outcome, console: &Console) {
-        show_mesh(&outcome.mesh, outcome.parts, &outcome.notes, self.clock, console);
-        let strips = counted(outcome.strips_full, "strip");
-        let what = format!("{strips} of the full mesh ({})", outcome.method.description());
-        console.stage("stripify", &what, self.clock.seconds(&[Stage::Stripify]));
-        let base = counted(outcome.triangles_base, "triangle");
-        let what = format!("{} to a base mesh of {base}", counted(outcome.levels, "collapse"));
-        console.stage("simplify", &what, self.clock.seconds(&[Stage::Simplify]));
     }
 
     /// Prints what is drawn: its name, and how.

@@ -1,8 +1,9 @@
 //! The `tristrip` command: builds verified triangle strips for polygon meshes. [`run`] is all of it; the program only passes its arguments.
 //!
 //! ```text
-//! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab, tristrip-serve ─▶ output ─▶ figures ─▶ console
-//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ level │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ serve │ view │ repro
+//! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-render, tristrip-serve ─▶ output ─▶ figures ─▶ console
+//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ level │ chain │ build_lod
+//!                 pack │ unpack │ inspect │ serve │ view
 //! ```
 //! `serve` and `view` need the feature `serve`, and HTTPS the feature `tls`.
 //!

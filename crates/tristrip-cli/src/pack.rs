@@ -36,21 +36,18 @@ pub(crate) fn run(task: &PackTask, console: &mut Console) -> bool {
 }
 
 fn pack(job: &Job, task: &PackTask, console: &mut Console, clock: &StageClock) -> Result<Packed, Failure> {
-    let (model, load) = load_job(job, console)?;
-    clock.add_seconds(Stage::Load, load);
-    console.stage("load", &counted(model.parts.len(), "part"), Some(load));
-    model.notes.iter().for_each(|note| console.note(note));
-    let mut outcome = clock.observe(|observer| pack::run(&model, &task.options, observer))?;
+    let model = load_job(job, console, clock)?;
+    let mut outcome = clock.observe_and_print(|observer| pack::run(&model, &task.options, observer))?;
     let what = format!(
-        "{} of {} behind base meshes of {}",
+        "{} of {}, base meshes of {}",
         counted(outcome.chunks, "chunk"),
         counted(outcome.meshes, "mesh"),
         counted(outcome.base_triangles, "triangle")
     );
-    console.stage("pack", &what, clock.seconds(PACKING));
+    console.stage("result", &what, None);
     if let Some(triangles) = outcome.proven {
-        let what = format!("proven: the file holds exactly the {}", counted(triangles, "triangle"));
-        console.stage("verify", &what, None);
+        let what = format!("the file holds exactly the {}", counted(triangles, "triangle"));
+        console.stage("proven", &what, None);
     }
     outcome.notes.iter().skip(model.notes.len()).for_each(|note| console.note(note));
     // The report does not need the bytes.

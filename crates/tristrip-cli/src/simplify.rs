@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::{self, drawn_as};
 use crate::report::{self, Batch};
-use crate::stage::{load_job, show_mesh, timed};
+use crate::stage::{load_job, show_mesh, show_proof_of_collapses, timed};
 use crate::task::SimplifyTask;
 
 /// The width and height in pixels of each view of a picture.
@@ -60,12 +60,11 @@ fn simplify(
     console: &mut Console,
     clock: &StageClock,
 ) -> Result<Simplified, Failure> {
-    let (model, load) = load_job(job, console)?;
-    clock.add_seconds(Stage::Load, load);
+    let model = load_job(job, console, clock)?;
     let format = job.output.as_ref().map_or(Format::Ply, |output| output.format);
     let options = task.options.with_format(format);
-    let mut outcome = clock.observe(|observer| simplify::run(&model, &options, observer))?;
-    show_stages(&outcome, &job.input.name(), clock, console);
+    let mut outcome = clock.observe_and_print(|observer| simplify::run(&model, &options, observer))?;
+    show_result(&outcome, &job.input.name(), model.notes.len(), console);
     let mut picture = None;
     if let Some(path) = &task.picture {
         draw(path, [&model, &outcome.redrawn.model], console, &mut outcome.notes)?;
@@ -99,29 +98,21 @@ fn draw(path: &Path, models: [&Model; 2], console: &Console, notes: &mut Vec<Str
     Ok(())
 }
 
-/// Prints a line on each stage.
-fn show_stages(outcome: &simplify::Outcome, name: &str, clock: &StageClock, console: &Console) {
-    show_mesh(&outcome.mesh, outcome.parts, &outcome.notes, clock, console);
+/// Prints the results of the collapses; the first `read` notes were printed before. The deviations are in the
+/// summary.
+fn show_result(outcome: &simplify::Outcome, name: &str, read: usize, console: &Console) {
+    show_mesh(&outcome.mesh, &outcome.notes, read, console);
     let collapses = &outcome.collapses;
-    let [left, done] =
-        [counted(collapses.triangles_after, "triangle"), counted(collapses.collapse_count, "collapse")];
-    let seconds = clock.seconds(&[Stage::Simplify, Stage::Rebuild]);
-    console.stage("simplify", &format!("{left} after {done}"), seconds);
+    let left = counted(collapses.triangles_after, "triangle");
+    let done = counted(collapses.collapse_count, "collapse");
+    console.stage("result", &format!("{left} after {done}"), None);
+    if let Some(positions) = outcome.moved_positions {
+        let what = format!("{} moved closer to the original", counted(positions, "position"));
+        console.stage("result", &what, None);
+    }
+    show_proof_of_collapses(outcome.proven, console);
     if let Some(warning) = &outcome.warning {
         console.warning(name, warning);
-    }
-    if outcome.proven {
-        let what = "proven: replaying the collapses removes exactly these triangles";
-        console.stage("verify", what, clock.seconds(&[Stage::Prove]));
-    } else {
-        console.stage("verify", "skipped", None);
-    }
-    if let Some(positions) = outcome.moved_positions {
-        let what = format!("{} closer to the original", counted(positions, "position"));
-        console.stage("fit", &what, clock.seconds(&[Stage::Fit]));
-    }
-    if let Some(found) = &outcome.deviations {
-        console.stage("compare", &deviation_line(found), clock.seconds(&[Stage::Compare]));
     }
 }
 

@@ -1,4 +1,4 @@
-//! The first stages of an input: its model is loaded, and the mesh is shown.
+//! The first stages of an input: its model is loaded, and its mesh is reported.
 
 use std::time::Instant;
 
@@ -20,39 +20,63 @@ pub(crate) fn timed<R>(work: impl FnOnce() -> R) -> (R, f64) {
     (result, start.elapsed().as_secs_f64())
 }
 
-/// Loads an input, and returns it with the time in seconds.
-pub(crate) fn load_timed(input: &Input, console: &Console) -> Result<(Model, f64), Failure> {
-    console.doing("load");
-    let (model, seconds) = timed(|| load(input));
-    Ok((model?, seconds))
+/// Loads an input, and prints what it holds and the notes of the reader.
+pub(crate) fn load_input(input: &Input, console: &Console, clock: &StageClock) -> Result<Model, Failure> {
+    let model = clock.timed(Stage::Load, || load(input))?;
+    show_loaded(&model, "", console, clock);
+    Ok(model)
 }
 
-/// Loads the input of a job as [`load_timed`] does; a result in glTF gets the images that the input has in separate files. They stay
-/// where they are for a `.gltf` in the folder of the input. A result with materials gets those of an OBJ and its libraries, and an OBJ those of glTF.
-pub(crate) fn load_job(job: &Job, console: &Console) -> Result<(Model, f64), Failure> {
-    let (mut model, seconds) = load_timed(&job.input, console)?;
-    let Some(output) = &job.output else { return Ok((model, seconds)) };
-    let (images, image_seconds) = timed(|| output.target().complete(&mut model, job.input.path.as_deref()));
-    let images = images.map_err(|error| Failure::reading(&job.input.name(), &error))?;
+/// Loads the input of a job as [`load_input`] does. A glTF result gets the images that the input has in
+/// separate files, unless it is a `.gltf` in the directory of the input, which refers to them. A result
+/// with materials gets those of an OBJ and its libraries, and an OBJ those of glTF.
+pub(crate) fn load_job(job: &Job, console: &Console, clock: &StageClock) -> Result<Model, Failure> {
+    let Some(output) = &job.output else { return load_input(&job.input, console, clock) };
+    let name = job.input.name();
+    let (model, images) = clock.timed(Stage::Load, || {
+        let mut model = load(&job.input)?;
+        let images = output.target().complete(&mut model, job.input.path.as_deref());
+        Ok::<_, Failure>((model, images.map_err(|error| Failure::reading(&name, &error))?))
+    })?;
+    show_loaded(&model, "", console, clock);
     if let Some(first) = images.left.first() {
         let message = format!("images that the file only refers to: {}, such as {first}", images.left.len());
-        console.warning(&job.input.name(), &message);
+        console.warning(&name, &message);
     }
-    Ok((model, seconds + image_seconds))
+    Ok(model)
 }
 
-/// Prints what was loaded and its notes: the first lines of operations that build or bound strips.
-pub(crate) fn show_mesh(
-    mesh: &MeshProperties,
-    parts: usize,
-    notes: &[String],
-    clock: &StageClock,
-    console: &Console,
-) {
-    let faces = counted(mesh.faces, "face");
-    let size = format!("{faces}, {}", counted(mesh.vertices, "vertex"));
-    console.stage("load", &size, clock.seconds(&[Stage::Load]));
-    console.stage("mesh", &mesh_line(mesh, parts), clock.seconds(&[Stage::Survey]));
-    notes.iter().for_each(|note| console.note(note));
-    console.stage("dual", &format!("{faces} joined across shared edges"), clock.seconds(&[Stage::Prepare]));
+/// Prints the numbers of parts and faces of a model after a prefix, and the notes of the reader.
+pub(crate) fn show_loaded(model: &Model, prefix: &str, console: &Console, clock: &StageClock) {
+    let faces: usize = model.parts.iter().map(|part| part.mesh.faces().face_count()).sum();
+    let what = format!("{prefix}{}, {}", counted(model.parts.len(), "part"), counted(faces, "face"));
+    console.stage("load", &what, clock.seconds(&[Stage::Load]));
+    model.notes.iter().for_each(|note| console.note(note));
+}
+
+/// Prints the counts of the mesh and the notes of an operation, without the first `read` notes, which were
+/// printed when the model was loaded.
+pub(crate) fn show_mesh(mesh: &MeshProperties, notes: &[String], read: usize, console: &Console) {
+    console.stage("mesh", &mesh_line(mesh), None);
+    notes.iter().skip(read).for_each(|note| console.note(note));
+}
+
+/// Prints that strips are proven, or that the proof was skipped.
+pub(crate) fn show_proof(proven: bool, mesh: &MeshProperties, console: &Console) {
+    if proven {
+        let faces = counted(mesh.faces, "face");
+        let what = format!("every face exactly once, with its original winding ({faces})");
+        console.stage("proven", &what, None);
+    } else {
+        console.stage("verify", "skipped", None);
+    }
+}
+
+/// Prints that collapses are proven, or that the proof was skipped.
+pub(crate) fn show_proof_of_collapses(proven: bool, console: &Console) {
+    if proven {
+        console.stage("proven", "replaying the collapses removes exactly these triangles", None);
+    } else {
+        console.stage("verify", "skipped", None);
+    }
 }

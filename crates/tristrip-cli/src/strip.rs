@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde::Serialize;
 use tristrip_io::Model;
-use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{DrawnParts, FileCost, Stage, encode, strip};
+use tristrip_pipeline::text::count;
+use tristrip_pipeline::{DrawnParts, FileCost, encode, strip};
 use tristrip_render::images::{self, RenderOptions};
 use tristrip_render::text as render_text;
 
@@ -20,7 +20,7 @@ use crate::output::{self, drawn_as};
 use crate::reorder::GroupOrder;
 use crate::report::{self, Batch};
 use crate::search::interrupted;
-use crate::stage::{load_job, show_mesh, timed};
+use crate::stage::{load_job, show_mesh, show_proof, timed};
 use crate::task::StripTask;
 
 /// What was done with one input; the keys are those of the JSON output.
@@ -79,11 +79,10 @@ fn strip(
     if interrupted() {
         return Err(Failure::Input("not processed: interrupted".into()));
     }
-    let (model, load) = load_job(job, console)?;
-    clock.add_seconds(Stage::Load, load);
+    let model = load_job(job, console, clock)?;
     let options = strip::Options::default().with_stripify(task.options).with_verify(task.verify);
-    let strips = clock.observe(|observer| strip::run(&model, &options, observer))?;
-    show_strips(&strips, clock, console);
+    let strips = clock.observe_and_print(|observer| strip::run(&model, &options, observer))?;
+    show_strips(&strips, model.notes.len(), console);
     let mut stripped = Stripped {
         strips,
         output: None,
@@ -106,20 +105,16 @@ fn strip(
     Ok(stripped)
 }
 
-/// Prints a line on each stage of the strips.
-fn show_strips(strips: &strip::Outcome, clock: &StageClock, console: &Console) {
-    let strip::Outcome { mesh, parts, notes, method, metrics, bound, proven, .. } = strips;
-    show_mesh(mesh, *parts, notes, clock, console);
-    let what = format!("{} ({})", counted(metrics.strips, "strip"), method.description());
-    console.stage("stripify", &what, clock.seconds(&[Stage::Stripify]));
+/// Prints the results of the strips; the first `read` notes were printed before.
+fn show_strips(strips: &strip::Outcome, read: usize, console: &Console) {
+    let strip::Outcome { mesh, notes, method, metrics, bound, proven, .. } = strips;
+    show_mesh(mesh, notes, read, console);
+    let what = format!("{} ({})", count(metrics.strips), method.description());
+    console.stage("strips", &what, None);
     if let Some(gap) = bound {
-        console.stage("bound", &gap_line(gap), clock.seconds(&[Stage::Bound]));
+        console.stage("bound", &gap_line(gap), None);
     }
-    if *proven {
-        console.stage("verify", &proven_line(mesh.faces), clock.seconds(&[Stage::Prove]));
-    } else {
-        console.stage("verify", "skipped", None);
-    }
+    show_proof(*proven, mesh, console);
 }
 
 /// Writes each part as strips or as a list, whichever has fewer indices, with the vertices in order of first use if requested.
@@ -159,13 +154,4 @@ fn draw(path: &Path, model: &Model, strips: &strip::Outcome, console: &Console) 
     let what = format!("{}, {} × {} pixels", path.display(), options.width, options.height);
     console.stage("picture", &what, Some(seconds));
     Ok(())
-}
-
-/// Returns a line on what was proven.
-fn proven_line(faces: usize) -> String {
-    match faces {
-        0 => "proven: draws no faces, as the source".into(),
-        1 => "proven: draws exactly the one face, with its winding".into(),
-        _ => format!("proven: draws exactly the {}, each once, with its winding", counted(faces, "face")),
-    }
 }

@@ -7,9 +7,9 @@ use tristrip_pipeline::{Stage, verify};
 
 use crate::clock::{STRIP_SECONDS, Seconds, StageClock};
 use crate::console::Console;
-use crate::failure::Failure;
+use crate::input::load;
 use crate::job::Input;
-use crate::stage::load_timed;
+use crate::stage::show_loaded;
 use crate::task::VerifyTask;
 
 /// The report of both files; the keys are those of the JSON output.
@@ -45,7 +45,7 @@ pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
         } else {
             let faces = counted(outcome.faces, "face");
             let verdict = format!(
-                "proven: {result} draws exactly the {faces} of {source}, each once, with its winding\n"
+                "proven: {result} draws every face of {source} exactly once, with its original winding ({faces})\n"
             );
             console.result(&verdict, false);
         }
@@ -66,12 +66,11 @@ fn compare(
     clock: &StageClock,
     notes: &mut Vec<String>,
 ) -> Result<verify::Outcome, String> {
-    let source = load(&task.source, console, clock)?;
-    let result = load(&task.result, console, clock)?;
+    let source = load_named(&task.source, console, clock)?;
+    let result = load_named(&task.result, console, clock)?;
     for (input, model) in [(&task.source, &source), (&task.result, &result)] {
         notes.extend(model.notes.iter().map(|note| format!("{}: {note}", input.name())));
     }
-    notes.iter().for_each(|note| console.note(note));
     let outcome = clock.observe(|observer| verify::run(&source, &result, observer));
     let outcome = outcome.map_err(|error| error.to_string())?;
     let verdict = if outcome.proven { "the same faces" } else { "not the same faces" };
@@ -80,13 +79,11 @@ fn compare(
 }
 
 /// Reads a file, and prints what it holds.
-fn load(input: &Input, console: &Console, clock: &StageClock) -> Result<Model, String> {
-    let name = input.name();
-    let loaded = load_timed(input, console).map_err(|failure: Failure| format!("{name}: {failure}"));
-    let (model, seconds) = loaded?;
-    clock.add_seconds(Stage::Load, seconds);
-    let faces: usize = model.parts.iter().map(|part| part.mesh.faces().face_count()).sum();
-    let what = format!("{name}: {}, {}", counted(model.parts.len(), "part"), counted(faces, "face"));
-    console.stage("load", &what, Some(seconds));
+fn load_named(input: &Input, console: &Console, clock: &StageClock) -> Result<Model, String> {
+    let (name, loading) = (input.name(), clock.fresh());
+    let loaded = loading.timed(Stage::Load, || load(input));
+    let model = loaded.map_err(|failure| format!("{name}: {failure}"))?;
+    show_loaded(&model, &format!("{name}: "), console, &loading);
+    clock.add(&loading);
     Ok(model)
 }

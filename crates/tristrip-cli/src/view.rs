@@ -9,11 +9,11 @@ use std::thread;
 use serde::Serialize;
 use tristrip_io::Format;
 use tristrip_io::gltf::ProgressiveGlb;
+use tristrip_pipeline::pack;
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{Stage, pack};
 use tristrip_serve::{Content, MemoryFile, Server};
 
-use crate::clock::{PACKING, StageClock};
+use crate::clock::StageClock;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
@@ -96,13 +96,11 @@ fn pack_job(job: &Job, console: &mut Console, clock: &StageClock) -> Result<Show
         let notes = cut_off.into_iter().collect();
         return Ok(Shown::new(MemoryFile { name, bytes }, None, notes));
     }
-    let (model, load) = load_job(job, console)?;
-    clock.add_seconds(Stage::Load, load);
-    console.stage("load", &counted(model.parts.len(), "part"), Some(load));
-    model.notes.iter().for_each(|note| console.note(note));
-    let packed = clock.observe(|observer| pack::run(&model, &pack::Options::default(), observer))?;
+    let model = load_job(job, console, clock)?;
+    let packed =
+        clock.observe_and_print(|observer| pack::run(&model, &pack::Options::default(), observer))?;
     let what = format!("{} of {}", counted(packed.chunks, "chunk"), counted(packed.meshes, "mesh"));
-    console.stage("pack", &what, clock.seconds(PACKING));
+    console.stage("result", &what, None);
     packed.notes.iter().skip(model.notes.len()).for_each(|note| console.note(note));
     let is_glb = name.to_ascii_lowercase().ends_with(".glb");
     let name = if is_glb { name } else { format!("{name}.glb") };

@@ -1,6 +1,11 @@
-//! Searches of `tristrip strip`: bounds, repeatable results, budgets and interrupts.
+//! Searches of `tristrip strip`: bounds, repeatable results, budgets, interrupts and the lines of stages.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics fails")]
+
+#[cfg(target_os = "linux")]
+use std::io::{BufRead, BufReader};
+#[cfg(target_os = "linux")]
+use std::process::{Child, Command, Stdio};
 
 use super::{json, keys, model, tristrip};
 use serde_json::Value;
@@ -69,30 +74,64 @@ fn handles_interrupts(process: u32) -> bool {
     u64::from_str_radix(mask.trim(), 16).unwrap() & 1 << (2 - 1) != 0
 }
 
+/// Starts a search that takes seconds.
+#[cfg(target_os = "linux")]
+fn long_search(arguments: &[&std::ffi::OsStr]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_tristrip"))
+        .args(["strip", "--json", "-m", "best", "--effort", "9"])
+        .args(arguments)
+        .arg(model("wingnut.ply"))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Sends Ctrl-C to a process once it handles the signal: its search has started then.
+#[cfg(target_os = "linux")]
+fn interrupt(child: &mut Child) {
+    while !handles_interrupts(child.id()) {
+        assert!(child.try_wait().unwrap().is_none(), "the search ended before it was interrupted");
+        std::thread::yield_now();
+    }
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+}
+
 /// Sends Ctrl-C during a search: the best result so far is proven and written.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_interrupt_stops_a_search_with_a_proven_result() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("wingnut.glb");
-    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_tristrip"))
-        .args(["strip", "--json", "-m", "best", "--effort", "9", "-o"])
-        .arg(&out)
-        .arg(model("wingnut.ply"))
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::null())
-        .spawn()
-        .unwrap();
-    // The search takes seconds. It has started once the process handles the signal.
-    while !handles_interrupts(child.id()) {
-        assert!(child.try_wait().unwrap().is_none(), "the search ended before it was interrupted");
-        std::thread::yield_now();
-    }
-    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(killed.success());
+    let mut child = long_search(&["-o".as_ref(), out.as_os_str()]);
+    interrupt(&mut child);
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&report["stopped"], &report["proven"]), (&"interrupt".into(), &true.into()));
     assert!(out.exists());
+}
+
+/// Regression: the lines of all stages were printed when the operation returned. Here the lines of the stages
+/// before the search are read while it runs: Ctrl-C still stops it.
+#[cfg(target_os = "linux")]
+#[test]
+fn lines_of_stages_are_printed_when_they_end() {
+    let mut child = long_search(&[]);
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let before: Vec<_> = lines.by_ref().take(4).collect();
+    interrupt(&mut child);
+    let after: Vec<_> = lines.collect();
+    let output = child.wait_with_output().unwrap();
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["stopped"], "interrupt", "the search ended before its lines were printed");
+    let names = |lines: &[String]| -> Vec<String> {
+        lines.iter().map(|line| line.split_whitespace().next().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names(&before[1..]), ["load", "dual", "mesh"], "{before:?}");
+    let expected = ["stripify", "measure", "bound", "verify", "mesh", "note", "strips", "bound", "proven"];
+    assert_eq!(names(&after), expected, "{after:?}");
+    let has_time = |line: &String| line.ends_with(" ms") || line.ends_with(" s");
+    assert!(before[1..].iter().chain(&after[..4]).all(has_time), "{before:?} {after:?}");
 }

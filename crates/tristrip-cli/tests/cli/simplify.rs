@@ -79,6 +79,18 @@ fn the_report_has_its_keys_and_describes_the_file() {
 }
 
 #[test]
+fn each_stage_has_a_line_and_the_results_follow() {
+    let mut command = tristrip();
+    command.args(["simplify", "--triangles", "9000", "--fit"]).arg(model("hand.ply"));
+    let assert = command.assert().success();
+    let text = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+    let names: Vec<_> = text.lines().skip(1).map(|line| line.split_whitespace().next().unwrap()).collect();
+    let stages = ["load", "dual", "mesh", "simplify", "verify", "fit", "rebuild", "compare"];
+    let results = ["mesh", "result", "result", "proven"];
+    assert_eq!(names, [&stages[..], &results].concat(), "{text}");
+}
+
+#[test]
 fn an_error_limit_holds_alone_and_with_a_triangle_count() {
     let run = |arguments: &[&str]| {
         json(tristrip().args(["simplify", "--json"]).args(arguments).arg(model("hand.ply")))
@@ -372,7 +384,7 @@ fn fit_moves_positions_and_reports_them() {
     }
     let mut command = tristrip();
     let command = command.args(["simplify", "--ratio", "5%", "--fit"]).arg(model("hand.ply"));
-    command.assert().success().stderr(contains("positions closer to the original"));
+    command.assert().success().stderr(contains("positions moved closer to the original"));
     // Levels of detail share the vertices of the input.
     let mut command = tristrip();
     let command = command.args(["chain", "--ratios", "100%,50%", "--fit"]).arg(model("hand.ply")).arg("-o");

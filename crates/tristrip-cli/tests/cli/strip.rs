@@ -129,7 +129,7 @@ fn the_report_contains_the_method_and_its_options() {
 #[test]
 fn text_goes_to_stdout_and_stages_to_stderr() {
     let stages = contains("load ").and(contains("mesh ")).and(contains("dual ")).and(contains("stripify "));
-    let proven = contains("proven: draws exactly the 112 faces, each once, with its winding");
+    let proven = contains("every face exactly once, with its original winding (112 faces)");
     tristrip()
         .arg("strip")
         .arg(model("fish_control.ply"))
@@ -251,7 +251,7 @@ fn meshes_are_read_from_stdin_and_written_to_stdout() {
         .write_stdin(glb)
         .assert()
         .success()
-        .stdout(contains("proven: - draws exactly the 112 faces"));
+        .stdout(contains("proven: - draws every face of ").and(contains("(112 faces)")));
     tristrip().args(["strip", "-", "--from", "ply", "-q"]).write_stdin(file).assert().success();
     tristrip()
         .args(["strip", "-", "--from", "off"])
