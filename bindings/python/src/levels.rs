@@ -378,7 +378,7 @@ impl Levels {
     }
 
     /// Return the index buffer of a part at the current level, and the ranges in which it differs from that of the last call with this layout and
-    /// dtype, so that only these are sent to a graphics processor: (start, end) in indices.
+    /// dtype: only these need to be uploaded to the GPU. They are (start, end) in indices.
     ///
     /// The dtype is "uint8", "uint16" or "uint32"; by default "uint16" where all vertices fit.
     #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)), text_signature = "($self, layout='restart', dtype=None, *, part=0)")]

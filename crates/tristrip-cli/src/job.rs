@@ -189,7 +189,7 @@ fn jobs_to_directory(
         ));
     }
     let mut first: HashMap<PathBuf, String> = HashMap::new();
-    // Links followed, so that an input is found by any of its names.
+    // Links are followed, to find an input by any of its names.
     let all: HashSet<PathBuf> =
         inputs.iter().filter_map(|input| input.path.as_ref()?.canonicalize().ok()).collect();
     let mut jobs = Vec::with_capacity(inputs.len());

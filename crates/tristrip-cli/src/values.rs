@@ -1,6 +1,6 @@
 //! The values that flags parse to, and their names on the command line.
 //!
-//! These types depend on no other part of the command, so that flags, tasks and subcommands can share them.
+//! These types depend on no other part of the command: flags, tasks and subcommands share them.
 
 #[cfg(feature = "serve")]
 mod rates;

@@ -4,7 +4,7 @@
 //! papers/*.json ─▶ paper ─▶ runner (all methods on all models, proven) ─▶ comparison, statistics ─▶ page ─▶ docs/reproduction/KEY.md
 //!  tables, claims, figures                                              └▶ draw, chart           ─▶       docs/reproduction/*.svg
 //! ```
-//! Pages contain no times, so that they have the same bytes on every machine. If a model is not in the folder, its rows have no measured
+//! Pages contain no times and have the same bytes on every machine. If a model is not in the folder, its rows have no measured
 //! values, which is not an error; a result that is not proven is an error.
 
 mod comparison;
@@ -180,7 +180,7 @@ fn write_page(
     } else {
         for chart in &compared.charts {
             let path = folder.join(&chart.file);
-            // The page needs the file, so that an empty chart is written if there is none.
+            // The page needs the file: an empty chart is written if there is none.
             if chart.is_measured || !path.exists() {
                 report.outputs.push(write(&path, &chart.contents)?);
             }

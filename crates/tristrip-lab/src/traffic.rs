@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! ModelLevels ─▶ TrafficModel ─▶ measure_levels: rows of chosen levels    ─▶ table, chart
-//!                            └▶ totals: sums over all levels, each once
+//!                            └▶ totals: sums over all levels
 //! ```
 
 mod chart;

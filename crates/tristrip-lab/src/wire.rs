@@ -16,15 +16,15 @@
 //!
 //! # Algorithm
 //! 1. Vertices get new numbers in the order in which they are sent: those of the base map by their first slot, then each restored one. The paper inserts
-//!    a vertex at its old index, and increments all indices from there on; with this order it is always the last one, so that neither its index
+//!    a vertex at its old index, and increments all indices from there on; with this order it is always the last one, and neither its index
 //!    is sent nor another index changes. Vertices in no slot of any level are not sent.
 //! 2. The base map is sent: vertices, restarts, and the four symbols R−2, R−1, R+1, R+2 of [`Encoding::Offsets`](tristrip::lod::Encoding). The exceptions of the
 //!    paper, disjoint and closed vertices, are slots that hold the vertex itself, at the base level or in a record.
 //! 3. For each level a record per restored vertex is sent, as equation 2 has it.
 //!
 //! Departures from the paper:
-//! - A header of 20 bytes has the counts, so that the bytes describe themselves.
-//! - Equation 2 does not say where a record ends. Here the lowest bit of each slot does, so that a record still takes 12 + 2 u bytes.
+//! - A header of 20 bytes has the counts: the bytes describe themselves.
+//! - Equation 2 does not say where a record ends. Here the lowest bit of each slot does; a record still takes 12 + 2 u bytes.
 //! - Two bytes hold slots up to 32,765. A larger map has slots of three bytes, and records of 12 + 3 u, or of four. The bunny of the paper has about 88,000
 //!   slots, which two bytes cannot name either. Entries of the map have more than two bytes if the base mesh has more than 65,531 vertices.
 //! - A split on an attribute seam restores several vertices of one position. The record of each but the last is longer by a slot. A vertex without

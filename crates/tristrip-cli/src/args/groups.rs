@@ -88,7 +88,7 @@ pub(crate) struct CollapseArgs {
     /// Allow holes to close, handles to vanish and textures to shift at seams, for very small results
     #[arg(long, hide_short_help = true)]
     pub(crate) permissive: bool,
-    /// Keep all vertices at open borders, so that the tiles of a terrain still fit together
+    /// Keep all vertices at open borders; the tiles of a terrain still fit together
     #[arg(long, hide_short_help = true)]
     pub(crate) lock_borders: bool,
     /// Join the two sides of an open border up to this distance or % of the diagonal [default: 0.0001%]

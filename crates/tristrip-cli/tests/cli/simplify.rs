@@ -371,7 +371,7 @@ fn fit_moves_positions_and_reports_them() {
     });
     assert!(before.get("moved_positions").is_none() && before["seconds"]["fit"].is_null());
     let moved = number(&after, "moved_positions");
-    // The hand is closed, so that hardly a position stays.
+    // The hand is closed: almost all positions move.
     assert!(moved <= number(&after, "vertices_after") && moved > 300, "{moved}");
     assert!(after["seconds"]["fit"].is_number() && after["proven"] == true);
     assert_eq!(number(&before, "triangles_after"), number(&after, "triangles_after"));

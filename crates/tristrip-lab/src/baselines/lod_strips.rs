@@ -5,7 +5,7 @@
 //! computed beforehand, and a move to another level makes those in between, one level after the other. What was filled in:
 //! - A change of a strip lists the places in its vector that are renamed, and those that are removed with their vertices, which are inserted again when the
 //!   change is undone. All places are those before the collapse.
-//! - Vertices are removed as for SETS, so that the winding of the triangles is kept, which the paper does not do.
+//! - Vertices are removed as for SETS, which keeps the winding of the triangles; the paper does not.
 //! - Its collapses are those of any sequence; the paper has a simplification of its own.
 //!
 //! # References

@@ -3,13 +3,13 @@
 //!
 //! # A reconstruction
 //! The paper of MTS is not at hand; this follows what the paper of SETS says about it: strips as graphs of vertices and successors, whose lists are not
-//! sorted by level, and, as there, modified so that the winding of the triangles is kept. What was filled in:
+//! sorted by level, and, as there, modified to keep the winding of the triangles. What was filled in:
 //! - An edge is a slot of the strip in which the vertex stands, the vertex that follows it, and the first and the last state at which it does. The edges of a
-//!   vertex stand in the order of the slots, so that its valid edges are its visits in their order. The walk counts the visits; each of them searches
+//!   vertex stand in the order of the slots: its valid edges are its visits in their order. The walk counts the visits; each of them searches
 //!   the list linearly for its valid edge.
 //! - Strips are walked only when their own vertices change, as for SETS. Table 3 of that paper has the times of both models fall as more levels are
 //!   recovered, "due to the use of coherence".
-//! - Labels, states and packed arrays are those of SETS, so that the two differ only in their lists.
+//! - Labels, states and packed arrays are those of SETS; the two differ only in their lists.
 //!
 //! # References
 //! Belmonte, Remolar, Ribelles, Chover, Fernández: *Efficiently Using Connectivity Information between Triangles in a Mesh for Real-Time Rendering*, 2004.

@@ -53,7 +53,7 @@ impl Sweep {
     }
 }
 
-/// Returns the root of a number of at least 1, to a relative error of 1e-13. Only products decide, so that it is the same on every machine.
+/// Returns the root of a number of at least 1, to a relative error of 1e-13. Only products decide: it is the same on every machine.
 fn root(number: f64, degree: usize) -> f64 {
     let power = |base: f64| {
         let (mut power, mut square, mut left) = (1.0, base, degree);

@@ -1,4 +1,4 @@
-//! What a page was measured on, so that a run without all models does not replace a page by one with less.
+//! What a page was measured on: a run without all models must not replace it by a page with less.
 //!
 //! The coverage is read from the page itself, old or new: for each row of a table whether it was measured, and for each claim on how many
 //! models.

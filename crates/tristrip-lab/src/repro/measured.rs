@@ -190,7 +190,7 @@ fn measure_strips(
     prepared.prove(&strips)?;
     let mut progress = watch.progress.into_inner().unwrap_or_default();
     let searches = watch.searches.into_inner().unwrap_or_default();
-    // The watch is asked at intervals, so that it may have missed the last joins.
+    // The watch is asked at intervals and may have missed the last joins.
     if let Some(accesses) = searches.accesses() {
         progress.push((accesses, strips.iter().map(Strips::len).sum()));
     }

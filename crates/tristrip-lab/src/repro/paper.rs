@@ -1,7 +1,7 @@
 //! The published results of a paper as data: tables, figures and claims, and the measurements with which they are compared.
 //!
 //! A paper is a JSON file in `papers/`. A new table, figure or claim is an entry there; a new kind of measurement is a variant of
-//! [`Quantity`], [`ChartKind`] or [`Statistic`]. Strips are given by the flags of the command that computes them, so that each measured
+//! [`Quantity`], [`ChartKind`] or [`Statistic`]. Strips are given by the flags of the command that computes them: each measured
 //! value can be reproduced by hand: `tristrip strip MODEL` with the same flags. A part of a paper that is measured by itself, a *section*, is a
 //! file of its own with the same key.
 
@@ -34,7 +34,7 @@ pub(crate) struct Paper {
 pub(crate) struct PublishedTable {
     pub(crate) name: String,
     pub(crate) shows: String,
-    /// Whether the published models have polygons, so that a page must note files with triangles only.
+    /// Whether the published models have polygons; a page must then note files with triangles only.
     #[serde(default)]
     pub(crate) polygons: bool,
     pub(crate) columns: Vec<PublishedColumn>,

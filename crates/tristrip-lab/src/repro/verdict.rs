@@ -17,7 +17,7 @@ pub(crate) enum Verdict {
     NotAvailable,
     /// The project does not measure it.
     NotMeasured,
-    /// A different model was measured, so that the values are not comparable.
+    /// A different model was measured; the values are not comparable.
     StandIn(String),
 }
 

@@ -90,7 +90,7 @@ pub fn totals(levels: &ModelLevels, repair: RepairOptions) -> Result<Vec<FilterT
 /// Formats totals as a text table.
 pub fn as_text(totals: &[FilterTotal]) -> String {
     let head =
-        ["  all levels, each once", "vertices sent", "per triangle", "of single triangles"].map(String::from);
+        ["  sum over all levels", "vertices sent", "per triangle", "of single triangles"].map(String::from);
     let line = |total: &FilterTotal| {
         let name = if total.filter == SINGLE_TRIANGLES { "as triangles" } else { &total.filter };
         vec![

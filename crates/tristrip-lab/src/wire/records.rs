@@ -45,7 +45,7 @@ impl Records {
 
     /// Writes the entries that the slots of a split had before.
     pub(super) fn collapse(&self, number: usize, entries: &mut [u32]) {
-        // From the last one back, so that a slot that is written twice gets its first entry.
+        // From the last one back: a slot that is written twice gets its first entry.
         for i in range(&self.vertex_ends, number).rev() {
             let range = range(&self.slot_ends, i);
             for (&slot, &entry) in self.slots[range.clone()].iter().zip(&self.coarse[range]) {

@@ -49,7 +49,7 @@ fn shares_are_those_of_the_printed_traffic() {
     }
 }
 
-/// A collapse drops about as many triangles at every level, so that the levels have half of the triangles of both ends on average.
+/// A collapse drops about as many triangles at every level: on average, a level has half of the triangles of both ends.
 #[test]
 fn traffic_and_strips_follow_from_the_triangles() {
     let paper = paper();
