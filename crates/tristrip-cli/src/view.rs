@@ -78,7 +78,8 @@ pub(crate) fn run(task: &ViewTask, console: &mut Console) -> bool {
     until_signal(server, console)
 }
 
-/// Opens a browser on a thread of its own: one that runs in the terminal ends only after the server has answered it.
+/// Opens a browser on a thread of its own: one that runs in the terminal ends only after the server
+/// has answered it.
 fn open_browser(url: String, is_quiet: bool) {
     thread::spawn(move || {
         if webbrowser::open(&url).is_err() && !is_quiet {
@@ -114,7 +115,8 @@ impl Shown {
     }
 }
 
-/// Reads a file that is a progressive GLB already, and says whether it is cut off: the viewer shows what is there.
+/// Reads a file that is a progressive GLB already, and says whether it is cut off: the viewer shows
+/// what is there.
 fn progressive(job: &Job) -> Option<(Vec<u8>, Option<String>)> {
     let path = job.input.path.as_ref().filter(|path| Format::from_path(path) == Some(Format::Glb))?;
     let bytes = Arc::new(std::fs::read(path).ok()?);

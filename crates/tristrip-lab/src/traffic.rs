@@ -1,4 +1,5 @@
-//! What levels of detail send: the vertices of every filter at each level, and the updates between levels.
+//! What levels of detail send: the vertices of every filter at each level, and the updates between
+//! levels.
 //!
 //! ```text
 //! ModelLevels ─▶ TrafficModel ─▶ measure_levels: rows of chosen levels    ─▶ table, chart

@@ -1,4 +1,5 @@
-//! The splits that have arrived: what each writes into the slots of the index map, and what was there before.
+//! The splits that have arrived: what each writes into the slots of the index map, and what was
+//! there before.
 
 use tristrip::Error;
 
@@ -54,7 +55,8 @@ impl Records {
         }
     }
 
-    /// Adds a restored vertex with its slots, rising, and the entries that they had, to the open split.
+    /// Adds a restored vertex with its slots, rising, and the entries that they had, to the open
+    /// split.
     pub(super) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
         self.vertices.push(vertex);
         for (slot, entry) in written {
