@@ -34,7 +34,7 @@ use crate::strips::{Strips, index_bits, layout_of};
 ///     vertices: positions of shape (n, 3).
 ///     faces: as of `stripify`.
 ///     model: "progressive-mesh", "naive", "progressive", "sets", "blocks" or "skip": how the levels are stored, as of the
-///         command's `lod --model`. "blocks" has the fewest indices at coarse levels, and takes the least memory.
+///         command's `level --model`. "blocks" has the fewest indices at coarse levels, and takes the least memory.
 ///     base: the ratio of triangles of the base mesh; by default as few as possible.
 ///     price: what a collapse costs, as of `simplify`.
 ///     normals, uv, colors, attributes: values per vertex, as of `simplify`: their seams stay closed.
