@@ -52,6 +52,11 @@ impl Lines {
         self.print(format!("  {name:<9} {what:<68} {time:>8}").trim_end());
     }
 
+    /// Prints a note.
+    pub(crate) fn note(&self, note: &str) {
+        self.print(&format!("  {:<9} {note}", "note"));
+    }
+
     fn print(&self, line: &str) {
         if !self.quiet {
             self.write_stderr(line);
@@ -175,7 +180,7 @@ impl Console {
 
     /// Prints a note on an input.
     pub(crate) fn note(&self, note: &str) {
-        self.lines.print(&format!("  {:<9} {note}", "note"));
+        self.lines.note(note);
     }
 
     /// Prints a warning on an input, also in quiet mode.
