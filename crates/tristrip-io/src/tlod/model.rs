@@ -92,12 +92,7 @@ fn check_vertices(mesh: &Mesh, strips: &Strips, sequence: &CollapseSequence) -> 
             "vertices of the collapses: found {found}, expected {vertex_count}"
         )));
     }
-    if let Some(at) = strips.vertices().iter().position(|&v| v as usize >= vertex_count) {
-        let found = strips.vertices()[at];
-        return Err(Error::Unsupported(format!(
-            "vertex {at} of the strips: found {found}, expected less than {vertex_count}"
-        )));
-    }
+    strips.check_vertices(vertex_count)?;
     if !strips.welds().is_empty() {
         let found = strips.welds().len();
         return Err(Error::Unsupported(format!(
