@@ -1,5 +1,6 @@
 //! The content of a file: a mesh, its strips and its collapses, which fit together.
 
+use tristrip::text::counted;
 use tristrip::verify::verify;
 use tristrip::{CollapseSequence, Faces, Mesh, Strips};
 
@@ -96,7 +97,8 @@ fn check_vertices(mesh: &Mesh, strips: &Strips, sequence: &CollapseSequence) -> 
     if !strips.welds().is_empty() {
         let found = strips.welds().len();
         return Err(Error::Unsupported(format!(
-            "strips: found {found} welded vertices, expected those of the mesh"
+            "strips: found {}, expected those of the mesh",
+            counted(found, "welded vertex")
         )));
     }
     Ok(())
