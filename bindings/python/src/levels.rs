@@ -34,7 +34,7 @@ use crate::strips::{Strips, index_bits, layout_of};
 ///     vertices: positions of shape (n, 3).
 ///     faces: as of `stripify`.
 ///     model: "progressive-mesh", "naive", "progressive", "sets", "blocks" or "skip": how the levels are stored, as of the
-///         command's `lod --model`. "blocks" has the fewest indices at coarse levels, and takes the least memory.
+///         command's `level --model`. "blocks" has the fewest indices at coarse levels, and takes the least memory.
 ///     base: the ratio of triangles of the base mesh; by default as few as possible.
 ///     price: what a collapse costs, as of `simplify`.
 ///     normals, uv, colors, attributes: values per vertex, as of `simplify`: their seams stay closed.
@@ -378,7 +378,7 @@ impl Levels {
     }
 
     /// Return the index buffer of a part at the current level, and the ranges in which it differs from that of the last call with this layout and
-    /// dtype, so that only these are sent to a graphics processor: (start, end) in indices.
+    /// dtype: only these need to be uploaded to the GPU. They are (start, end) in indices.
     ///
     /// The dtype is "uint8", "uint16" or "uint32"; by default "uint16" where all vertices fit.
     #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)), text_signature = "($self, layout='restart', dtype=None, *, part=0)")]

@@ -385,7 +385,7 @@ impl Scene {
         }
     }
 
-    /// Prove that another scene draws exactly the faces of this one, each once, with its winding. Vertices are compared by the bits of their positions;
+    /// Prove that another scene draws every face of this one exactly once, with its original winding. Vertices are compared by the bits of their positions;
     /// attributes are not compared.
     ///
     /// Args:

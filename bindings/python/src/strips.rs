@@ -198,7 +198,7 @@ impl Strips {
         PyArray1::from_vec(py, list).reshape([rows, 3])
     }
 
-    /// Prove that the strips draw these faces, each once, with its winding.
+    /// Prove that the strips draw every one of these faces exactly once, with its original winding.
     ///
     /// Args:
     ///     faces: as of `stripify`.
@@ -387,7 +387,7 @@ pub(crate) fn index_bits(
     }
 }
 
-/// Compute triangle strips that draw faces, each once, with its winding.
+/// Compute triangle strips that draw every face exactly once, with its original winding.
 ///
 /// Args:
 ///     faces: vertices of triangles as integers of any type, of shape (n, 3) or (3 n,); of polygons with k corners as shape (n, k); of

@@ -143,7 +143,7 @@ impl ViewModel {
     ///     vertices: positions of shape (n, 3).
     ///     faces: as of `stripify`; polygons become triangles.
     ///     method, **options: how the strips of the full mesh are built, as of `stripify`: `effort`, `cost`, …
-    ///     order: the collapses that come first in a level: "quadric" (the cheaper half, so that vertices of features go last) or "shortest-edge" (as
+    ///     order: the collapses that come first in a level: "quadric" (the cheaper half first; vertices of features go last) or "shortest-edge" (as
     ///         published).
     ///     normals, uv, colors, attributes: values per vertex, as of `simplify`: their seams stay closed.
     ///     verify: whether the strips are proven to draw exactly the faces.

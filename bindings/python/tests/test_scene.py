@@ -251,6 +251,9 @@ def test_other_results_are_saved_as_the_command_does(tmp_path: Path) -> None:
             assert (mine / file.name).read_bytes() == file.read_bytes(), (name, file.name)
     source = model("milktruck.glb")
     chain = tristrip.load(source).chain("100%,50%")
+    assert chain.report["proven"] is True
+    # What was not verified is not disproven either.
+    assert tristrip.load(source).chain("100%,50%", verify=False).report["proven"] is None
     chain.save(mine / "lod.glb")
     chain.save(f"{mine}/levels/", format="ply")
     command("chain", source, "--ratios", "100%,50%", "-o", theirs / "lod.glb")

@@ -1,4 +1,5 @@
-//! The command line as typed: every flag with its short and long help. The module `task` checks which flags fit together.
+//! The command line as typed: every flag with its short and long help. The module `task` checks
+//! which flags fit together.
 
 mod detail;
 mod groups;
@@ -43,8 +44,8 @@ const STYLES: Styles = Styles::styled()
 
 /// Make polygon meshes small, streamable and ready for levels of detail
 ///
-/// Read OBJ, PLY, OFF, STL, glTF and GLB; write GLB, glTF, PLY and OBJ. Every result is verified before it is written: each input face is
-/// drawn exactly once, with its original winding.
+/// Read OBJ, PLY, OFF, STL, glTF and GLB; write GLB, glTF, PLY and OBJ. Every result is verified
+/// before it is written: each input face is drawn exactly once, with its original winding.
 #[derive(Debug, Parser)]
 #[command(name = "tristrip", bin_name = "tristrip", version, propagate_version = true, max_term_width = 100, styles = STYLES)]
 #[command(
@@ -136,22 +137,25 @@ pub(crate) struct StripArgs {
     pub(crate) method: MethodArgs,
     /// Reorder the vertices by first use in the strips
     ///
-    /// Fetches from the vertex buffer are then sequential, and unused vertices come last. All attributes of a vertex move with it. Parts of a scene
-    /// that share vertices share one order. Vertices that other parts of the file may refer to by index keep their order, with a note. With
-    /// --json, the report lists the old index of each vertex.
+    /// Fetches from the vertex buffer are then sequential, and unused vertices come last. All
+    /// attributes of a vertex move with it. Parts of a scene that share vertices share one order.
+    /// Vertices that other parts of the file may refer to by index keep their order, with a note.
+    /// With --json, the report lists the old index of each vertex.
     #[arg(long, requires = "output", help_heading = "Output")]
     pub(crate) reorder_vertices: bool,
     /// Draw the strips in a PNG file, one colour per strip
     ///
-    /// The image has 1200 x 900 pixels and shows the model from the front with the y axis up. Adjacent strips have different colours. Parts of a
-    /// scene are drawn without the transformations of their nodes. One input.
+    /// The image has 1200 x 900 pixels and shows the model from the front with the y axis up.
+    /// Adjacent strips have different colours. Parts of a scene are drawn without the
+    /// transformations of their nodes. One input.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) picture: Option<PathBuf>,
 }
 
 /// Compare all methods on a model
 ///
-/// Print one table per model. Each result is proven before its row is printed; the best value of each column is marked.
+/// Print one table per model. Each result is proven before its row is printed; the best value of
+/// each column is marked.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip compare bunny.ply cow.obj
@@ -183,8 +187,9 @@ pub(crate) struct CompareArgs {
 
 /// Compute lower bounds on strips, vertices and indices
 ///
-/// The bounds hold for all covers of the dual graph by strips; the report says how they were found. Where more than two faces meet at an edge,
-/// they hold for the pairs that the dual graph joins. For polygons they hold for every triangulation; for triangles they are tighter.
+/// The bounds hold for all covers of the dual graph by strips; the report says how they were found.
+/// Where more than two faces meet at an edge, they hold for the pairs that the dual graph joins.
+/// For polygons they hold for every triangulation; for triangles they are tighter.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip bound bunny.ply")]
@@ -197,9 +202,10 @@ pub(crate) struct BoundArgs {
 
 /// Report index and vertex-cache statistics of a file
 ///
-/// Count triangles, strips, indices, restarts and degenerate triangles as stored, and simulate vertex caches. A miss is a vertex that must be
-/// transformed again; ACMR is misses per triangle, ATVR misses per used vertex. No strips are built; polygons count as triangle fans. Each part
-/// of a file (a material in OBJ, a primitive in glTF) starts with an empty cache.
+/// Count triangles, strips, indices, restarts and degenerate triangles as stored, and simulate
+/// vertex caches. A miss is a vertex that must be transformed again; ACMR is misses per triangle,
+/// ATVR misses per used vertex. No strips are built; polygons count as triangle fans. Each part of
+/// a file (a material in OBJ, a primitive in glTF) starts with an empty cache.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip analyze bunny.ply bunny.glb              before and after
@@ -210,8 +216,8 @@ pub(crate) struct AnalyzeArgs {
     pub(crate) general: GeneralArgs,
     /// The vertex caches to simulate [default: fifo and lru with 8, 16, 24, 32 and 64 entries]
     ///
-    /// A list of KIND:N or KIND:N..M. KIND is fifo (evicts the oldest entry) or lru (evicts the least recently used entry); N and M are numbers
-    /// of entries.
+    /// A list of KIND:N or KIND:N..M. KIND is fifo (evicts the oldest entry) or lru (evicts the
+    /// least recently used entry); N and M are numbers of entries.
     #[arg(long, value_name = "LIST")]
     pub(crate) vertex_caches: Option<VertexCacheList>,
     /// Flush the vertex cache between strips, as if each strip had its own draw call
@@ -226,8 +232,9 @@ pub(crate) struct AnalyzeArgs {
 
 /// Verify that one file draws exactly the faces of another
 ///
-/// The files may come from any program and have different formats: triangle lists, strips, fans, degenerate triangles, restarts, one primitive per
-/// strip. Vertices are compared by the bits of their positions, so the vertex order may differ. Other attributes are not compared. Scenes are
+/// The files may come from any program and have different formats: triangle lists, strips, fans,
+/// degenerate triangles, restarts, one primitive per strip. Vertices are compared by the bits of
+/// their positions, so the vertex order may differ. Other attributes are not compared. Scenes are
 /// compared mesh by mesh, without the transformations of their nodes.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
@@ -243,8 +250,8 @@ pub(crate) struct VerifyArgs {
 
 /// Convert between formats or strip layouts, without building new strips
 ///
-/// Without --layout, faces are written unchanged: polygons stay polygons where the format supports them, and strips stay strips. With --layout,
-/// all faces become strips in their stored order.
+/// Without --layout, faces are written unchanged: polygons stay polygons where the format supports
+/// them, and strips stay strips. With --layout, all faces become strips in their stored order.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip convert in.obj -o out.ply
@@ -340,7 +347,8 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
     Ok(ParsedCommand { command, shared, subcommand })
 }
 
-/// Returns the long help of the command or of a subcommand, as clap has it: an error that is printed to standard output.
+/// Returns the long help of the command or of a subcommand, as clap has it: an error that is
+/// printed to standard output.
 fn help(subcommand: &[&String]) -> Error {
     let words = ["tristrip"].into_iter().chain(subcommand.iter().map(|name| name.as_str()));
     match command_line().try_get_matches_from(words.chain(["--help"])) {
@@ -349,7 +357,8 @@ fn help(subcommand: &[&String]) -> Error {
     }
 }
 
-/// Returns the command with all subcommands; `--version` of a subcommand prints the name of the command.
+/// Returns the command with all subcommands; `--version` of a subcommand prints the name of the
+/// command.
 pub(crate) fn command_line() -> clap::Command {
     let command = Cli::command().mut_subcommands(|subcommand| {
         subcommand.display_name("tristrip").disable_version_flag(true).arg(version())

@@ -49,7 +49,8 @@ fn stage_text(stage: Stage) -> (&'static str, &'static str) {
     }
 }
 
-/// The time of each stage in seconds; serialized as a map with the keys of its command, `null` for stages that did not run.
+/// The time of each stage in seconds; serialized as a map with the keys of its command, `null` for
+/// stages that did not run.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Seconds {
     keys: SecondsKeys,
@@ -104,12 +105,14 @@ impl State {
 }
 
 impl StageClock {
-    /// Creates a clock that shows stages in the progress display, and stops each search after a time.
+    /// Creates a clock that shows stages in the progress display, and stops each search after a
+    /// time.
     pub(crate) fn new(console: &Console, budget: Option<Duration>) -> Self {
         Self { lines: console.lines(), budget, state: Mutex::default() }
     }
 
-    /// Creates a clock without times, for a part of the work that is reported by itself; [`StageClock::add`] takes its times over.
+    /// Creates a clock without times, for a part of the work that is reported by itself;
+    /// [`StageClock::add`] takes its times over.
     pub(crate) fn fresh(&self) -> Self {
         Self { lines: self.lines.clone(), budget: self.budget, state: Mutex::default() }
     }

@@ -96,7 +96,8 @@ fn compare(
     Ok(compared)
 }
 
-/// Measures the stages before the methods with a clock, and those of each method with one of its own.
+/// Measures the stages before the methods with a clock, and those of each method with one of its
+/// own.
 struct MethodClocks<'a> {
     clock: &'a StageClock,
     console: &'a Console,

@@ -1,6 +1,8 @@
-//! The output of the command: stages, notes and progress on standard error, results on standard output.
+//! The output of the command: stages, notes and progress on standard error, results on standard
+//! output.
 //!
-//! It is not an error if the reader closes the pipe early: nothing more is written then. Progress is shown only on a terminal.
+//! It is not an error if the reader closes the pipe early: nothing more is written then. Progress
+//! is shown only on a terminal.
 
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
@@ -48,6 +50,11 @@ impl Lines {
     pub(crate) fn stage(&self, name: &str, what: &str, seconds: Option<f64>) {
         let time = seconds.map(text::duration).unwrap_or_default();
         self.print(format!("  {name:<9} {what:<68} {time:>8}").trim_end());
+    }
+
+    /// Prints a note.
+    pub(crate) fn note(&self, note: &str) {
+        self.print(&format!("  {:<9} {note}", "note"));
     }
 
     fn print(&self, line: &str) {
@@ -108,7 +115,8 @@ impl Console {
         }
     }
 
-    /// Begins an input: prints its name and starts the progress display; `steps` is the number of steps, if known.
+    /// Begins an input: prints its name and starts the progress display; `steps` is the number of
+    /// steps, if known.
     pub(crate) fn begin(&mut self, name: &str, steps: Option<usize>) {
         self.lines.print(name);
         if self.lines.quiet || !io::stderr().is_terminal() {
@@ -172,7 +180,7 @@ impl Console {
 
     /// Prints a note on an input.
     pub(crate) fn note(&self, note: &str) {
-        self.lines.print(&format!("  {:<9} {note}", "note"));
+        self.lines.note(note);
     }
 
     /// Prints a warning on an input, also in quiet mode.
@@ -187,9 +195,11 @@ impl Console {
         self.lines.write_stderr(&format!("{name} {message}"));
     }
 
-    /// Prints a text result to standard output, or to standard error if a mesh is written to standard output.
+    /// Prints a text result to standard output, or to standard error if a mesh is written to
+    /// standard output.
     ///
-    /// In quiet mode, only `requested` results are printed: not those that accompany a written file.
+    /// In quiet mode, only `requested` results are printed: not those that accompany a written
+    /// file.
     pub(crate) fn result(&mut self, text: &str, requested: bool) {
         match self.results {
             _ if self.lines.quiet && !requested => (),

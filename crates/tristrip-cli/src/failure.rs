@@ -1,4 +1,5 @@
-//! The failure of one input. It is reported with the name of the file, and the other inputs are still processed.
+//! The failure of one input. It is reported with the name of the file, and the other inputs are
+//! still processed.
 
 use std::io;
 

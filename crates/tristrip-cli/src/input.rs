@@ -8,7 +8,8 @@ use tristrip_io::{Format, Model};
 use crate::failure::Failure;
 use crate::job::Input;
 
-/// Reads an input in the requested format, else in the format of its extension, else of its content.
+/// Reads an input in the requested format, else in the format of its extension, else of its
+/// content.
 pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
     let name = input.name();
     let failure = |error| Failure::reading(&name, &error);
@@ -25,7 +26,8 @@ pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
     }
 }
 
-/// Returns the size of an input in bytes; `None` for standard input, and for a .gltf, whose buffers may be in other files.
+/// Returns the size of an input in bytes; `None` for standard input, and for a .gltf, whose buffers
+/// may be in other files.
 pub(crate) fn file_bytes(input: &Input) -> Option<u64> {
     let path = input.path.as_ref().filter(|path| Format::from_path(path) != Some(Format::Gltf))?;
     Some(std::fs::metadata(path).ok()?.len())

@@ -70,7 +70,8 @@ impl Output {
         Target { path, format, separate: self.separate, creates_folder: self.in_directory }
     }
 
-    /// Returns the output of a level of detail: a file beside this one, with the number of the level in its name.
+    /// Returns the output of a level of detail: a file beside this one, with the number of the
+    /// level in its name.
     pub(crate) fn of_level(&self, level: usize) -> Self {
         let path = self.path.as_deref().map(|path| path_of_level(path, level));
         Self { path, ..*self }
@@ -92,7 +93,8 @@ pub(crate) fn jobs_of(args: GeneralArgs, output: &OutputArgs) -> Result<Vec<Job>
     jobs_to(inputs_of(args)?, output, None)
 }
 
-/// Returns the jobs of a subcommand that writes several levels: into one GLB, or into a file each in a directory.
+/// Returns the jobs of a subcommand that writes several levels: into one GLB, or into a file each
+/// in a directory.
 pub(crate) fn jobs_of_levels(
     args: GeneralArgs,
     output: &OutputArgs,
@@ -128,7 +130,8 @@ fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Pairs each input with its output; with a number of levels, an output in a directory is as many files.
+/// Pairs each input with its output; with a number of levels, an output in a directory is as many
+/// files.
 pub(crate) fn jobs_to(
     inputs: Vec<Input>,
     args: &OutputArgs,
@@ -189,7 +192,7 @@ fn jobs_to_directory(
         ));
     }
     let mut first: HashMap<PathBuf, String> = HashMap::new();
-    // Links followed, so that an input is found by any of its names.
+    // Links are followed, to find an input by any of its names.
     let all: HashSet<PathBuf> =
         inputs.iter().filter_map(|input| input.path.as_ref()?.canonicalize().ok()).collect();
     let mut jobs = Vec::with_capacity(inputs.len());

@@ -1,4 +1,5 @@
-//! `tristrip level` and `tristrip camera-level`: one level or one view drawn with the strips of the full mesh.
+//! `tristrip level` and `tristrip camera-level`: one level or one view drawn with the strips of the
+//! full mesh.
 
 use serde::Serialize;
 use tristrip::lod::{Camera, ModelKind, ViewCriteria};

@@ -1,4 +1,5 @@
-//! The `tristrip` command: builds verified triangle strips for polygon meshes. [`run`] is all of it; the program only passes its arguments.
+//! The `tristrip` command: builds verified triangle strips for polygon meshes. [`run`] is all of
+//! it; the program only passes its arguments.
 //!
 //! ```text
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-render, tristrip-serve ─▶ output ─▶ figures ─▶ console
@@ -7,7 +8,8 @@
 //! ```
 //! `serve` and `view` need the feature `serve`, and HTTPS the feature `tls`.
 //!
-//! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
+//! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output
+//! was bad. 2: wrong usage.
 
 #![forbid(unsafe_code)]
 
@@ -64,18 +66,21 @@ const WRONG_USAGE: u8 = 2;
 /// The stack of each thread: that of a main thread, since tasks run on these threads.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Runs the command with arguments, the first of which is the name of the program, and returns its exit code.
+/// Runs the command with arguments, the first of which is the name of the program, and returns its
+/// exit code.
 ///
 /// - 0: everything was done and proven, or the help or the version was printed.
 /// - 1: something was not proven, or an input or output was bad; a message says what.
 /// - 2: wrong usage; a message names the flag.
 ///
-/// It reads and writes the standard streams of the process. Help and messages call the program `tristrip`, whatever the first argument is.
+/// It reads and writes the standard streams of the process. Help and messages call the program
+/// `tristrip`, whatever the first argument is.
 ///
 /// # Signals
-/// Searches install a handler of Ctrl-C in place of that of the process, and it stays installed: on Ctrl-C outside of a search, or on a second
-/// one, it ends the process with exit code 130. Nothing else ends the process. The web server handles Ctrl-C and SIGTERM, and its handlers
-/// stay, too. Whether a search was interrupted is a state of the process: run one command at a time.
+/// Searches install a handler of Ctrl-C in place of that of the process, and it stays installed: on
+/// Ctrl-C outside of a search, or on a second one, it ends the process with exit code 130. Nothing
+/// else ends the process. The web server handles Ctrl-C and SIGTERM, and its handlers stay, too.
+/// Whether a search was interrupted is a state of the process: run one command at a time.
 ///
 /// ```
 /// assert_eq!(tristrip_cli::run(["tristrip", "--version"]), 0);
@@ -113,8 +118,8 @@ fn run_command(arguments: Vec<OsString>) -> u8 {
     if succeeded && console.finish() { DONE } else { FAILED }
 }
 
-/// Builds the threads of the command. With one thread, it is the calling thread, unless that is in a pool already: it never leaves the
-/// pool that it entered for an earlier command.
+/// Builds the threads of the command. With one thread, it is the calling thread, unless that is in
+/// a pool already: it never leaves the pool that it entered for an earlier command.
 fn pool(threads: Option<usize>) -> Result<ThreadPool, ThreadPoolBuildError> {
     let builder = ThreadPoolBuilder::new().stack_size(STACK_BYTES);
     match threads {

@@ -1,6 +1,7 @@
 //! The log of the web server on standard error: requests, packings, warnings.
 //!
-//! A thread of its own writes the lines, so that a terminal or pipe that takes nothing does not stop the server. Lines that find no room meanwhile are left out.
+//! A thread of its own writes the lines: a terminal or pipe that takes nothing does not stop the
+//! server. Lines that do not fit into the queue meanwhile are dropped.
 
 use std::io::{self, Write};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};

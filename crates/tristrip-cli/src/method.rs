@@ -15,7 +15,8 @@ use crate::values::effort_parser;
 pub(crate) struct WeldArgs {
     /// Merge vertices with the same bits in position and all attributes
     ///
-    /// Strips can then cross the seam between them. Welding saves indices, not vertices: the vertex buffer is written unchanged.
+    /// Strips can then cross the seam between them. Welding saves indices, not vertices: the vertex
+    /// buffer is written unchanged.
     #[arg(long, hide_short_help = true)]
     pub(crate) weld: bool,
 }
@@ -26,19 +27,21 @@ pub(crate) struct WeldArgs {
 pub(crate) struct MethodArgs {
     /// The method: NAME or NAME:PARAMETER=VALUE,... [default: best]
     ///
-    /// The default is never worse than the input. Most other methods are published algorithms. `tristrip help methods` describes all methods
-    /// and parameters; `tristrip compare` measures them on your model.
+    /// The default is never worse than the input. Most other methods are published algorithms.
+    /// `tristrip help methods` describes all methods and parameters; `tristrip compare` measures
+    /// them on your model.
     #[arg(short, long, value_parser = MethodParser, value_name = "METHOD", hide_possible_values = true)]
     method: Option<NamedMethod>,
     /// The search effort of the method, from 0 to 9 [default: 2; for fewest 5]
     ///
-    /// A higher effort of best, fewest or cache gives fewer indices and takes longer. `tristrip help methods` has typical times.
+    /// A higher effort of best, fewest or cache gives fewer indices and takes longer.
+    /// `tristrip help methods` has typical times.
     #[arg(long, value_name = "LEVEL", value_parser = effort_parser())]
     effort: Option<Effort>,
     /// Stop a search after a time such as 5s or 500ms, with the best result so far
     ///
-    /// Results with a budget differ from run to run; results with --effort do not. Applies to each input, and to best, fewest, cache, tunnel, eta
-    /// and guided-tunnels.
+    /// Results with a budget differ from run to run; results with --effort do not. Applies to each
+    /// input, and to best, fewest, cache, tunnel, eta and guided-tunnels.
     #[arg(long, hide_short_help = true, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
     #[command(flatten)]
@@ -86,7 +89,8 @@ impl TypedValueParser for MethodParser {
 }
 
 impl MethodArgs {
-    /// Uses the order for vertex caches unless a method is named: for triangle lists, in which strips save nothing.
+    /// Uses the order for vertex caches unless a method is named: for triangle lists, in which
+    /// strips save nothing.
     pub(crate) fn for_lists(self) -> Self {
         let cache = StripifyOptions::default().with_method(Method::Cache);
         let cache = NamedMethod { options: cache, has_effort: false };

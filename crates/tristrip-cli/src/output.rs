@@ -22,8 +22,9 @@ pub(crate) fn encode<R>(
     clock.observe(encode).map_err(|error| not_written(output, error))
 }
 
-/// Writes an encoded result to its output, prints what was proven and written, and adds the notes on it. `how` states how the parts are
-/// drawn, and the clock is the one that measured the encoding. Returns the size of the files in bytes.
+/// Writes an encoded result to its output, prints what was proven and written, and adds the notes
+/// on it. `how` states how the parts are drawn, and the clock is the one that measured the
+/// encoding. Returns the size of the files in bytes.
 pub(crate) fn write(
     output: &Output,
     how: &str,
@@ -65,7 +66,8 @@ fn not_written(output: &Output, error: Error) -> Failure {
     }
 }
 
-/// Writes the file with those beside it, or the document and the buffer of a `.gltf`; returns the size in bytes.
+/// Writes the file with those beside it, or the document and the buffer of a `.gltf`; returns the
+/// size in bytes.
 fn write_files(output: &Output, encoded: &encode::Outcome, console: &mut Console) -> Result<usize, Failure> {
     if output.path.is_none() {
         console.write_stdout(&encoded.bytes);

@@ -1,5 +1,6 @@
-//! Processes the inputs of a subcommand in order, and reports each of them: the outcome of its operation with the times of the stages, or
-//! the error. Progress, errors and the JSON report are the same for all subcommands.
+//! Processes the inputs of a subcommand in order, and reports each of them: the outcome of its
+//! operation with the times of the stages, or the error. Progress, errors and the JSON report are
+//! the same for all subcommands.
 
 use std::path::Path;
 use std::time::Duration;
@@ -11,7 +12,8 @@ use crate::clock::{Seconds, SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 
-/// The report of one input; the keys are those of the JSON output. One that failed has an error instead of the outcome.
+/// The report of one input; the keys are those of the JSON output. One that failed has an error
+/// instead of the outcome.
 #[derive(Debug, Serialize)]
 pub(crate) struct Report<O> {
     pub(crate) file: String,
@@ -68,7 +70,8 @@ impl Batch {
 
     /// Processes all items in order. A failure is printed and reported, and the next item follows.
     ///
-    /// `name` returns the name of an input; `show` prints an outcome, below the given title if there are several items.
+    /// `name` returns the name of an input; `show` prints an outcome, below the given title if
+    /// there are several items.
     pub(crate) fn process<T, O>(
         self,
         items: &[T],
@@ -97,7 +100,8 @@ impl Batch {
     }
 }
 
-/// Writes the chart of all inputs that were processed, and returns whether it was written. A failure is an error of all these inputs.
+/// Writes the chart of all inputs that were processed, and returns whether it was written. A
+/// failure is an error of all these inputs.
 pub(crate) fn write_chart<O>(
     path: &Path,
     chart: Result<String, Failure>,
@@ -115,7 +119,8 @@ pub(crate) fn write_chart<O>(
     false
 }
 
-/// Prints the reports as JSON if requested, and returns whether all inputs were processed without an error.
+/// Prints the reports as JSON if requested, and returns whether all inputs were processed without
+/// an error.
 pub(crate) fn finish<O: Serialize>(reports: &[Report<O>], console: &mut Console) -> bool {
     console.json(reports, reports.len() > 1);
     reports.iter().all(|report| report.error.is_none())

@@ -1,7 +1,7 @@
 //! Watches searches: progress, time budget, and Ctrl-C.
 //!
-//! The first Ctrl-C during a search stops it with its best result so far, which is then verified and written. A second Ctrl-C, or one
-//! outside of a search, ends the command as usual.
+//! The first Ctrl-C during a search stops it with its best result so far, which is then verified
+//! and written. A second Ctrl-C, or one outside of a search, ends the command as usual.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -62,7 +62,8 @@ impl SearchWatch {
             _ => false,
         };
         if searches {
-            // Counted first: from the moment at which the handler is installed, Ctrl-C stops the search.
+            // Counted first: from the moment at which the handler is installed, Ctrl-C stops the
+            // search.
             SEARCHES.fetch_add(1, Ordering::SeqCst);
             // Without a handler Ctrl-C ends the command as usual.
             HANDLER.call_once(|| ctrlc::set_handler(on_interrupt).unwrap_or_default());
@@ -133,7 +134,8 @@ mod tests {
     use super::*;
     use tristrip::Effort;
 
-    /// Regression: the first Ctrl-C during a method that does not search had no effect except a note.
+    /// Regression: the first Ctrl-C during a method that does not search had no effect except a
+    /// note.
     #[test]
     fn only_searches_handle_an_interrupt() {
         let searches_of = |options: StripifyOptions| {

@@ -98,8 +98,8 @@ fn draw(path: &Path, models: [&Model; 2], console: &Console, notes: &mut Vec<Str
     Ok(())
 }
 
-/// Prints the results of the collapses; the first `read` notes were printed before. The deviations are in the
-/// summary.
+/// Prints the results of the collapses; the first `read` notes were printed before. The deviations
+/// are in the summary.
 fn show_result(outcome: &simplify::Outcome, name: &str, read: usize, console: &Console) {
     show_mesh(&outcome.mesh, &outcome.notes, read, console);
     let collapses = &outcome.collapses;

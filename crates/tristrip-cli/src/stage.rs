@@ -27,9 +27,9 @@ pub(crate) fn load_input(input: &Input, console: &Console, clock: &StageClock) -
     Ok(model)
 }
 
-/// Loads the input of a job as [`load_input`] does. A glTF result gets the images that the input has in
-/// separate files, unless it is a `.gltf` in the directory of the input, which refers to them. A result
-/// with materials gets those of an OBJ and its libraries, and an OBJ those of glTF.
+/// Loads the input of a job as [`load_input`] does. A glTF result gets the images that the input
+/// has in separate files, unless it is a `.gltf` in the directory of the input, which refers to
+/// them. A result with materials gets those of an OBJ and its libraries, and an OBJ those of glTF.
 pub(crate) fn load_job(job: &Job, console: &Console, clock: &StageClock) -> Result<Model, Failure> {
     let Some(output) = &job.output else { return load_input(&job.input, console, clock) };
     let name = job.input.name();
@@ -54,8 +54,8 @@ pub(crate) fn show_loaded(model: &Model, prefix: &str, console: &Console, clock:
     model.notes.iter().for_each(|note| console.note(note));
 }
 
-/// Prints the counts of the mesh and the notes of an operation, without the first `read` notes, which were
-/// printed when the model was loaded.
+/// Prints the counts of the mesh and the notes of an operation, without the first `read` notes,
+/// which were printed when the model was loaded.
 pub(crate) fn show_mesh(mesh: &MeshProperties, notes: &[String], read: usize, console: &Console) {
     console.stage("mesh", &mesh_line(mesh), None);
     notes.iter().skip(read).for_each(|note| console.note(note));

@@ -117,7 +117,8 @@ fn show_strips(strips: &strip::Outcome, read: usize, console: &Console) {
     show_proof(*proven, mesh, console);
 }
 
-/// Writes each part as strips or as a list, whichever has fewer indices, with the vertices in order of first use if requested.
+/// Writes each part as strips or as a list, whichever has fewer indices, with the vertices in order
+/// of first use if requested.
 fn write(
     (job, target): (&Job, &Output),
     task: &StripTask,

@@ -1,4 +1,5 @@
-//! Validated tasks: the only place where flags are checked against each other and turned into a task, or rejected with a message.
+//! Validated tasks: the only place where flags are checked against each other and turned into a
+//! task, or rejected with a message.
 
 mod checks;
 mod levels;
@@ -76,7 +77,8 @@ pub(crate) struct CompareTask {
     pub(crate) every_variant: bool,
     pub(crate) markdown: bool,
     pub(crate) options: StripifyOptions,
-    /// The effort of the methods that search, instead of their defaults; `best` also runs at its default effort.
+    /// The effort of the methods that search, instead of their defaults; `best` also runs at its
+    /// default effort.
     pub(crate) effort: Option<Effort>,
     pub(crate) budget: Option<Duration>,
 }
@@ -106,7 +108,8 @@ pub(crate) struct VerifyTask {
 #[derive(Debug)]
 pub(crate) struct ConvertTask {
     pub(crate) jobs: Vec<Job>,
-    /// Whether to write all faces as strips in stored order, not only those that the input stores as strips.
+    /// Whether to write all faces as strips in stored order, not only those that the input stores
+    /// as strips.
     pub(crate) as_strips: bool,
     pub(crate) verify: bool,
 }
@@ -152,7 +155,8 @@ impl Task {
 }
 
 impl Task {
-    /// Returns the task if the shared options fit it: these may stand before the subcommand, where clap does not compare them with its flags.
+    /// Returns the task if the shared options fit it: these may stand before the subcommand, where
+    /// clap does not compare them with its flags.
     fn fitting(self, shared: &Shared) -> Result<Self, String> {
         match &self {
             Self::Compare(CompareTask { markdown: true, .. }) if shared.json => {

@@ -61,7 +61,8 @@ fn levels() -> String {
     format!("{text}\nFilters\n{}\nLevel models\n{}", entries(filters), entries(models))
 }
 
-/// Returns a line for each name with its text beside it, which goes on in further lines after 100 columns.
+/// Returns a line for each name with its text beside it, which goes on in further lines after 100
+/// columns.
 fn entries<'a>(entries: impl Iterator<Item = (&'a str, &'a str)>) -> String {
     let mut text = String::new();
     for (name, summary) in entries {

@@ -1,6 +1,6 @@
 //! The values that flags parse to, and their names on the command line.
 //!
-//! These types depend on no other part of the command, so that flags, tasks and subcommands can share them.
+//! These types depend on no other part of the command: flags, tasks and subcommands share them.
 
 #[cfg(feature = "serve")]
 mod rates;
@@ -33,7 +33,8 @@ pub(crate) fn effort_parser() -> impl TypedValueParser<Value = Effort> {
         .try_map(|level| Effort::new(level).ok_or_else(|| format!("{level} is not in 0..=9")))
 }
 
-/// Returns a parser for the values of a type of the library, by their names and with a line of help each.
+/// Returns a parser for the values of a type of the library, by their names and with a line of help
+/// each.
 pub(crate) fn named<T>(
     values: impl IntoIterator<Item = T>,
     name: fn(T) -> &'static str,

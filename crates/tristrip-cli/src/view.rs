@@ -1,7 +1,6 @@
 //! `tristrip view`: models packed in memory, and shown in the browser.
 
 use std::collections::HashSet;
-use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 use std::thread;
@@ -14,7 +13,7 @@ use tristrip_pipeline::text::counted;
 use tristrip_serve::{Content, MemoryFile, Server};
 
 use crate::clock::StageClock;
-use crate::console::Console;
+use crate::console::{Console, Lines};
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::report::{self, Batch, Report};
@@ -73,18 +72,17 @@ pub(crate) fn run(task: &ViewTask, console: &mut Console) -> bool {
         return false;
     }
     if task.opens {
-        open_browser(url, console.is_quiet());
+        open_browser(url, console.lines());
     }
     until_signal(server, console)
 }
 
-/// Opens a browser on a thread of its own: one that runs in the terminal ends only after the server has answered it.
-fn open_browser(url: String, is_quiet: bool) {
+/// Opens a browser on a thread of its own: one that runs in the terminal ends only after the server
+/// has answered it.
+fn open_browser(url: String, lines: Lines) {
     thread::spawn(move || {
-        if webbrowser::open(&url).is_err() && !is_quiet {
-            let note = "no browser could be opened: open the address in one";
-            // A failure to write to standard error cannot be reported.
-            writeln!(io::stderr(), "  {:<9} {note}", "note").unwrap_or_default();
+        if webbrowser::open(&url).is_err() {
+            lines.note("no browser could be opened: open the address in one");
         }
     });
 }
@@ -114,7 +112,8 @@ impl Shown {
     }
 }
 
-/// Reads a file that is a progressive GLB already, and says whether it is cut off: the viewer shows what is there.
+/// Reads a file that is a progressive GLB already, and says whether it is cut off: the viewer shows
+/// what is there.
 fn progressive(job: &Job) -> Option<(Vec<u8>, Option<String>)> {
     let path = job.input.path.as_ref().filter(|path| Format::from_path(path) == Some(Format::Glb))?;
     let bytes = Arc::new(std::fs::read(path).ok()?);

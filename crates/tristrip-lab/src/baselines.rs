@@ -1,4 +1,5 @@
-//! Level models that papers compare with, reconstructed: MTS and `LodStrips`; and all level models by name.
+//! Level models that papers compare with, reconstructed: MTS and `LodStrips`; and all level models
+//! by name.
 
 mod lod_strips;
 mod mts;

@@ -5,14 +5,16 @@
 //! SkipStrips ─▶ view ─ update by the camera of each frame ─▶ FrameRow: triangles, vertices sent, changes, time
 //!                 └── display strips = renamed triangles? proof of some frames     └▶ FlightSummary ─▶ Markdown, chart (SVG)
 //! ```
-//! The time of a frame is that of [`SkipView::update`](tristrip::lod::SkipView::update): the criteria, the collapses and splits, and the display
-//! strips that they change. Drawing is not measured, nor is the copy of the changed ranges to a graphics processor.
+//! The time of a frame is that of [`SkipView::update`](tristrip::lod::SkipView::update): the
+//! criteria, the collapses and splits, and the display strips that they change. Drawing is not
+//! measured, nor is the copy of the changed ranges to a graphics processor.
 //!
-//! The first frame comes from the base mesh. It is reported by itself; medians and worst values are those of the frames after it.
+//! The first frame comes from the base mesh. It is reported by itself; medians and worst values are
+//! those of the frames after it.
 //!
 //! # References
-//! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*, 2000, section 6,
-//! reports flights in the same quantities.
+//! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle
+//! Strips for Real-Time Rendering*, 2000, section 6, reports flights in the same quantities.
 
 mod cameras;
 mod chart;

@@ -1,4 +1,5 @@
-//! Measurements around triangle strips: reproductions of the papers, charts of methods and of levels of detail, flights.
+//! Measurements around triangle strips: reproductions of the papers, charts of methods and of
+//! levels of detail, flights.
 //!
 //! ```text
 //! PreparedModel ─▶ pareto: every method, indices against misses   ─▶ chart (SVG)
@@ -7,7 +8,8 @@
 //! models, papers ─▶ repro: published beside measured              ─▶ pages, charts
 //! SkipStrips, cameras ─▶ flight: what each frame of a view draws  ─▶ page, chart
 //! ```
-//! All texts and charts have the same bytes on every machine, except the times of `recovery` and `flight`.
+//! All texts and charts have the same bytes on every machine, except the times of `recovery` and
+//! `flight`.
 
 #![forbid(unsafe_code)]
 

@@ -91,8 +91,9 @@ struct Candidate {
     options: StripifyOptions,
 }
 
-/// Measures all methods, including the one of the options, and the plain list. The notes name the searches that were stopped early. The
-/// effort is that of all methods that search; `None` for the default efforts.
+/// Measures all methods, including the one of the options, and the plain list. The notes name the
+/// searches that were stopped early. The effort is that of all methods that search; `None` for the
+/// default efforts.
 ///
 /// # Errors
 /// A result is not proven, or the observer cancelled.
@@ -136,8 +137,8 @@ pub fn measure(
     Ok((points, notes.into_iter().collect()))
 }
 
-/// Returns the methods of the chart, with the seed, welding and vertex cache of the options. The method of the options is added at the
-/// end unless it is one of them.
+/// Returns the methods of the chart, with the seed, welding and vertex cache of the options. The
+/// method of the options is added at the end unless it is one of them.
 fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidate> {
     let base = StripifyOptions::default()
         .with_weld(options.weld)

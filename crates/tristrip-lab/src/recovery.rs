@@ -1,16 +1,19 @@
 //! Recovery of levels: how long each level model takes to move between levels, and its memory.
 //!
-//! The tests are those of Ribelles et al. 1999, as Belmonte et al. 2006 use them: a share of all levels is recovered, from the full mesh down to the base
-//! mesh and up again, and the total time is averaged over the moves.
+//! The tests are those of Ribelles et al. 1999, as Belmonte et al. 2006 use them: a share of all
+//! levels is recovered, from the full mesh down to the base mesh and up again, and the total time
+//! is averaged over the moves.
 //!
 //! ```text
 //! linear         full ├──┼──┼──┼──┼──┼──┤ base     equal distances
 //! exponential    full ├┼┼─┼──┼────┼─────┤ base     close to each other near the full mesh
 //! ```
-//! Recovery is the move alone: afterwards the model has the vertices of all its strips. Drawing is not measured.
+//! Recovery is the move alone: afterwards the model has the vertices of all its strips. Drawing is
+//! not measured.
 //!
 //! # References
-//! Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*, 2006, section 4.
+//! Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*, 2006,
+//! section 4.
 
 mod chart;
 mod sweep;
@@ -65,8 +68,8 @@ pub struct RecoveryTest {
     pub microseconds: f64,
 }
 
-/// Measures every level model on all parts of a model, in `rounds` rounds that alternate between the models; times are medians. If a round takes
-/// longer than a second, there is no other.
+/// Measures every level model on all parts of a model, in `rounds` rounds that alternate between
+/// the models; times are medians. If a round takes longer than a second, there is no other.
 ///
 /// # Errors
 /// The levels are inconsistent; no input is known that causes this.

@@ -4,8 +4,9 @@
 //! papers/*.json ─▶ paper ─▶ runner (all methods on all models, proven) ─▶ comparison, statistics ─▶ page ─▶ docs/reproduction/KEY.md
 //!  tables, claims, figures                                              └▶ draw, chart           ─▶       docs/reproduction/*.svg
 //! ```
-//! Pages contain no times, so that they have the same bytes on every machine. If a model is not in the folder, its rows have no measured
-//! values, which is not an error; a result that is not proven is an error.
+//! Pages contain no times and have the same bytes on every machine. If a model is not in the
+//! folder, its rows have no measured values, which is not an error; a result that is not proven is
+//! an error.
 
 mod comparison;
 mod components;
@@ -57,7 +58,8 @@ pub struct ReproReport {
     pub models: String,
     /// The papers, each with published and measured values.
     pub papers: Vec<PaperReport>,
-    /// The models that could not be read, and the pages that were not written, each with the reason.
+    /// The models that could not be read, and the pages that were not written, each with the
+    /// reason.
     pub notes: Vec<String>,
     /// The written files.
     pub outputs: Vec<String>,
@@ -101,12 +103,14 @@ impl Selection {
     }
 }
 
-/// Reproduces papers with the models of a folder: writes a page per paper and its figures into the folder `reproduction`
-/// of a directory. What a page has of sections that are not selected is kept. A page for which nothing was measured is not written, and a page
-/// that was measured on more models is kept, with a note. After an error, the report has what was written before.
+/// Reproduces papers with the models of a folder: writes a page per paper and its figures into the
+/// folder `reproduction` of a directory. What a page has of sections that are not selected is kept.
+/// A page for which nothing was measured is not written, and a page that was measured on more
+/// models is kept, with a note. After an error, the report has what was written before.
 ///
 /// # Errors
-/// A file or directory cannot be read or written, a result is not proven, or the observer cancelled.
+/// A file or directory cannot be read or written, a result is not proven, or the observer
+/// cancelled.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -180,7 +184,7 @@ fn write_page(
     } else {
         for chart in &compared.charts {
             let path = folder.join(&chart.file);
-            // The page needs the file, so that an empty chart is written if there is none.
+            // The page needs the file: an empty chart is written if there is none.
             if chart.is_measured || !path.exists() {
                 report.outputs.push(write(&path, &chart.contents)?);
             }
@@ -193,7 +197,8 @@ fn write_page(
     Ok(())
 }
 
-/// Returns why a page is not written: nothing was measured for it, or the page that is there was measured on more models.
+/// Returns why a page is not written: nothing was measured for it, or the page that is there was
+/// measured on more models.
 fn reason_to_keep(measured: &str, old: &str) -> Option<String> {
     let new = Coverage::of(measured);
     if new.is_empty() {
@@ -210,8 +215,8 @@ fn reason_to_keep(measured: &str, old: &str) -> Option<String> {
     missing.first().map(why)
 }
 
-/// Creates the folder of the pages and the output directory. A missing parent of the output directory is an error, because it is
-/// probably a typing mistake.
+/// Creates the folder of the pages and the output directory. A missing parent of the output
+/// directory is an error, because it is probably a typing mistake.
 fn create_folder(output: &Path) -> Result<PathBuf, Error> {
     let folder = output.join(FOLDER);
     for directory in [output, &folder] {

@@ -11,7 +11,8 @@ pub(crate) struct Sample {
     pub(crate) sequence: CollapseSequence,
 }
 
-/// A grid of quadrilaterals, with random diagonals and a random order of triangles, possibly closed to a torus.
+/// A grid of quadrilaterals, with random diagonals and a random order of triangles, possibly closed
+/// to a torus.
 fn grid() -> impl Strategy<Value = Vec<[u32; 3]>> {
     (2..6_u32, 2..6_u32, any::<bool>(), any::<u64>()).prop_map(|(w, h, is_torus, diagonals)| {
         let (columns, rows) = if is_torus { (w + 1, h + 1) } else { (w, h) };
@@ -40,8 +41,8 @@ fn soup() -> impl Strategy<Value = Vec<[u32; 3]>> {
     })
 }
 
-/// Meshes with strips of several methods and with collapses: mostly along edges, sometimes of two vertices at once, or of any two
-/// vertices.
+/// Meshes with strips of several methods and with collapses: mostly along edges, sometimes of two
+/// vertices at once, or of any two vertices.
 pub(crate) fn samples() -> impl Strategy<Value = Sample> {
     samples_of(prop_oneof![4 => grid(), 1 => soup()])
 }

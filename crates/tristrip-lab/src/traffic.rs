@@ -1,8 +1,9 @@
-//! What levels of detail send: the vertices of every filter at each level, and the updates between levels.
+//! What levels of detail send: the vertices of every filter at each level, and the updates between
+//! levels.
 //!
 //! ```text
 //! ModelLevels ─▶ TrafficModel ─▶ measure_levels: rows of chosen levels    ─▶ table, chart
-//!                            └▶ totals: sums over all levels, each once
+//!                            └▶ totals: sums over all levels
 //! ```
 
 mod chart;

@@ -1,4 +1,4 @@
-//! How each part of a model is drawn in a file: by the fewest indices, so that strips make no file worse.
+//! How each part of a model is drawn in a file: by the fewest indices, to make no file larger.
 //!
 //! Strips pay for themselves only where triangles share edges: a strip of one triangle takes four indices with its restart, and six where it
 //! is joined by degenerate triangles, but three in a list. A flat-shaded model, in which every edge is a seam, is smaller as a list.

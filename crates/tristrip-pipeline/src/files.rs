@@ -3,7 +3,7 @@
 //! ```text
 //! source ─ materials of an OBJ, images of a .gltf ─▶ model ─▶ … ─▶ encoded ─▶ file │ .gltf and .bin │ OBJ, libraries and images
 //! ```
-//! A file is written under a temporary name and then renamed, so that a failure leaves the old one unchanged.
+//! A file is written under a temporary name and then renamed: a failure leaves the old one unchanged.
 
 use std::fs;
 use std::io::{Error as SystemError, ErrorKind};

@@ -106,7 +106,7 @@ impl Options {
     }
 
     /// Sets whether the vertices that are left are moved closer to the original surface, which lowers the mean distance by a third or more where
-    /// it is curved. They are no vertices of the source any more, so that levels of detail cannot share them. Vertices at borders stay, those that
+    /// it is curved. They are no vertices of the source any more: levels of detail cannot share them. Vertices at borders stay, those that
     /// touch parts in other places of the scene, and those of parts whose positions a GLB cannot change, which a note names.
     ///
     /// ```

@@ -1,4 +1,4 @@
-//! Proof that strips draw exactly the faces of a mesh, each once, with its winding.
+//! Proof that strips draw every face of a mesh exactly once, with its original winding.
 //!
 //! [`verify`](fn@verify) compares by vertex number, [`verify_models`] compares two models by the positions of their vertices.
 

@@ -127,7 +127,7 @@ _last: dict[bytes, MeshLevels] = {}
 
 
 def levels_of(mesh: CornerMesh) -> MeshLevels:
-    """Return the levels of a mesh: those of the last call if it is the same, so that a slider moves at once."""
+    """Return the levels of a mesh: those of the last call if it is the same, which keeps a slider responsive."""
     key = mesh.key()
     if key not in _last:
         _last.clear()

@@ -772,7 +772,7 @@ class ChainLevel(TypedDict):
 
 class ChainReport(MethodOptions):
     method: str
-    proven: bool
+    proven: bool | None
     target_error: float | None
     triangles_before: int
     vertices_before: int

@@ -81,7 +81,7 @@ def decode(
     Args:
         chunks: bytes in pieces of any size.
         strips: as of `Decoder`.
-        partial: whether the bytes may end early, so that the last decoder is not complete.
+        partial: whether the bytes may end early; the last decoder is then not complete.
         max_bytes: as of `Decoder`.
         max_triangles: as of `Decoder`.
 

@@ -43,7 +43,7 @@ pub(crate) fn load(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyRes
     Ok(Scene::new(read?.result()?))
 }
 
-/// Prove that one file or scene draws exactly the faces of another, each once, with its winding.
+/// Prove that one file or scene draws every face of another exactly once, with its original winding.
 ///
 /// Args:
 ///     source: the scene with the expected faces, or the path of a file.

@@ -88,7 +88,7 @@ impl StrippedScene {
         Some(if stopped == Stopped::Budget { "budget" } else { "interrupt" })
     }
 
-    /// Whether the strips are proven to draw exactly the faces of the scene, each once, with its winding.
+    /// Whether the strips are proven to draw every face of the scene exactly once, with its original winding.
     #[getter]
     fn proven(&self) -> bool {
         self.stripped.proven

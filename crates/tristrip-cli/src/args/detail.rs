@@ -17,9 +17,10 @@ use crate::values::{Amount, Vector, effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
-/// The surface keeps its holes and, as far as the goal allows, its shape. All parts of a scene are simplified together. If a goal cannot be
-/// reached within the error limit, or without tearing or folding the surface, simplification stops earlier and prints a warning. Without -o,
-/// only report. `tristrip help simplification` explains all options in detail.
+/// The surface keeps its holes and, as far as the goal allows, its shape. All parts of a scene are
+/// simplified together. If a goal cannot be reached within the error limit, or without tearing or
+/// folding the surface, simplification stops earlier and prints a warning. Without -o, only report.
+/// `tristrip help simplification` explains all options in detail.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip simplify bunny.ply --ratio 5% -o bunny-small.ply
@@ -33,8 +34,8 @@ pub(crate) struct SimplifyArgs {
     pub(crate) general: GeneralArgs,
     /// The ratio of all triangles to keep: 0.05 or 5%
     ///
-    /// All parts of a model share the triangles. Without --ratio or --triangles, simplify as far as --error allows; with one of them,
-    /// simplification ends at whichever limit is reached first.
+    /// All parts of a model share the triangles. Without --ratio or --triangles, simplify as far as
+    /// --error allows; with one of them, simplification ends at whichever limit is reached first.
     #[arg(long, value_name = "RATIO", conflicts_with = "triangles", allow_negative_numbers = true)]
     pub(crate) ratio: Option<Ratio>,
     /// The number of triangles to keep
@@ -44,13 +45,15 @@ pub(crate) struct SimplifyArgs {
     pub(crate) collapse: CollapseArgs,
     /// Keep or rebuild normals: auto, keep or rebuild
     ///
-    /// auto rebuilds those of flat-shaded parts, and keeps all others where they still fit the faces. rebuild rebuilds all: flat, or smooth up to
-    /// the crease angle that the hard edges of a part show.
+    /// auto rebuilds those of flat-shaded parts, and keeps all others where they still fit the
+    /// faces. rebuild rebuilds all: flat, or smooth up to the crease angle that the hard edges of a
+    /// part show.
     #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default(), hide_possible_values = true)]
     pub(crate) normals: Normals,
     /// Move the remaining vertices closer to the original surface
     ///
-    /// The root mean square of the distances falls by a third or more. The result has vertices that the input does not have.
+    /// The root mean square of the distances falls by a third or more. The result has vertices that
+    /// the input does not have.
     #[arg(long)]
     pub(crate) fit: bool,
     /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
@@ -60,17 +63,20 @@ pub(crate) struct SimplifyArgs {
     pub(crate) target: TargetArgs,
     /// Draw the model before and after in a PNG file, from eight sides
     ///
-    /// The upper row shows the input, the lower row the result, in eight views of 256 x 256 pixels with base colours and textures. A scene is
-    /// drawn as its nodes place it, without animations and joints. One input.
+    /// The upper row shows the input, the lower row the result, in eight views of 256 x 256 pixels
+    /// with base colours and textures. A scene is drawn as its nodes place it, without animations
+    /// and joints. One input.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) picture: Option<PathBuf>,
 }
 
 /// Write one level of detail with the strips of the full mesh
 ///
-/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename vertices in them down to a base mesh. Level 0 is the
-/// base mesh, the highest level the full mesh, and each level adds one vertex. The result is proven to draw exactly the triangles that remain after
-/// the collapses. Without -o, only report. `tristrip help levels` explains levels, filters and models.
+/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename
+/// vertices in them down to a base mesh. Level 0 is the base mesh, the highest level the full mesh,
+/// and each level adds one vertex. The result is proven to draw exactly the triangles that remain
+/// after the collapses. Without -o, only report. `tristrip help levels` explains levels, filters
+/// and models.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip level bunny.ply --level 40% -o level.glb
@@ -156,8 +162,9 @@ pub(crate) struct LevelArgs {
 
 /// Write what one camera sees, with reduced detail where it cannot see it
 ///
-/// Detail is reduced far from the camera, outside the frustum and on back faces, with the strips of the full mesh (Skip Strips). The result is
-/// proven. Without -o, only report. `tristrip help levels` explains the details.
+/// Detail is reduced far from the camera, outside the frustum and on back faces, with the strips of
+/// the full mesh (Skip Strips). The result is proven. Without -o, only report.
+/// `tristrip help levels` explains the details.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip camera-level dragon.ply --eye 0,0,3 --look-at 0,0,0 --pixels 1.5 -o seen.glb
@@ -212,9 +219,10 @@ pub(crate) struct CameraLevelArgs {
 
 /// Write several levels of detail for a viewer to switch between
 ///
-/// All levels come from one simplification and share the vertices of the input. A GLB or .gltf holds all of them (`MSFT_lod`); in a directory, each
-/// level is a file of its own. Normals are kept: `simplify --normals` rebuilds them for a single level. Without -o, only report. `tristrip help
-/// levels` and `tristrip help simplification` explain the details.
+/// All levels come from one simplification and share the vertices of the input. A GLB or .gltf
+/// holds all of them (`MSFT_lod`); in a directory, each level is a file of its own. Normals are
+/// kept: `simplify --normals` rebuilds them for a single level. Without -o, only report.
+/// `tristrip help levels` and `tristrip help simplification` explain the details.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip chain truck.gltf -o truck.lod.glb
@@ -236,10 +244,12 @@ pub(crate) struct ChainArgs {
 
 /// Build a view-dependent LOD model and write it as .tlod
 ///
-/// Strips are built for the full mesh, and half-edge collapses are organized in levels. For each frame, a program applies the collapses whose error
-/// its camera cannot see, without building strips again (Skip Strips). The file holds the mesh with all attributes, the strips and the collapses.
-/// The strips are proven to draw exactly the faces of the mesh, and the file is read back and compared. Polygons become triangles. The parts of a
-/// file become one mesh, without the transformations of their nodes; attributes that not all parts have are dropped with a note.
+/// Strips are built for the full mesh, and half-edge collapses are organized in levels. For each
+/// frame, a program applies the collapses whose error its camera cannot see, without building
+/// strips again (Skip Strips). The file holds the mesh with all attributes, the strips and the
+/// collapses. The strips are proven to draw exactly the faces of the mesh, and the file is read
+/// back and compared. Polygons become triangles. The parts of a file become one mesh, without the
+/// transformations of their nodes; attributes that not all parts have are dropped with a note.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip build-lod bunny.ply -o bunny.tlod
@@ -253,8 +263,9 @@ pub(crate) struct BuildLodArgs {
     pub(crate) from: FromArgs,
     /// The order in which collapses are chosen
     ///
-    /// By quadric, the cheaper half of the possible collapses makes a level, so the vertices of features go last. By shortest edge, each level has
-    /// as many independent collapses as possible.
+    /// By quadric, the cheaper half of the possible collapses makes a level, so the vertices of
+    /// features go last. By shortest edge, each level has as many independent collapses as
+    /// possible.
     #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Level")]
     pub(crate) order: MergeOrder,
     /// The .tlod file to write

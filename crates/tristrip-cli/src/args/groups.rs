@@ -58,7 +58,8 @@ pub(crate) struct OutputArgs {
 pub(crate) struct TargetArgs {
     /// The file to write, a directory for several inputs, or - for standard output
     ///
-    /// The extension selects the format: .glb, .gltf, .ply or .obj. `tristrip help files` describes formats and layouts.
+    /// The extension selects the format: .glb, .gltf, .ply or .obj. `tristrip help files` describes
+    /// formats and layouts.
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: Option<PathBuf>,
     /// The format to write [default: by the extension; glb in a directory]
@@ -74,7 +75,8 @@ pub(crate) struct TargetArgs {
 pub(crate) struct CollapseArgs {
     /// The maximum error in mesh units, or in % of the bounding-box diagonal [default: 1%]
     ///
-    /// 0.01 is in mesh units, 0.1% relative to the diagonal; 100% accepts any error. Simplification stops with a warning rather than exceed it.
+    /// 0.01 is in mesh units, 0.1% relative to the diagonal; 100% accepts any error. Simplification
+    /// stops with a warning rather than exceed it.
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
     /// The weights of attributes: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
@@ -85,15 +87,18 @@ pub(crate) struct CollapseArgs {
     /// What a collapse costs: distance, planes or quadric
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_possible_values = true, hide_short_help = true)]
     pub(crate) price: Price,
-    /// Allow holes to close, handles to vanish and textures to shift at seams, for very small results
+    /// Allow holes to close, handles to vanish and textures to shift at seams, for very small
+    /// results
     #[arg(long, hide_short_help = true)]
     pub(crate) permissive: bool,
-    /// Keep all vertices at open borders, so that the tiles of a terrain still fit together
+    /// Keep all vertices at open borders; the tiles of a terrain still fit together
     #[arg(long, hide_short_help = true)]
     pub(crate) lock_borders: bool,
-    /// Join the two sides of an open border up to this distance or % of the diagonal [default: 0.0001%]
+    /// Join the two sides of an open border up to this distance or % of the diagonal [default:
+    /// 0.0001%]
     ///
-    /// Both sides then collapse together, and no crack opens between them. Positions are not changed. 0 joins equal positions only.
+    /// Both sides then collapse together, and no crack opens between them. Positions are not
+    /// changed. 0 joins equal positions only.
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, hide_short_help = true)]
     pub(crate) weld_distance: Option<Deviation>,
 }

@@ -11,9 +11,11 @@ use crate::values::{BitRate, ByteCount};
 
 /// Serve the models of a directory over HTTP, with a gallery and a viewer
 ///
-/// The gallery shows all models of the directory and its subdirectories; the viewer refines a progressive model while it loads. Only programs on
-/// this machine can connect unless --address is set. Files outside the directory and hidden files are never served. Ctrl-C stops the server
-/// after running responses. `tristrip help server` explains addresses, packing, the cache and limits.
+/// The gallery shows all models of the directory and its subdirectories; the viewer refines a
+/// progressive model while it loads. Only programs on this machine can connect unless --address is
+/// set. Files outside the directory and hidden files are never served. Ctrl-C stops the server
+/// after running responses. `tristrip help server` explains addresses, packing, the cache and
+/// limits.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip serve models/                            http://127.0.0.1:8080/
@@ -132,8 +134,8 @@ pub(crate) enum LogFormat {
 
 /// View models in the browser
 ///
-/// Pack the models in memory, serve them to this machine only, and open the browser. A progressive GLB is served unchanged. Ctrl-C stops the
-/// server.
+/// Pack the models in memory, serve them to this machine only, and open the browser. A progressive
+/// GLB is served unchanged. Ctrl-C stops the server.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip view bunny.ply

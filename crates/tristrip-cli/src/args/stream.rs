@@ -10,10 +10,12 @@ use crate::values::Vector;
 
 /// Pack a model as a progressive GLB that renders while it loads
 ///
-/// The model renders from the first bytes and refines as the rest arrives. The file is a valid GLB: every viewer draws its base meshes. They are followed by chunks of vertex splits that refine the base meshes to the
-/// full ones. `unpack`, all other subcommands and the JavaScript decoder read them, also from a part of the file. Positions and attributes are
-/// rounded to a grid; triangles and their winding are unchanged. Everything else in a scene is kept: nodes, materials, textures, skins,
-/// animations. The file is read back and proven.
+/// The model renders from the first bytes and refines as the rest arrives. The file is a valid GLB:
+/// every viewer draws its base meshes. They are followed by chunks of vertex splits that refine the
+/// base meshes to the full ones. `unpack`, all other subcommands and the JavaScript decoder read
+/// them, also from a part of the file. Positions and attributes are rounded to a grid; triangles
+/// and their winding are unchanged. Everything else in a scene is kept: nodes, materials, textures,
+/// skins, animations. The file is read back and proven.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip pack bunny.ply -o bunny.glb
@@ -23,20 +25,23 @@ use crate::values::Vector;
 pub(crate) struct PackArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// Refine first what looks largest from this position in the scene, such as 0,0.1,0.5 [default: uniform]
+    /// Refine first what looks largest from this position in the scene, such as 0,0.1,0.5 [default:
+    /// uniform]
     ///
-    /// Errors are weighted by distance, and by half on back faces. The complete file refines everything.
+    /// Errors are weighted by distance, and by half on back faces. The complete file refines
+    /// everything.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Stream")]
     pub(crate) eye: Option<Vector>,
     /// The .glb file to write, a directory for several inputs, or - for standard output
     ///
-    /// Files are written under a temporary name and then renamed; existing files are replaced. In a directory, each output has the name of its
-    /// input.
+    /// Files are written under a temporary name and then renamed; existing files are replaced. In a
+    /// directory, each output has the name of its input.
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
     pub(crate) output: PathBuf,
     /// The bits per coordinate, 4 to 16 [default: 14]
     ///
-    /// The longest side of a mesh has 2^BITS - 1 steps. Parts of the same nodes share a grid, so no cracks open between them.
+    /// The longest side of a mesh has 2^BITS - 1 steps. Parts of the same nodes share a grid, so no
+    /// cracks open between them.
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=16), help_heading = "Stream")]
     pub(crate) position_bits: Option<u32>,
     /// Skip verification
@@ -46,8 +51,9 @@ pub(crate) struct PackArgs {
 
 /// Read a level of detail from a progressive GLB
 ///
-/// Without --level, --triangles or --bytes, read the full meshes. From a truncated or damaged file, read everything before the damage, with a
-/// warning. A GLB output has the scene of the file; other formats have only its meshes.
+/// Without --level, --triangles or --bytes, read the full meshes. From a truncated or damaged file,
+/// read everything before the damage, with a warning. A GLB output has the scene of the file; other
+/// formats have only its meshes.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip unpack bunny.glb --level 30% -o part.ply
@@ -73,8 +79,9 @@ pub(crate) struct UnpackArgs {
 
 /// Report chunks, bits per vertex and errors of a progressive GLB
 ///
-/// The bits of the components are those of the range coder: marks select the vertices to split, corners the triangles that move, precision adds
-/// bits to known positions. Bits per vertex are relative to the vertices of the full meshes. A truncated or damaged file is reported up to the
+/// The bits of the components are those of the range coder: marks select the vertices to split,
+/// corners the triangles that move, precision adds bits to known positions. Bits per vertex are
+/// relative to the vertices of the full meshes. A truncated or damaged file is reported up to the
 /// damage.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:

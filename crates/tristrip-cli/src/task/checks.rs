@@ -1,4 +1,5 @@
-//! Checks of the files that charts and pictures are written to, and messages that name the flag of a value.
+//! Checks of the files that charts and pictures are written to, and messages that name the flag of
+//! a value.
 
 use std::path::{Path, PathBuf};
 

@@ -69,7 +69,8 @@ pub(super) fn level_task(mut args: LevelArgs) -> Result<LevelTask, String> {
     }
     let view = view(&args)?;
     let goal = level_goal(&args, view);
-    // Goals may need any level; a level is a number within a range that is not too coarse to look at.
+    // Goals may need any level; a level is a number within a range that is not too coarse to look
+    // at.
     let base = match goal {
         LevelGoal::Level(_) => Ratio::new(0.05),
         _ => Some(Ratio::ZERO),

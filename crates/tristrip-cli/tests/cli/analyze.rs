@@ -1,4 +1,5 @@
-//! `tristrip analyze`: lists, every layout of strips, fans, scenes, vertex caches, the chart, and bad inputs.
+//! `tristrip analyze`: lists, every layout of strips, fans, scenes, vertex caches, the chart, and
+//! bad inputs.
 
 use std::fs;
 use std::path::{Path, PathBuf};

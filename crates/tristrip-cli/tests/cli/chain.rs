@@ -1,4 +1,5 @@
-//! `tristrip chain`: one scene, a file per level, levels that are not reached, and flags that do not fit.
+//! `tristrip chain`: one scene, a file per level, levels that are not reached, and flags that do
+//! not fit.
 
 use std::fs;
 

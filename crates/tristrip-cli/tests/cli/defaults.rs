@@ -37,7 +37,8 @@ fn of_command(subcommand: &str, flag: &str) -> Option<String> {
     Some(default.split_once(']').unwrap().0.to_owned())
 }
 
-/// Returns the default of a parameter in the signature of a Python function, of a class or of the module, as written.
+/// Returns the default of a parameter in the signature of a Python function, of a class or of the
+/// module, as written.
 fn of_python(function: &str, parameter: &str) -> String {
     let stub = source("bindings/python/python/tristrip/_native.pyi");
     let (class, name) = function.split_once('.').unwrap_or(("", function));
@@ -143,7 +144,8 @@ fn levels_have_one_default() {
     for function in ["Levels.__new__", "Scene.levels"] {
         assert_eq!(of_python(function, "model"), ModelKind::default().name(), "{function}");
     }
-    // The command writes one level, which needs no model that moves between levels: it draws filtered strips.
+    // The command writes one level, which needs no model that moves between levels: it draws
+    // filtered strips.
     assert_eq!(of_command("level", "--model"), None);
     assert_eq!(of_command("level", "--filter"), Some(DisplayFilter::default().to_string()));
     let effort = RepairOptions::default().effort.level().to_string();

@@ -11,7 +11,8 @@ fn document(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-/// `docs/cli.md` is regenerated when `TRISTRIP_BLESS` is set. It has the help of a build with all features.
+/// `docs/cli.md` is regenerated when `TRISTRIP_BLESS` is set. It has the help of a build with all
+/// features.
 #[cfg(feature = "tls")]
 #[test]
 fn the_docs_contain_the_help() {
@@ -58,7 +59,8 @@ const SAMPLES: [&str; 13] = [
     "inspect packed.glb --json",
 ];
 
-/// Sets all times of a report to the same value, and cuts arrays to their first entry, except coordinates.
+/// Sets all times of a report to the same value, and cuts arrays to their first entry, except
+/// coordinates.
 fn sample_of(value: &mut Value) {
     match value {
         Value::Array(entries) => {

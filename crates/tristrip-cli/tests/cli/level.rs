@@ -60,7 +60,8 @@ fn a_level_is_selected_by_what_it_has_to_reach() {
     let full = number(&lod("hand.ply", &["--level", "100%"]), "triangles");
     let of_count = lod("hand.ply", &["--triangles", "1000"]);
     assert_eq!((number(&of_count, "triangles"), &of_count["pixels"]), (1000, &Value::Null));
-    // Goals have no base mesh but the coarsest, unless one is asked for; they are met as far as it allows.
+    // Goals have no base mesh but the coarsest, unless one is asked for; they are met as far as it
+    // allows.
     let few = lod("hand.ply", &["--triangles", "200"]);
     assert_eq!((number(&few, "triangles"), number(&few, "level") > 0), (200, true));
     let limited = lod("hand.ply", &["--triangles", "200", "--base", "10%"]);
@@ -226,7 +227,8 @@ fn every_level_model_draws_the_level() {
         assert_eq!((&report["model"], &report["proven"]), (&name.into(), &true.into()));
         let has_filter = ["naive", "progressive"].contains(&name);
         assert_eq!(report["filter"], if has_filter { "repair" } else { "none" });
-        // Single triangles are written as a list, in which none has a restart or a degenerate triangle after it.
+        // Single triangles are written as a list, in which none has a restart or a degenerate
+        // triangle after it.
         assert_eq!(report["layout"], if name == "progressive-mesh" { "list" } else { "degenerate" });
         let written = json(tristrip().args(["strip", "-m", "input", "--json"]).arg(&file));
         assert_eq!(written["triangles"], report["triangles"]);

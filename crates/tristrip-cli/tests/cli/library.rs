@@ -1,4 +1,5 @@
-//! The command as a function of other programs: several runs in one process, and under another name.
+//! The command as a function of other programs: several runs in one process, and under another
+//! name.
 
 use std::ffi::OsString;
 use std::fs;

@@ -1,4 +1,5 @@
-//! End-to-end tests of the command: arguments, files and streams in; bytes, text, JSON and exit codes out.
+//! End-to-end tests of the command: arguments, files and streams in; bytes, text, JSON and exit
+//! codes out.
 
 #![expect(clippy::panic, reason = "a test that panics fails")]
 

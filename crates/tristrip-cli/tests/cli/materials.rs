@@ -1,4 +1,5 @@
-//! Materials of OBJ: libraries and images beside the file travel with every result that can hold them.
+//! Materials of OBJ: libraries and images beside the file travel with every result that can hold
+//! them.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 

@@ -1,4 +1,5 @@
-//! `tristrip strip --reorder-vertices`: vertices in the order of first use, with their attributes, and the map to the old order.
+//! `tristrip strip --reorder-vertices`: vertices in the order of first use, with their attributes,
+//! and the map to the old order.
 
 #![allow(clippy::unwrap_used, reason = "a test may stop")]
 
@@ -28,8 +29,8 @@ fn load(path: &Path) -> Model {
     tristrip_io::read_path(path).unwrap()
 }
 
-/// Checks that the vertices of a file are those of its source under the map of the report, including attributes; returns the number of
-/// moved vertices.
+/// Checks that the vertices of a file are those of its source under the map of the report,
+/// including attributes; returns the number of moved vertices.
 fn check_map(source: &Path, target: &Path, report: &Value) -> usize {
     assert_eq!((&report["proven"], &report["error"]), (&true.into(), &Value::Null));
     tristrip().arg("verify").arg(source).arg(target).assert().success();

@@ -1,4 +1,5 @@
-//! Searches of `tristrip strip`: bounds, repeatable results, budgets, interrupts and the lines of stages.
+//! Searches of `tristrip strip`: bounds, repeatable results, budgets, interrupts and the lines of
+//! stages.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics fails")]
 
@@ -66,7 +67,8 @@ fn a_budget_stops_a_search_with_a_proven_result() {
     assert!(report["notes"].as_array().unwrap().iter().any(|n| n.as_str().unwrap().contains("budget")));
 }
 
-/// Returns whether a process has a handler of SIGINT, by the mask of caught signals that Linux shows.
+/// Returns whether a process has a handler of SIGINT, by the mask of caught signals that Linux
+/// shows.
 #[cfg(target_os = "linux")]
 fn handles_interrupts(process: u32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
@@ -113,8 +115,8 @@ fn an_interrupt_stops_a_search_with_a_proven_result() {
     assert!(out.exists());
 }
 
-/// Regression: the lines of all stages were printed when the operation returned. Here the lines of the stages
-/// before the search are read while it runs: Ctrl-C still stops it.
+/// Regression: the lines of all stages were printed when the operation returned. Here the lines of
+/// the stages before the search are read while it runs: Ctrl-C still stops it.
 #[cfg(target_os = "linux")]
 #[test]
 fn lines_of_stages_are_printed_when_they_end() {

@@ -159,7 +159,8 @@ fn one_percent_of_the_diagonal_is_the_default_limit() {
     assert!(held["normal_deviation_degrees"].as_f64() > Some(1.0) && held["uv_deviation_percent"].is_null());
 }
 
-/// The edges of the body are rounded: with few triangles its flat sides end at vertices with normals between two sides.
+/// The edges of the body are rounded: with few triangles its flat sides end at vertices with
+/// normals between two sides.
 #[test]
 fn normals_that_no_longer_fit_are_repaired() {
     let dir = tempfile::tempdir().unwrap();
@@ -211,7 +212,8 @@ fn locked_borders_are_named_where_they_hold_a_model() {
 
 #[test]
 fn the_sides_of_a_narrow_gap_collapse_together() {
-    // Two sheets of 40 × 4 and 40 × 6 squares, bent, with a gap of 0.001 between x = 0 and x = 0.001; each with a material of its own or not.
+    // Two sheets of 40 × 4 and 40 × 6 squares, bent, with a gap of 0.001 between x = 0 and x =
+    // 0.001; each with a material of its own or not.
     let sheets = |materials: bool| {
         let mut lines = Vec::new();
         let mut first = 1;
@@ -371,7 +373,7 @@ fn fit_moves_positions_and_reports_them() {
     });
     assert!(before.get("moved_positions").is_none() && before["seconds"]["fit"].is_null());
     let moved = number(&after, "moved_positions");
-    // The hand is closed, so that hardly a position stays.
+    // The hand is closed: almost all positions move.
     assert!(moved <= number(&after, "vertices_after") && moved > 300, "{moved}");
     assert!(after["seconds"]["fit"].is_number() && after["proven"] == true);
     assert_eq!(number(&before, "triangles_after"), number(&after, "triangles_after"));

@@ -50,7 +50,7 @@ struct ObjParser<'a> {
     /// The group of the last face; `None` after a change of material.
     current: Option<usize>,
     object_lines: u64,
-    /// The names of material libraries, each once.
+    /// The names of material libraries, without repeats.
     libraries: Vec<String>,
     dropped: BTreeMap<String, u64>,
     other_dropped: u64,

@@ -1,20 +1,24 @@
-//! `LodStrips`: strips as vectors of vertices, and the changes of each level, which are made and undone in place.
+//! `LodStrips`: strips as vectors of vertices, and the changes of each level, which are made and
+//! undone in place.
 //!
 //! # A reconstruction
-//! The paper of `LodStrips` is not at hand; this follows what the papers that build on it say: each strip is a vector, the changes of all levels are
-//! computed beforehand, and a move to another level makes those in between, one level after the other. What was filled in:
-//! - A change of a strip lists the places in its vector that are renamed, and those that are removed with their vertices, which are inserted again when the
-//!   change is undone. All places are those before the collapse.
-//! - Vertices are removed as for SETS, so that the winding of the triangles is kept, which the paper does not do.
+//! The paper of `LodStrips` is not at hand; this follows what the papers that build on it say: each
+//! strip is a vector, the changes of all levels are computed beforehand, and a move to another
+//! level makes those in between, one level after the other. What was filled in:
+//! - A change of a strip lists the places in its vector that are renamed, and those that are
+//!   removed with their vertices, which are inserted again when the change is undone. All places
+//!   are those before the collapse.
+//! - Vertices are removed as for SETS, which keeps the winding of the triangles; the paper does
+//!   not.
 //! - Its collapses are those of any sequence; the paper has a simplification of its own.
 //!
 //! # References
-//! Ramos, Chover: *`LodStrips`: Level of Detail Strips*, 2004. Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*,
-//! 2006, section 2.
+//! Ramos, Chover: *`LodStrips`: Level of Detail Strips*, 2004. Belmonte, Aguado, Sancho: *Triangle
+//! Strip Multiresolution Modelling Using Sorted Edges*, 2006, section 2.
 //!
 //! # Complexity
-//! A move takes a step per changed slot of every level on the way, and moves the rest of a strip from which vertices are removed. The bunny's
-//! 69,451 triangles take 46 bytes each.
+//! A move takes a step per changed slot of every level on the way, and moves the rest of a strip
+//! from which vertices are removed. The bunny's 69,451 triangles take 46 bytes each.
 
 use std::sync::Arc;
 
@@ -80,7 +84,8 @@ impl LodStrips {
     /// Builds the model from strips of the full mesh.
     ///
     /// # Errors
-    /// A strip has a vertex that the sequence does not have, or the collapses rename too many slots.
+    /// A strip has a vertex that the sequence does not have, or the collapses rename too many
+    /// slots.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -278,7 +283,8 @@ impl LevelCursor for LodStripsCursor {
 /// The slots of a strip that are not removed: a Fenwick tree.
 #[derive(Debug, Default)]
 struct LiveSlots {
-    /// Item i counts the slots among as many as the lowest set bit of i, the last of them slot i − 1.
+    /// Item i counts the slots among as many as the lowest set bit of i, the last of them slot i −
+    /// 1.
     tree: Vec<u32>,
 }
 

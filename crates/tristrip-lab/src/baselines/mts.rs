@@ -1,22 +1,27 @@
-//! MTS, multiresolution triangle strips: for each vertex of a strip, the edges that lead to its successors at any level, not sorted by level. It is the
-//! baseline of SETS.
+//! MTS, multiresolution triangle strips: for each vertex of a strip, the edges that lead to its
+//! successors at any level, not sorted by level. It is the baseline of SETS.
 //!
 //! # A reconstruction
-//! The paper of MTS is not at hand; this follows what the paper of SETS says about it: strips as graphs of vertices and successors, whose lists are not
-//! sorted by level, and, as there, modified so that the winding of the triangles is kept. What was filled in:
-//! - An edge is a slot of the strip in which the vertex stands, the vertex that follows it, and the first and the last state at which it does. The edges of a
-//!   vertex stand in the order of the slots, so that its valid edges are its visits in their order. The walk counts the visits; each of them searches
-//!   the list linearly for its valid edge.
-//! - Strips are walked only when their own vertices change, as for SETS. Table 3 of that paper has the times of both models fall as more levels are
-//!   recovered, "due to the use of coherence".
-//! - Labels, states and packed arrays are those of SETS, so that the two differ only in their lists.
+//! The paper of MTS is not at hand; this follows what the paper of SETS says about it: strips as
+//! graphs of vertices and successors, whose lists are not sorted by level, and, as there, modified
+//! to keep the winding of the triangles. What was filled in:
+//! - An edge is a slot of the strip in which the vertex stands, the vertex that follows it, and the
+//!   first and the last state at which it does. The edges of a vertex stand in the order of the
+//!   slots: its valid edges are its visits in their order. The walk counts the visits; each of them
+//!   searches the list linearly for its valid edge.
+//! - Strips are walked only when their own vertices change, as for SETS. Table 3 of that paper has
+//!   the times of both models fall as more levels are recovered, "due to the use of coherence".
+//! - Labels, states and packed arrays are those of SETS; the two differ only in their lists.
 //!
 //! # References
-//! Belmonte, Remolar, Ribelles, Chover, Fernández: *Efficiently Using Connectivity Information between Triangles in a Mesh for Real-Time Rendering*, 2004.
-//! Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*, 2006, section 4.
+//! Belmonte, Remolar, Ribelles, Chover, Fernández: *Efficiently Using Connectivity Information
+//! between Triangles in a Mesh for Real-Time Rendering*, 2004.
+//! Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*, 2006,
+//! section 4.
 //!
 //! # Complexity
-//! A move takes a step per strip, and one per edge of the vertices of the strips that changed. The bunny's 69,451 triangles take 22 bytes each.
+//! A move takes a step per strip, and one per edge of the vertices of the strips that changed. The
+//! bunny's 69,451 triangles take 22 bytes each.
 
 use std::sync::Arc;
 
@@ -50,8 +55,9 @@ impl Mts {
     /// Builds the model from strips of the full mesh.
     ///
     /// # Errors
-    /// A strip has a vertex that the sequence does not have, the collapses rename too many slots, or a walk would examine too many edges: as where one
-    /// strip surrounds a vertex of thousands of triangles, of which each visit searches all edges.
+    /// A strip has a vertex that the sequence does not have, the collapses rename too many slots,
+    /// or a walk would examine too many edges: as where one strip surrounds a vertex of thousands
+    /// of triangles, of which each visit searches all edges.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -65,8 +71,9 @@ impl Mts {
         StripGraphs::new(strips, sequence).map(|graphs| Self(Arc::new(graphs)))
     }
 
-    /// Counts the entries of lists that a move between two levels reads: beginnings, labels and successors of the strips that
-    /// differ between them. They take most of the time of the move, and are the same on every machine.
+    /// Counts the entries of lists that a move between two levels reads: beginnings, labels and
+    /// successors of the strips that differ between them. They take most of the time of the move,
+    /// and are the same on every machine.
     ///
     /// # Errors
     /// There is no such level.
@@ -97,7 +104,8 @@ impl LevelModel for Mts {
     }
 }
 
-/// The lists of a strip: the end of each node among the edges; the edges, each the first and the last state and the node that follows.
+/// The lists of a strip: the end of each node among the edges; the edges, each the first and the
+/// last state and the node that follows.
 #[derive(Debug, Clone, PartialEq)]
 struct UnsortedEdges;
 

@@ -30,7 +30,8 @@ pub enum CameraPath {
 }
 
 impl CameraPath {
-    /// Reads a path: a name, or a JSON file of cameras. `up` is its vertical axis, y unless the path finds one.
+    /// Reads a path: a name, or a JSON file of cameras. `up` is its vertical axis, y unless the
+    /// path finds one.
     ///
     /// # Errors
     /// It is neither, or an axis is given for a file.
@@ -64,7 +65,8 @@ impl CameraPath {
     /// Returns the cameras of a number of frames over a model with these positions.
     ///
     /// # Errors
-    /// The file cannot be read or has no valid cameras, the number is 0 or more than [`MAX_FRAMES`](super::MAX_FRAMES), or there are no positions.
+    /// The file cannot be read or has no valid cameras, the number is 0 or more than
+    /// [`MAX_FRAMES`](super::MAX_FRAMES), or there are no positions.
     pub fn cameras(
         &self,
         positions: &[[f32; 3]],

@@ -1,4 +1,5 @@
-//! The extent of a model as the paths of a camera need it: its bounding box, and its outline while it turns.
+//! The extent of a model as the paths of a camera need it: its bounding box, and its outline while
+//! it turns.
 
 use super::lens::{Axis, Lens};
 use crate::error::Error;
@@ -7,16 +8,19 @@ use crate::error::Error;
 const ELEVATION: f64 = 0.364;
 /// The share of the image that a model in orbit fills.
 const FILLED: f64 = 0.92;
-/// The slices of a model, and the points of their rings, by which the distance of an orbit is determined.
+/// The slices of a model, and the points of their rings, by which the distance of an orbit is
+/// determined.
 const SLICES: usize = 64;
 const ANGLES: usize = 64;
-/// The height of a flyover above the box, how far ahead and how far down it looks, in lengths of the box.
+/// The height of a flyover above the box, how far ahead and how far down it looks, in lengths of
+/// the box.
 const HEIGHT: f64 = 0.03;
 const AHEAD: f64 = 0.25;
 const DOWN: f64 = 0.06;
 
-/// Returns the direction of length 1 from a model to the eye at a share of a turn. It begins at the axis before the vertical one in the order of x, y, z,
-/// which is the front for a vertical y axis: z.
+/// Returns the direction of length 1 from a model to the eye at a share of a turn. It begins at the
+/// axis before the vertical one in the order of x, y, z, which is the front for a vertical y axis:
+/// z.
 pub(super) fn towards(up: Axis, turn: f64) -> [f64; 3] {
     let up = up as usize;
     let angle = std::f64::consts::TAU * turn;

@@ -24,7 +24,8 @@ pub struct FlightOptions {
     pub criteria: ViewCriteria,
     /// The filter of its display strips.
     pub filter: Filter,
-    /// The most frames whose display strips are proven, at equal distances; the last one is among them. 0 for none.
+    /// The most frames whose display strips are proven, at equal distances; the last one is among
+    /// them. 0 for none.
     pub proof_count: usize,
 }
 
@@ -61,7 +62,8 @@ pub struct FrameRow {
     pub bytes_changed: usize,
     /// Whether everything wanted was done: no limit of steps ended the update.
     pub complete: bool,
-    /// Whether the display strips are proven to draw exactly the triangles of the frame; none if that was not checked.
+    /// Whether the display strips are proven to draw exactly the triangles of the frame; none if
+    /// that was not checked.
     pub proven: Option<bool>,
     /// The time of the frame.
     pub seconds: FrameSeconds,
@@ -97,7 +99,8 @@ pub trait FlightObserver {
 
 impl FlightObserver for () {}
 
-/// Moves a view of a model from camera to camera, and measures each frame. The view begins at the base mesh.
+/// Moves a view of a model from camera to camera, and measures each frame. The view begins at the
+/// base mesh.
 ///
 /// # Errors
 /// The model has no positions, a frame is not proven, or the observer failed or cancelled.
@@ -191,8 +194,9 @@ impl FlightReport {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let report = FlightReport::of_model(&model)?.with_frames(fly(&model, &cameras, &FlightOptions::default(), &mut ())?);
-    /// assert_eq!((report.triangles_full, report.frames.map(|frames| frames.len())), (Some(128), Some(20)));
+    /// let report = FlightReport::of_model(&model)?.with_frames(fly(&model, &cameras,
+    /// &FlightOptions::default(), &mut ())?); assert_eq!((report.triangles_full,
+    /// report.frames.map(|frames| frames.len())), (Some(128), Some(20)));
     /// # Ok::<(), Error>(())
     /// ```
     pub fn of_model(model: &SkipStrips) -> Result<Self, Error> {
@@ -214,7 +218,8 @@ impl FlightReport {
     }
 }
 
-/// Checks whether a frame is one of `chosen` frames at equal distances, of which the last one is the last of all.
+/// Checks whether a frame is one of `chosen` frames at equal distances, of which the last one is
+/// the last of all.
 pub(crate) fn is_among(frame: usize, frame_count: usize, chosen: usize) -> bool {
     (frame + 1) * chosen / frame_count > frame * chosen / frame_count
 }
@@ -252,13 +257,14 @@ pub struct FlightSummary {
 }
 
 impl FlightSummary {
-    /// Returns what frames have in common. Of a flight of one frame, this frame is the median and the worst one.
+    /// Returns what frames have in common. Of a flight of one frame, this frame is the median and
+    /// the worst one.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let summary = FlightSummary::of(&fly(&model, &cameras, &FlightOptions::default(), &mut ())?);
-    /// assert_eq!((summary.frame_count, summary.frames_proven, summary.frames_incomplete), (20, 20, 0));
-    /// assert!(summary.median.triangles <= summary.worst.triangles);
+    /// let summary = FlightSummary::of(&fly(&model, &cameras, &FlightOptions::default(), &mut
+    /// ())?); assert_eq!((summary.frame_count, summary.frames_proven, summary.frames_incomplete),
+    /// (20, 20, 0)); assert!(summary.median.triangles <= summary.worst.triangles);
     /// # Ok::<(), Error>(())
     /// ```
     pub fn of(rows: &[FrameRow]) -> Self {

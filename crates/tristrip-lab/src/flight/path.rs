@@ -51,7 +51,8 @@ fn upward() -> [f64; 3] {
 }
 
 impl FlightPath {
-    /// Returns one turn around a model, at the distance at which it fills the image, seen from 20 degrees above.
+    /// Returns one turn around a model, at the distance at which it fills the image, seen from 20
+    /// degrees above.
     ///
     /// # Errors
     /// There are no positions, or one is not finite.
@@ -64,7 +65,8 @@ impl FlightPath {
         Ok(Self(Kind::Orbit(Bounds::of(positions)?, Rings::of(positions, up)?)))
     }
 
-    /// Returns a way straight towards a model, from far away until close to it. Each frame shortens the distance by the same factor.
+    /// Returns a way straight towards a model, from far away until close to it. Each frame shortens
+    /// the distance by the same factor.
     ///
     /// # Errors
     /// As of [`FlightPath::orbit`].
@@ -80,7 +82,8 @@ impl FlightPath {
         Ok(Self(Kind::Dolly(Bounds::of(positions)?, Rings::of(positions, up)?)))
     }
 
-    /// Returns a way low over a model such as a terrain, along the longest side of its bounding box. Without an axis, its shortest side is vertical.
+    /// Returns a way low over a model such as a terrain, along the longest side of its bounding
+    /// box. Without an axis, its shortest side is vertical.
     ///
     /// # Errors
     /// As of [`FlightPath::orbit`].
@@ -97,8 +100,9 @@ impl FlightPath {
         Ok(Self(Kind::Flyover(bounds, up.or(shortest).unwrap_or(Axis::Y))))
     }
 
-    /// Reads a path through cameras from JSON: an array of at least one object with `eye` and `look_at`, and, if wanted, `up` and the vertical angle
-    /// `field_of_view` in degrees. The cameras are at equal distances in time.
+    /// Reads a path through cameras from JSON: an array of at least one object with `eye` and
+    /// `look_at`, and, if wanted, `up` and the vertical angle `field_of_view` in degrees. The
+    /// cameras are at equal distances in time.
     ///
     /// # Errors
     /// The text is no such array, or a camera is not valid.
@@ -123,10 +127,12 @@ impl FlightPath {
         Ok(Self(Kind::Through(stops)))
     }
 
-    /// Returns the cameras of a number of frames, with the image of a lens. The last frame of an orbit is the one before the first.
+    /// Returns the cameras of a number of frames, with the image of a lens. The last frame of an
+    /// orbit is the one before the first.
     ///
     /// # Errors
-    /// The number is 0 or more than [`MAX_FRAMES`], the lens is not valid, or a camera between two of a file has no direction.
+    /// The number is 0 or more than [`MAX_FRAMES`], the lens is not valid, or a camera between two
+    /// of a file has no direction.
     ///
     /// ```
     /// use tristrip_lab::flight::{Axis, FlightPath, Lens};

@@ -20,7 +20,8 @@ pub fn as_text(summary: &FlightSummary) -> String {
     format!("  {}\n{}", heading(summary), table(&summary_rows(summary, "  "), 1..4))
 }
 
-/// Formats a flight as a page in Markdown: the title, a paragraph on how it was measured, the summary, and a table of at most 60 frames.
+/// Formats a flight as a page in Markdown: the title, a paragraph on how it was measured, the
+/// summary, and a table of at most 60 frames.
 ///
 /// ```
 #[doc = include_str!("example.txt")]

@@ -1,10 +1,12 @@
-//! The chart of all methods: one panel per model. The optimal methods are joined by steps and labelled, the others are grey.
+//! The chart of all methods: one panel per model. The optimal methods are joined by steps and
+//! labelled, the others are grey.
 
 use super::{LIST, ParetoPoint};
 use crate::error::Error;
 use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
-/// A point of the file's own order is drawn unless it makes an axis longer than the range of the methods by more than this factor.
+/// A point of the file's own order is drawn unless it makes an axis longer than the range of the
+/// methods by more than this factor.
 const MAX_STRETCH: f64 = 2.0;
 
 /// The maximum number of names in the label of points at the same position; the others are counted.

@@ -10,7 +10,8 @@ use serde::{Serialize, Serializer};
 pub enum Sweep {
     /// Equal distances.
     Linear,
-    /// Distances that grow by a constant factor from the full mesh to the base mesh, and are at least one level.
+    /// Distances that grow by a constant factor from the full mesh to the base mesh, and are at
+    /// least one level.
     Exponential,
 }
 
@@ -26,7 +27,8 @@ impl Sweep {
         }
     }
 
-    /// Returns the levels that a sweep over a share of all levels, in percent, recovers after the full mesh, falling; the last one is 0.
+    /// Returns the levels that a sweep over a share of all levels, in percent, recovers after the
+    /// full mesh, falling; the last one is 0.
     ///
     /// ```
     /// use tristrip_lab::recovery::Sweep;
@@ -53,7 +55,8 @@ impl Sweep {
     }
 }
 
-/// Returns the root of a number of at least 1, to a relative error of 1e-13. Only products decide, so that it is the same on every machine.
+/// Returns the root of a number of at least 1, to a relative error of 1e-13. Only products decide:
+/// it is the same on every machine.
 fn root(number: f64, degree: usize) -> f64 {
     let power = |base: f64| {
         let (mut power, mut square, mut left) = (1.0, base, degree);

@@ -1,7 +1,7 @@
-//! What a page was measured on, so that a run without all models does not replace a page by one with less.
+//! What a page was measured on: a run without all models must not replace it by a page with less.
 //!
-//! The coverage is read from the page itself, old or new: for each row of a table whether it was measured, and for each claim on how many
-//! models.
+//! The coverage is read from the page itself, old or new: for each row of a table whether it was
+//! measured, and for each claim on how many models.
 
 use std::collections::BTreeMap;
 
@@ -45,7 +45,8 @@ impl Coverage {
         self.0.values().all(|&models| models == 0)
     }
 
-    /// Returns the rows that were measured on more models in another page. Rows that only one of the pages has do not count.
+    /// Returns the rows that were measured on more models in another page. Rows that only one of
+    /// the pages has do not count.
     pub(super) fn missing<'a>(&'a self, other: &'a Self) -> Vec<&'a str> {
         let more = |(row, models): &(&String, &usize)| self.0.get(*row).is_some_and(|here| here < *models);
         other.0.iter().filter(more).map(|(row, _)| row.as_str()).collect()

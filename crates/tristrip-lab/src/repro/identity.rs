@@ -3,8 +3,8 @@
 use super::paper::{ModelSize, PublishedRow};
 use super::runner::Runner;
 
-/// A file is the published model if its numbers of vertices, all or those of faces, and of triangles are within this many percent of the
-/// published ones.
+/// A file is the published model if its numbers of vertices, all or those of faces, and of
+/// triangles are within this many percent of the published ones.
 const NEAR_PERCENT: f64 = 3.0;
 
 /// The relation of a measured file to a published model.

@@ -1,18 +1,24 @@
-//! Levels of detail as in Kim et al. 2005: base meshes of 5 % of the triangles, the cow's of 254, and the vertices that each filter sends.
+//! Levels of detail as in Kim et al. 2005: base meshes of 5 % of the triangles, the cow's of 254,
+//! and the vertices that each filter sends.
 //!
 //! Figures of a model over all levels, each drawn once:
 //! - `collapses`, `triangles_base`, `vertices_base`;
-//! - `gbits_triangles`, and for each filter `gbits_…`: the vertices sent, in the published unit ([`gigabits`]);
-//! - `percent_…`: in percent of the vertices sent as single triangles; `percent_base_…`, `percent_full_…`: at the base and full mesh;
-//! - `saving_dtfs`: by how many percent dtfs sends less than stss; `saving_triangles_dtfs`, `saving_full_dtfs`: less than single triangles, at all
-//!   levels and at the full mesh;
-//! - `crossing_stss`: the highest level at which stss sends more than single triangles, in percent, in steps of 1 %;
+//! - `gbits_triangles`, and for each filter `gbits_…`: the vertices sent, in the published unit
+//!   ([`gigabits`]);
+//! - `percent_…`: in percent of the vertices sent as single triangles; `percent_base_…`,
+//!   `percent_full_…`: at the base and full mesh;
+//! - `saving_dtfs`: by how many percent dtfs sends less than stss; `saving_triangles_dtfs`,
+//!   `saving_full_dtfs`: less than single triangles, at all levels and at the full mesh;
+//! - `crossing_stss`: the highest level at which stss sends more than single triangles, in percent,
+//!   in steps of 1 %;
 //! - `updates_naive`, `updates_encoded`: index-map slots written per vertex split;
-//! - `saving_updates`, `saving_bytes`: percent of the slots and of the bytes that the encoding saves; `saving_bytes_with_id` with two bytes more
-//!   for the id of each split's vertex;
-//! - `bytes_naive`, `bytes_encoded`: bytes of all splits by equation 2, 12 and 2 per slot; what is sent, by `wire_figures.rs`.
+//! - `saving_updates`, `saving_bytes`: percent of the slots and of the bytes that the encoding
+//!   saves; `saving_bytes_with_id` with two bytes more for the id of each split's vertex;
+//! - `bytes_naive`, `bytes_encoded`: bytes of all splits by equation 2, 12 and 2 per slot; what is
+//!   sent, by `wire_figures.rs`.
 //!
-//! Curves by level: `triangles` and the names of the filters for vertices sent; `updates_naive` and `updates_encoded` per 5 %.
+//! Curves by level: `triangles` and the names of the filters for vertices sent; `updates_naive` and
+//! `updates_encoded` per 5 %.
 
 use std::collections::BTreeMap;
 
@@ -26,7 +32,8 @@ use crate::traffic::{LevelRow, TrafficModel, gigabits, measure_levels, totals};
 
 /// The size of the paper's base meshes, as a ratio of the triangles.
 const BASE: &str = "5%";
-/// The triangles of a model whose base mesh has another size, the cow, and that size: 254 triangles.
+/// The triangles of a model whose base mesh has another size, the cow, and that size: 254
+/// triangles.
 const OTHER_BASE: (usize, &str) = (5804, "4.377%");
 /// Steps of the curves of vertices sent, and of the averages of updates.
 const CURVE_STEPS: usize = 100;
@@ -41,7 +48,8 @@ pub(super) struct LevelFigures {
     pub(super) curves: BTreeMap<String, Vec<(f64, f64)>>,
 }
 
-/// Measures the levels of a model, drawn with the strips of its full mesh, by the collapses of the options.
+/// Measures the levels of a model, drawn with the strips of its full mesh, by the collapses of the
+/// options.
 ///
 /// # Errors
 /// A level is not proven.

@@ -1,4 +1,5 @@
-//! Measurements of one model: figures of its mesh, and of the strips of each recipe, proven before they are measured.
+//! Measurements of one model: figures of its mesh, and of the strips of each recipe, proven before
+//! they are measured.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -60,9 +61,11 @@ pub(super) struct MeasuredModel {
 #[derive(Debug, Default)]
 struct MeasuredStrips {
     figures: BTreeMap<String, f64>,
-    /// Node accesses and the number of strips after them, during the search; for models of one part.
+    /// Node accesses and the number of strips after them, during the search; for models of one
+    /// part.
     progress: Vec<(u64, usize)>,
-    /// Vertices transmitted for each of [`CACHE_ENTRIES`]: LRU and FIFO, flushed between strips, then LRU and FIFO, kept.
+    /// Vertices transmitted for each of [`CACHE_ENTRIES`]: LRU and FIFO, flushed between strips,
+    /// then LRU and FIFO, kept.
     transmitted: Vec<[usize; 4]>,
     levels: LevelFigures,
     recovery: BTreeMap<String, f64>,
@@ -70,7 +73,8 @@ struct MeasuredStrips {
 }
 
 impl MeasuredModel {
-    /// Measures a model with the recipes that `wanted` returns for it, given whether it has polygons.
+    /// Measures a model with the recipes that `wanted` returns for it, given whether it has
+    /// polygons.
     ///
     /// # Errors
     /// Strips are not proven, flags are invalid, or the user interrupts.
@@ -140,7 +144,8 @@ impl MeasuredModel {
         self.by_recipe.get(recipe).map(|measured| &measured.views)
     }
 
-    /// Returns a figure of levels of detail as points: the level in percent of the collapses, and the value.
+    /// Returns a figure of levels of detail as points: the level in percent of the collapses, and
+    /// the value.
     pub(super) fn level_curve(&self, recipe: &Recipe, figure: &str) -> Vec<(f64, f64)> {
         let curves = self.by_recipe.get(recipe).map(|measured| &measured.levels.curves);
         curves.and_then(|curves| curves.get(figure)).cloned().unwrap_or_default()
@@ -151,7 +156,8 @@ impl MeasuredModel {
         self.by_recipe.get(recipe).map_or(&[], |measured| &measured.progress)
     }
 
-    /// Returns the vertices that a generalized triangle mesh transmits, for each of [`CACHE_ENTRIES`].
+    /// Returns the vertices that a generalized triangle mesh transmits, for each of
+    /// [`CACHE_ENTRIES`].
     pub(super) fn transmitted(&self, recipe: &Recipe, rule: Replacement, between: FlushPolicy) -> Vec<f64> {
         let transmitted = self.by_recipe.get(recipe).map_or(&[][..], |measured| &measured.transmitted);
         let column = 2 * usize::from(between == FlushPolicy::Keep) + usize::from(rule == Replacement::Fifo);
@@ -190,7 +196,7 @@ fn measure_strips(
     prepared.prove(&strips)?;
     let mut progress = watch.progress.into_inner().unwrap_or_default();
     let searches = watch.searches.into_inner().unwrap_or_default();
-    // The watch is asked at intervals, so that it may have missed the last joins.
+    // The watch is asked at intervals and may have missed the last joins.
     if let Some(accesses) = searches.accesses() {
         progress.push((accesses, strips.iter().map(Strips::len).sum()));
     }

@@ -18,7 +18,8 @@ pub(super) struct PageSection<'a> {
     pub(super) is_first: bool,
 }
 
-/// Formats the page; charts are in the same folder. What was not measured now is taken from the old page, if it is there.
+/// Formats the page; charts are in the same folder. What was not measured now is taken from the old
+/// page, if it is there.
 pub(super) fn page(sections: &[PageSection<'_>], old: &str) -> String {
     let Some(paper) = sections.first().map(|section| section.paper) else { return String::new() };
     let mut out = format!(
@@ -318,7 +319,8 @@ mod tests {
         let both = page(&with(Some(&table_1), Some(&table_3)), "");
         assert_eq!(page(&with(Some(&table_1), None), &both), both);
         assert_eq!(page(&with(None, Some(&table_3)), &both), both);
-        // Without an old page, only what was measured is on the new one, and the remarks of all sections.
+        // Without an old page, only what was measured is on the new one, and the remarks of all
+        // sections.
         let one = page(&with(None, Some(&table_3)), "");
         assert!(!one.contains("## Table 1\n") && one.contains("## Table 3\n"), "{one}");
         assert!(strips.remarks.iter().chain(&skip.remarks).all(|remark| one.contains(remark)));

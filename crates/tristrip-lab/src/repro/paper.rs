@@ -1,9 +1,11 @@
-//! The published results of a paper as data: tables, figures and claims, and the measurements with which they are compared.
+//! The published results of a paper as data: tables, figures and claims, and the measurements with
+//! which they are compared.
 //!
-//! A paper is a JSON file in `papers/`. A new table, figure or claim is an entry there; a new kind of measurement is a variant of
-//! [`Quantity`], [`ChartKind`] or [`Statistic`]. Strips are given by the flags of the command that computes them, so that each measured
-//! value can be reproduced by hand: `tristrip strip MODEL` with the same flags. A part of a paper that is measured by itself, a *section*, is a
-//! file of its own with the same key.
+//! A paper is a JSON file in `papers/`. A new table, figure or claim is an entry there; a new kind
+//! of measurement is a variant of [`Quantity`], [`ChartKind`] or [`Statistic`]. Strips are given by
+//! the flags of the command that computes them: each measured value can be reproduced by hand:
+//! `tristrip strip MODEL` with the same flags. A part of a paper that is measured by itself, a
+//! *section*, is a file of its own with the same key.
 
 use serde::{Deserialize, Deserializer, Serialize};
 use tristrip::vertex_cache::FlushPolicy;
@@ -22,7 +24,8 @@ pub(crate) struct Paper {
     pub(crate) tables: Vec<PublishedTable>,
     pub(crate) charts: Vec<ChartData>,
     pub(crate) claims: Vec<Claim>,
-    /// What a reader must know to compare: departures of the measured methods, gaps and contradictions of the text.
+    /// What a reader must know to compare: departures of the measured methods, gaps and
+    /// contradictions of the text.
     #[serde(default)]
     pub(crate) remarks: Vec<String>,
     pub(crate) left_out: Vec<LeftOut>,
@@ -34,7 +37,7 @@ pub(crate) struct Paper {
 pub(crate) struct PublishedTable {
     pub(crate) name: String,
     pub(crate) shows: String,
-    /// Whether the published models have polygons, so that a page must note files with triangles only.
+    /// Whether the published models have polygons; a page must then note files with triangles only.
     #[serde(default)]
     pub(crate) polygons: bool,
     pub(crate) columns: Vec<PublishedColumn>,
@@ -60,18 +63,22 @@ pub(crate) struct PublishedColumn {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Quantity {
-    /// A figure of strips: a key of the report of `tristrip strip`, or the misses per triangle of a vertex cache: `acmr_lru_32`.
+    /// A figure of strips: a key of the report of `tristrip strip`, or the misses per triangle of a
+    /// vertex cache: `acmr_lru_32`.
     Strips {
         flags: String,
         figure: String,
         /// The number of node accesses after which a search is stopped.
         steps: Option<u64>,
     },
-    /// A figure of levels of detail, drawn with the strips of these flags; `level_figures.rs` lists the figures.
+    /// A figure of levels of detail, drawn with the strips of these flags; `level_figures.rs` lists
+    /// the figures.
     Levels { flags: String, figure: String },
-    /// A figure of the recovery of all levels, over the strips of these flags; `recovery_figures.rs` lists the figures.
+    /// A figure of the recovery of all levels, over the strips of these flags;
+    /// `recovery_figures.rs` lists the figures.
     Recovery { flags: String, figure: String },
-    /// A figure of Skip Strips over the strips of these flags, and of the row's view if it has one; `view_figures.rs` lists the figures.
+    /// A figure of Skip Strips over the strips of these flags, and of the row's view if it has one;
+    /// `view_figures.rs` lists the figures.
     Views { flags: String, order: TreeOrder, figure: String },
     /// A figure of the mesh: a key of `mesh` in that report.
     Mesh(String),
@@ -163,7 +170,8 @@ pub(crate) struct ChartData {
 pub(crate) enum ChartKind {
     /// A figure of each model in the folder by model size; one series per method.
     Corpus { panels: Vec<CorpusPanel>, series: Vec<MethodSeries> },
-    /// The cost of generalized triangle meshes by the size of the vertex cache; one panel per model.
+    /// The cost of generalized triangle meshes by the size of the vertex cache; one panel per
+    /// model.
     VertexCaches { flags: String, models: Vec<String>, columns: usize },
     /// Figures of levels of detail by level; one panel per method, one series per figure.
     Levels { model: String, panels: Vec<LevelPanel>, axis: String, series: Vec<LevelSeries> },
@@ -244,7 +252,8 @@ pub(crate) struct Claim {
 pub(crate) struct PrintedNumber {
     pub(crate) table: String,
     pub(crate) column: String,
-    /// What is combined: the cells, or by how many percent they are above the number of triangles plus 2.
+    /// What is combined: the cells, or by how many percent they are above the number of triangles
+    /// plus 2.
     #[serde(default)]
     pub(crate) cells: PrintedCells,
     pub(crate) over: PrintedOver,
@@ -311,7 +320,8 @@ pub(crate) enum Statistic {
     Excess { figure: String, flags: String, models: ModelSet },
     /// The mean of a figure.
     Mean { figure: String, flags: String, models: ModelSet },
-    /// The exponent with which a figure grows with the number of triangles: the slope of the regression line of their logarithms.
+    /// The exponent with which a figure grows with the number of triangles: the slope of the
+    /// regression line of their logarithms.
     Exponent { figure: String, flags: String, models: ModelSet },
     /// The rank among variants by the sum of a figure per triangle, from 1.
     Rank { figure: String, flags: String, among: StripeVariants, models: ModelSet },
@@ -323,7 +333,8 @@ pub(crate) enum Statistic {
     RecoveryOf { figure: String, flags: String, model: String },
     /// A figure of Skip Strips of a model, without a view.
     ViewsOf { figure: String, flags: String, order: TreeOrder, model: String },
-    /// By how many percent the measured cells of a column are below those of another one, over the rows of a table.
+    /// By how many percent the measured cells of a column are below those of another one, over the
+    /// rows of a table.
     Columns { over: SavingOver, table: String, of: String, than: String },
     /// A figure of a mesh.
     Mesh { figure: String, model: String },
@@ -331,21 +342,24 @@ pub(crate) enum Statistic {
     StripsOf { figure: String, flags: String, than: Option<String>, model: String },
     /// The components of a model that one strip draws.
     OneStripComponents { flags: String, model: String },
-    /// By how many percent LRU transmits less than FIFO, on average over a range of vertex-cache sizes and a chart's models.
+    /// By how many percent LRU transmits less than FIFO, on average over a range of vertex-cache
+    /// sizes and a chart's models.
     LruSaving {
         chart: String,
         entries: (u32, u32),
         #[serde(deserialize_with = "flush_policy")]
         flush_policy: FlushPolicy,
     },
-    /// The saving of an LRU vertex cache of a size in percent of the saving of the largest, on average over a chart's models.
+    /// The saving of an LRU vertex cache of a size in percent of the saving of the largest, on
+    /// average over a chart's models.
     SavedBy {
         chart: String,
         entries: u32,
         #[serde(deserialize_with = "flush_policy")]
         flush_policy: FlushPolicy,
     },
-    /// The steps of the first series of a chart divided by those after which the second series has as few strips.
+    /// The steps of the first series of a chart divided by those after which the second series has
+    /// as few strips.
     Speed { chart: String, model: String },
 }
 
@@ -380,7 +394,8 @@ pub(crate) enum SavingOver {
 pub(crate) enum ModelSet {
     /// The models of the paper's tables that are in the folder; no stand-ins.
     Table,
-    /// Those of them that have a face of more than three corners, for papers whose models have polygons.
+    /// Those of them that have a face of more than three corners, for papers whose models have
+    /// polygons.
     Own,
     /// All models that have a face of more than three corners.
     Polygons,

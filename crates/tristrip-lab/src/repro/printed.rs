@@ -1,6 +1,8 @@
-//! Published numbers that follow from other published numbers: means, extremes, excesses and growth of the printed cells of a table.
+//! Published numbers that follow from other published numbers: means, extremes, excesses and growth
+//! of the printed cells of a table.
 //!
-//! A claim does not repeat such a number; it names the cells, and the number is computed. The tests recompute those that papers print.
+//! A claim does not repeat such a number; it names the cells, and the number is computed. The tests
+//! recompute those that papers print.
 
 use super::paper::{
     Claim, Paper, PrintedCells, PrintedNumber, PrintedOver, PrintedRows, PrintedSavings, PublishedRow,
@@ -10,7 +12,8 @@ use super::statistics::slope;
 use super::verdict::rounded;
 
 impl Claim {
-    /// Returns the number that the paper prints, or that follows from others; NaN if the claim has neither. Of a range it is the lower end.
+    /// Returns the number that the paper prints, or that follows from others; NaN if the claim has
+    /// neither. Of a range it is the lower end.
     pub(super) fn number(&self, paper: &Paper) -> f64 {
         if let Some(number) = &self.follows {
             return number.compute(paper, self.digits);
@@ -99,7 +102,8 @@ mod tests {
         load(&keys().map(String::from).collect()).unwrap()
     }
 
-    /// Checks whether a number is another one rounded to a number of decimals, with a margin for halves.
+    /// Checks whether a number is another one rounded to a number of decimals, with a margin for
+    /// halves.
     fn is_rounded(printed: f64, exact: f64, digits: usize) -> bool {
         (printed - exact).abs() <= 0.51 * 0.1_f64.powi(i32::try_from(digits).unwrap())
     }
@@ -115,7 +119,8 @@ mod tests {
                 let published = &table.rows[row].published;
                 Some(100.0 * (1.0 - published[*of] / published[*than]))
             }
-            // A share of the vertices that single triangles take, which another table of the paper has.
+            // A share of the vertices that single triangles take, which another table of the paper
+            // has.
             Quantity::Levels { figure: share, .. } => {
                 let filter = share.strip_prefix("percent_")?;
                 let cell = |wanted: &str| {
@@ -171,7 +176,8 @@ mod tests {
                     claim.percent_of.is_some(),
                 ];
                 assert_eq!(sources.into_iter().filter(|&is| is).count(), 1, "{}", claim.says);
-                // What is compared on the models of a table as it prints them is computed from its cells, not typed.
+                // What is compared on the models of a table as it prints them is computed from its
+                // cells, not typed.
                 if let Statistic::Saving { models: ModelSet::Table, .. }
                 | Statistic::Excess { models: ModelSet::Table, .. }
                 | Statistic::Exponent { models: ModelSet::Table, .. } = &claim.statistic

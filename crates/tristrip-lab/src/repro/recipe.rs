@@ -3,7 +3,8 @@
 use tristrip::Error;
 use tristrip_pipeline::{levels, parse_method};
 
-/// How strips are computed: flags of `tristrip strip`, and the number of node accesses after which a search is stopped.
+/// How strips are computed: flags of `tristrip strip`, and the number of node accesses after which
+/// a search is stopped.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Recipe {
     pub(crate) flags: String,

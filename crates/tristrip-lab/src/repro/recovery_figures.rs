@@ -1,17 +1,23 @@
-//! Recovery of levels as in Belmonte et al. 2006, tables 2 and 3: the memory of the models, and what their moves read.
+//! Recovery of levels as in Belmonte et al. 2006, tables 2 and 3: the memory of the models, and
+//! what their moves read.
 //!
-//! The paper prints times, which pages do not have. What a move reads stands for its time: the entries of lists (`Sets::accesses`), on
-//! average over the moves of a sweep. Drawing, which the published times contain, is not in it.
+//! The paper prints times, which pages do not have. What a move reads stands for its time: the
+//! entries of lists (`Sets::accesses`), on average over the moves of a sweep. Drawing, which the
+//! published times contain, is not in it.
 //!
 //! Figures:
 //! - `mb_…`: the memory of a model in 2²⁰ bytes;
-//! - `accesses_MODEL_SWEEP_SHARE`, for `sets` and `mts`, and the recovered share of all levels in percent: entries per move;
-//! - `ratio_SWEEP_SHARE`: those of SETS relative to those of MTS; `ratio_mb` the same for the memory;
+//! - `accesses_MODEL_SWEEP_SHARE`, for `sets` and `mts`, and the recovered share of all levels in
+//!   percent: entries per move;
+//! - `ratio_SWEEP_SHARE`: those of SETS relative to those of MTS; `ratio_mb` the same for the
+//!   memory;
 //! - `fall_MODEL_SWEEP`: entries per move at 20 % of the levels, in percent of those at 1 %;
-//! - `exponential_MODEL_SHARE`: those of the exponential sweep in percent of those of the linear one;
+//! - `exponential_MODEL_SHARE`: those of the exponential sweep in percent of those of the linear
+//!   one;
 //! - `faster`: by how many percent MTS reads more than SETS, in the best case;
 //! - `triangles_SWEEP_SHARE`: triangles per recovered level;
-//! - `drawn_SHARE`: triangles per recovered level of the exponential sweep in percent of those of the linear one.
+//! - `drawn_SHARE`: triangles per recovered level of the exponential sweep in percent of those of
+//!   the linear one.
 
 use std::collections::BTreeMap;
 

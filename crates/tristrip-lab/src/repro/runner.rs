@@ -1,7 +1,7 @@
 //! The runner: measures each requested recipe on each requested model.
 //!
-//! First all measurements are requested, then every model is read once and all its measurements are taken, then the results are
-//! available. A model that is not in the folder has none.
+//! First all measurements are requested, then every model is read once and all its measurements are
+//! taken, then the results are available. A model that is not in the folder has none.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -91,7 +91,8 @@ impl Runner {
         self.request_mesh(model);
     }
 
-    /// Requests the strips of a recipe as generalized triangle meshes, for vertex caches of all sizes.
+    /// Requests the strips of a recipe as generalized triangle meshes, for vertex caches of all
+    /// sizes.
     pub(super) fn request_generalized(&mut self, recipe: Recipe, model: &str) {
         self.requested.entry(recipe.clone()).or_default().generalized.insert(model.into());
         self.request(recipe, model);
@@ -109,7 +110,8 @@ impl Runner {
         self.request(recipe, model);
     }
 
-    /// Requests the merge tree of a model over the strips of a recipe, and returns what is requested of its views.
+    /// Requests the merge tree of a model over the strips of a recipe, and returns what is
+    /// requested of its views.
     pub(super) fn request_views(
         &mut self,
         recipe: Recipe,
@@ -127,7 +129,8 @@ impl Runner {
         self.request(recipe, model);
     }
 
-    /// Requests the strips of a recipe for a set of models. The models of tables are requested one by one instead.
+    /// Requests the strips of a recipe for a set of models. The models of tables are requested one
+    /// by one instead.
     pub(super) fn request_set(&mut self, recipe: Recipe, set: ModelSet) {
         let scope = self.requested.entry(recipe).or_default();
         match set {
@@ -143,7 +146,8 @@ impl Runner {
         self.requested_meshes.names.insert(model.into());
     }
 
-    /// Takes all requested measurements. Returns the models that could not be read, each with the reason.
+    /// Takes all requested measurements. Returns the models that could not be read, each with the
+    /// reason.
     ///
     /// # Errors
     /// Strips are not proven, flags are invalid, or the user interrupts.

@@ -20,8 +20,9 @@ impl Searches {
         (!self.0.is_empty()).then(|| self.0.iter().map(|search| search.0).sum())
     }
 
-    /// Returns the figures of the searches, none without searches: `search_accesses`; `percent_expensive`, the percentage of the accesses that
-    /// the tenth of the searches with most accesses takes; `percent_expensive_not_found`, the percentage of these that found nothing.
+    /// Returns the figures of the searches, none without searches: `search_accesses`;
+    /// `percent_expensive`, the percentage of the accesses that the tenth of the searches with most
+    /// accesses takes; `percent_expensive_not_found`, the percentage of these that found nothing.
     pub(super) fn figures(mut self) -> Vec<(String, f64)> {
         if self.0.is_empty() {
             return Vec::new();

@@ -67,7 +67,8 @@ fn request_set(flags: &str, set: ModelSet, paper: &Paper, runner: &mut Runner) {
     }
 }
 
-/// Requests levels of detail of the models of the paper's tables; they take too long for all models.
+/// Requests levels of detail of the models of the paper's tables; they take too long for all
+/// models.
 fn request_levels(flags: &str, set: ModelSet, paper: &Paper, runner: &mut Runner) {
     let rows = paper.tables.iter().flat_map(|table| &table.rows).filter(|_| set == ModelSet::Table);
     rows.filter_map(|row| row.file.as_ref()).for_each(|file| runner.request_levels(flags.into(), file));
@@ -228,7 +229,8 @@ fn value(
     }
 }
 
-/// Returns the measured cells of two columns of a table, with the file of each row. Rows without one of them are left out.
+/// Returns the measured cells of two columns of a table, with the file of each row. Rows without
+/// one of them are left out.
 fn cells<'a>(
     table: &str,
     (of, than): (&str, &str),
@@ -245,7 +247,8 @@ fn cells<'a>(
     table.rows.iter().filter_map(cells).collect()
 }
 
-/// Returns the transmitted vertices by vertex-cache size, for LRU and FIFO, of each measured model of a chart that is no stand-in.
+/// Returns the transmitted vertices by vertex-cache size, for LRU and FIFO, of each measured model
+/// of a chart that is no stand-in.
 fn transmitted(
     chart: &str,
     flush_policy: FlushPolicy,
@@ -269,7 +272,8 @@ fn transmitted(
     costs
 }
 
-/// Returns the steps of the first series divided by those after which the second series has as few strips.
+/// Returns the steps of the first series divided by those after which the second series has as few
+/// strips.
 fn speed(chart: &str, model: &str, paper: &Paper, runner: &Runner) -> Option<f64> {
     let data = paper.charts.iter().find(|data| data.name == chart)?;
     let ChartKind::Convergence { steps, series, .. } = &data.kind else { return None };

@@ -17,7 +17,7 @@ pub(crate) enum Verdict {
     NotAvailable,
     /// The project does not measure it.
     NotMeasured,
-    /// A different model was measured, so that the values are not comparable.
+    /// A different model was measured; the values are not comparable.
     StandIn(String),
 }
 
@@ -94,7 +94,8 @@ pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.digits$}").parse().unwrap_or(value)
 }
 
-/// Combines the verdicts of a row's columns: the common verdict, or the columns of each verdict other than `matched`.
+/// Combines the verdicts of a row's columns: the common verdict, or the columns of each verdict
+/// other than `matched`.
 pub(crate) fn row_verdict(columns: &[(&str, &Verdict)]) -> String {
     let [(_, first), rest @ ..] = columns else { return "–".into() };
     if rest.iter().all(|(_, verdict)| verdict == first) {

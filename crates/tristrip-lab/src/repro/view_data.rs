@@ -15,7 +15,8 @@ pub(crate) struct PublishedView {
     pub(crate) up: Axis,
 }
 
-/// How much detail the frames of a flight around a vertical axis have: published triangles of those of the full mesh.
+/// How much detail the frames of a flight around a vertical axis have: published triangles of those
+/// of the full mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Detail {
     pub(crate) triangles: usize,

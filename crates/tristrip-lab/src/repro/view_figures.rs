@@ -1,29 +1,36 @@
 //! Skip Strips as in El-Sana et al. 2000, section 6.3: what views send, and what an update takes.
 //!
-//! A view of some detail is an orbit around the model, which fills the image. The allowed error in pixels is the one by which the sampled frames
-//! have the published number of triangles, on average; of a stand-in, the published share of them. At the detail of the full mesh there is no
+//! A view of some detail is an orbit around the model, which fills the image. The allowed error in
+//! pixels is the one by which the sampled frames have the published number of triangles, on
+//! average; of a stand-in, the published share of them. At the detail of the full mesh there is no
 //! camera, and no update.
 //!
-//! The paper prints times, which pages do not have. What is counted stands for them: an update looks at collapses, does and undoes some and scans
-//! segments of strips; strips that are computed again begin with all triangles of the frame.
+//! The paper prints times, which pages do not have. What is counted stands for them: an update
+//! looks at collapses, does and undoes some and scans segments of strips; strips that are computed
+//! again begin with all triangles of the frame.
 //!
 //! Figures of the merge tree:
 //! - `collapses`, `levels`, `triangles_base`;
-//! - `height`, `depth`: the most collapses one above the other, and the most ancestors of a vertex; `expected_height`: the logarithm of the
-//!   vertices to the base 1.25; `percent_height`: the height in percent of it;
-//! - `children`: the most collapses into one vertex; `dependencies`: the collapses that a collapse needs by its list, on average;
-//! - `hops_parents`, `hops_skips`: pointers from a vertex of the strips to its first active ancestor in the base mesh, on average, by parents
-//!   alone and by pointers that skip ancestors.
+//! - `height`, `depth`: the most collapses one above the other, and the most ancestors of a vertex;
+//!   `expected_height`: the logarithm of the vertices to the base 1.25; `percent_height`: the
+//!   height in percent of it;
+//! - `children`: the most collapses into one vertex; `dependencies`: the collapses that a collapse
+//!   needs by its list, on average;
+//! - `hops_parents`, `hops_skips`: pointers from a vertex of the strips to its first active
+//!   ancestor in the base mesh, on average, by parents alone and by pointers that skip ancestors.
 //!
 //! Figures of a view, on average over the sampled frames:
 //! - `pixels`: the allowed error; `triangles`; `vertices_list`: the vertices of single triangles;
-//! - `vertices_stss`, `vertices_dtfs`, `vertices_linked`: the vertices sent by Skip Strips with each filter;
-//! - `vertices_again`: those of strips that are computed again for the frame, by the method of the flags.
+//! - `vertices_stss`, `vertices_dtfs`, `vertices_linked`: the vertices sent by Skip Strips with
+//!   each filter;
+//! - `vertices_again`: those of strips that are computed again for the frame, by the method of the
+//!   flags.
 //!
 //! Figures of an update, on average over all frames but the first:
-//! - `active`: the vertices that the published update looks at; `looked_at`: the collapses that ours looks at;
-//! - `moved`: the collapses and splits; `segments`: the segments of strips that are scanned, of up to 64 entries; `entries`: the sum of what is
-//!   looked at, moved and scanned.
+//! - `active`: the vertices that the published update looks at; `looked_at`: the collapses that
+//!   ours looks at;
+//! - `moved`: the collapses and splits; `segments`: the segments of strips that are scanned, of up
+//!   to 64 entries; `entries`: the sum of what is looked at, moved and scanned.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -41,7 +48,8 @@ use tristrip_render::images::SheetImage;
 /// The frames of an orbit, and how many of them are proven and sampled.
 const FRAMES: usize = 300;
 const SAMPLES: usize = 5;
-/// The errors in pixels between which the one of a view is searched, and the steps of the search: each halves the logarithm of their ratio.
+/// The errors in pixels between which the one of a view is searched, and the steps of the search:
+/// each halves the logarithm of their ratio.
 const PIXELS: [f64; 2] = [1e-5, 1e4];
 const STEPS: usize = 18;
 /// The base of the logarithm of the vertices that the height of a merge tree is expected to be.
@@ -81,7 +89,8 @@ impl ViewFigures {
     }
 }
 
-/// Measures views of a model over the strips of its full mesh. A model of several parts, or without triangles, has no figures.
+/// Measures views of a model over the strips of its full mesh. A model of several parts, or without
+/// triangles, has no figures.
 ///
 /// # Errors
 /// A frame is not proven, or a model cannot be built.
@@ -213,12 +222,14 @@ impl BuiltModel<'_> {
     }
 }
 
-/// Returns the criteria of a view. Without hysteresis, as published, the detail depends on the camera alone.
+/// Returns the criteria of a view. Without hysteresis, as published, the detail depends on the
+/// camera alone.
 fn criteria(pixels: f32) -> Result<ViewCriteria, Error> {
     Ok(ViewCriteria::default().with_pixels(pixels).with_hysteresis(Hysteresis::new(1.0)?))
 }
 
-/// Searches the error in pixels by which the views of some cameras have a number of triangles, on average.
+/// Searches the error in pixels by which the views of some cameras have a number of triangles, on
+/// average.
 #[allow(clippy::cast_possible_truncation, reason = "pixels are f32")]
 fn pixels_of(model: &Arc<SkipStrips>, cameras: &[Camera], target: f64) -> Result<f32, Error> {
     let mut views: Vec<SkipView> = cameras.iter().map(|_| model.view_without_strips()).collect();

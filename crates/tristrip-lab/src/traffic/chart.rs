@@ -1,4 +1,5 @@
-//! The chart of levels: the vertices that each filter sends from the base mesh to the full mesh, one panel per model.
+//! The chart of levels: the vertices that each filter sends from the base mesh to the full mesh,
+//! one panel per model.
 
 use super::rows::LevelRow;
 use crate::error::Error;

@@ -1,25 +1,30 @@
 //! The cost of all levels of detail: vertices sent at each level, and slots renamed between levels.
 //!
-//! The literature measures a progressive transmission by drawing each intermediate mesh once, from the base mesh to the full one: as a progressive
-//! mesh, three vertices per triangle, and as strips through each [`Filter`].
+//! The literature measures a progressive transmission by drawing each intermediate mesh once, from
+//! the base mesh to the full one: as a progressive mesh, three vertices per triangle, and as strips
+//! through each [`Filter`].
 //!
 //! # The published unit
-//! Table 2 of Kim et al. gives totals in Gbits, without the bits of a vertex. The sums of 3 T over all levels, from the counts in table 1, are 24.7,
-//! 363, 1929 and 3618 million vertices; the published totals are 2.6, 37.9, 201.3 and 377.1 Gbits. That is [`VERTEX_BITS`] = 112 within 0.3 % or the
-//! printed digits, with a Gbit of 2³⁰ bits: 12 bytes of a position and 2 of an index, the sizes that the paper names elsewhere.
+//! Table 2 of Kim et al. gives totals in Gbits, without the bits of a vertex. The sums of 3 T over
+//! all levels, from the counts in table 1, are 24.7, 363, 1929 and 3618 million vertices; the
+//! published totals are 2.6, 37.9, 201.3 and 377.1 Gbits. That is [`VERTEX_BITS`] = 112 within 0.3
+//! % or the printed digits, with a Gbit of 2³⁰ bits: 12 bytes of a position and 2 of an index, the
+//! sizes that the paper names elsewhere.
 //!
 //! # References
 //! Kim et al. 2005, section 5, tables 1 and 2, figures 9 and 11.
 //!
 //! # Complexity
-//! That of [`FilterCosts`]: the bunny's 33,000 levels take 0.25 seconds, and 0.35 as two strips in total.
+//! That of [`FilterCosts`]: the bunny's 33,000 levels take 0.25 seconds, and 0.35 as two strips in
+//! total.
 
 use std::sync::Arc;
 
 use tristrip::lod::{DrawCost, Encoding, Filter, FilterCosts, LevelCursor, ProgressiveStrips};
 use tristrip::{CollapseSequence, Error, Strips};
 
-/// Bits per vertex sent in the published totals: a position of three 32-bit numbers and an index of 16 bits.
+/// Bits per vertex sent in the published totals: a position of three 32-bit numbers and an index of
+/// 16 bits.
 pub const VERTEX_BITS: u64 = 112;
 
 /// The number of bins of a transmission: each has a twentieth of all splits.
@@ -180,7 +185,8 @@ impl TrafficTotals {
         3 * self.triangles
     }
 
-    /// Returns the vertices of a filter divided by those of a progressive mesh; 0 if there is no triangle.
+    /// Returns the vertices of a filter divided by those of a progressive mesh; 0 if there is no
+    /// triangle.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -249,7 +255,8 @@ pub fn gigabits(vertices: u64) -> f64 {
     (vertices as f64 * VERTEX_BITS as f64) / f64::from(1 << 30)
 }
 
-/// Coarsens from the full mesh to the base mesh, passes the cost of each level to `show`, and returns the sums.
+/// Coarsens from the full mesh to the base mesh, passes the cost of each level to `show`, and
+/// returns the sums.
 ///
 /// # Errors
 /// As for [`ProgressiveStrips::new`].
@@ -369,7 +376,8 @@ mod tests {
 
     #[test]
     fn the_published_totals_fit_one_unit() {
-        // Triangles of the base mesh and of the full mesh, collapses, and the printed Gbits of the progressive mesh.
+        // Triangles of the base mesh and of the full mesh, collapses, and the printed Gbits of the
+        // progressive mesh.
         let models = [
             (254, 5804, 2722, 2.6),
             (1104, 22104, 10412, 37.9),

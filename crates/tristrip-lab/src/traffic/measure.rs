@@ -10,7 +10,8 @@ use super::updates::{TrafficModel, scanned, sent_by_repair};
 use crate::error::Error;
 use tristrip_render::text::table;
 
-/// Measures ascending levels of a model. With `verify`, the display strips of each level and filter are proven.
+/// Measures ascending levels of a model. With `verify`, the display strips of each level and filter
+/// are proven.
 ///
 /// # Errors
 /// There is no such level, or a level is not proven.

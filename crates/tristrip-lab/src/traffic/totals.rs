@@ -1,7 +1,9 @@
-//! The vertices that every filter sends from the base mesh to the full mesh, when each level is drawn once.
+//! The vertices that every filter sends from the base mesh to the full mesh, when each level is
+//! drawn once.
 //!
-//! `repair` follows the collapses from the full mesh; the other filters read the strips of each level independently.
-//! A model of several parts has the collapses of all of them in one order; a collapse of one part leaves the others unchanged.
+//! `repair` follows the collapses from the full mesh; the other filters read the strips of each
+//! level independently. A model of several parts has the collapses of all of them in one order; a
+//! collapse of one part leaves the others unchanged.
 
 use std::sync::Arc;
 
@@ -16,8 +18,8 @@ use super::rows::{FilterTotal, SINGLE_TRIANGLES};
 use crate::error::Error;
 use tristrip_render::text::table;
 
-/// Counts the vertices that every filter sends for a part, at each of its levels from the full mesh to the base mesh; the filters are
-/// in the order of [`DisplayFilter::ALL`].
+/// Counts the vertices that every filter sends for a part, at each of its levels from the full mesh
+/// to the base mesh; the filters are in the order of [`DisplayFilter::ALL`].
 fn sent_by_level(part: &LevelPart, options: RepairOptions) -> Result<Vec<Vec<usize>>, MeshError> {
     let (strips, sequence) = (part.strips(), part.sequence());
     let mut counts: Vec<Vec<usize>> = Vec::with_capacity(sequence.len() + 1);
@@ -36,7 +38,8 @@ fn sent_by_level(part: &LevelPart, options: RepairOptions) -> Result<Vec<Vec<usi
     Ok(counts)
 }
 
-/// Sums the vertices that every filter sends over all levels of a model; the first total is of the mesh as single triangles.
+/// Sums the vertices that every filter sends over all levels of a model; the first total is of the
+/// mesh as single triangles.
 ///
 /// # Errors
 /// A part is too large.
@@ -90,7 +93,7 @@ pub fn totals(levels: &ModelLevels, repair: RepairOptions) -> Result<Vec<FilterT
 /// Formats totals as a text table.
 pub fn as_text(totals: &[FilterTotal]) -> String {
     let head =
-        ["  all levels, each once", "vertices sent", "per triangle", "of single triangles"].map(String::from);
+        ["  sum over all levels", "vertices sent", "per triangle", "of single triangles"].map(String::from);
     let line = |total: &FilterTotal| {
         let name = if total.filter == SINGLE_TRIANGLES { "as triangles" } else { &total.filter };
         vec![

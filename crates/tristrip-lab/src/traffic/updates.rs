@@ -1,4 +1,5 @@
-//! The updates between levels: index-map slots that vertex splits write, naive and encoded, and the bytes of a refinement.
+//! The updates between levels: index-map slots that vertex splits write, naive and encoded, and the
+//! bytes of a refinement.
 
 use std::iter::Sum;
 use std::ops::Range;
@@ -15,10 +16,12 @@ use crate::error::Error;
 /// Bytes per position, and per index or index-map slot.
 const POSITION_BYTES: usize = 12;
 const INDEX_BYTES: usize = 2;
-/// Indices per split of a progressive mesh: the two vertices of its edge, and the two opposite vertices of its triangles.
+/// Indices per split of a progressive mesh: the two vertices of its edge, and the two opposite
+/// vertices of its triangles.
 const SPLIT_INDICES: usize = 4;
 
-/// The levels of a model with what is needed to count their updates; it is built when they are counted for the first time.
+/// The levels of a model with what is needed to count their updates; it is built when they are
+/// counted for the first time.
 #[derive(Debug)]
 pub struct TrafficModel<'a> {
     /// The levels.
@@ -80,7 +83,8 @@ impl Sum for SplitUpdates {
     }
 }
 
-/// Counts the index-map slots that the vertex splits between two levels of a part write, naive and encoded.
+/// Counts the index-map slots that the vertex splits between two levels of a part write, naive and
+/// encoded.
 fn updates(
     part: &LevelPart,
     models: &OnceLock<[ProgressiveStrips; 2]>,
@@ -99,7 +103,8 @@ fn updates(
     Ok(SplitUpdates { splits: levels.len(), vertices, naive, encoded })
 }
 
-/// Counts the vertices that `repair` sends at ascending levels of a part, when it follows the collapses from the full mesh.
+/// Counts the vertices that `repair` sends at ascending levels of a part, when it follows the
+/// collapses from the full mesh.
 pub(super) fn sent_by_repair(
     part: &LevelPart,
     levels: &[usize],

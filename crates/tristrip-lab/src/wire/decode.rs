@@ -1,12 +1,13 @@
-//! Bytes become progressive strips as they arrive, in pieces of any size: each item is read once, whole.
+//! Bytes become progressive strips as they arrive, in pieces of any size: each item is read once,
+//! whole.
 //!
 //! ```text
 //! header ─▶ positions ─▶ entries ─▶ base mesh ─▶ position ─▶ slots ─▶ one level more ─▶ end
 //!                                                   ▲          │           │
 //!                                                   └──────────┴───────────┘
 //! ```
-//! An item is the header, a position, an entry or a slot. An item that ends beyond a piece waits in `partial`, and a split of which records are missing in
-//! `split`; nothing else is kept back.
+//! An item is the header, a position, an entry or a slot. An item that ends beyond a piece waits in
+//! `partial`, and a split of which records are missing in `split`; nothing else is kept back.
 
 mod items;
 mod references;
@@ -46,7 +47,8 @@ struct Lower {
     level: usize,
 }
 
-/// Progressive strips that arrive in pieces. It has all levels whose records have arrived, and stands at the highest one, or at one that was chosen.
+/// Progressive strips that arrive in pieces. It has all levels whose records have arrived, and
+/// stands at the highest one, or at one that was chosen.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -103,12 +105,13 @@ impl Decoder {
         self
     }
 
-    /// Reads the next bytes, as many as there are. A decoder that stands at the highest level stays at the highest one; at a lower level that was chosen it
-    /// stays there.
+    /// Reads the next bytes, as many as there are. A decoder that stands at the highest level stays
+    /// at the highest one; at a lower level that was chosen it stays there.
     ///
     /// # Errors
-    /// [`Error::Format`]: the bytes are not what [`encode`](super::encode()) writes. The levels before them stay, and all later updates return
-    /// the same error. [`Error::LimitExceeded`]: the records have more than 256 slots per entry of the map.
+    /// [`Error::Format`]: the bytes are not what [`encode`](super::encode()) writes. The levels
+    /// before them stay, and all later updates return the same error. [`Error::LimitExceeded`]: the
+    /// records have more than 256 slots per entry of the map.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -133,7 +136,8 @@ impl Decoder {
         result
     }
 
-    /// Goes to a level that has arrived. Time: one step per slot of the records between, and per entry of the map from the highest level.
+    /// Goes to a level that has arrived. Time: one step per slot of the records between, and per
+    /// entry of the map from the highest level.
     ///
     /// # Errors
     /// The level has not arrived.
@@ -156,7 +160,8 @@ impl Decoder {
         Ok(())
     }
 
-    /// Returns the level at which the decoder stands, from 0 for the base mesh; `None` before the base mesh has arrived.
+    /// Returns the level at which the decoder stands, from 0 for the base mesh; `None` before the
+    /// base mesh has arrived.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -203,22 +208,23 @@ impl Decoder {
         self.next == Next::End
     }
 
-    /// Returns the counts of all that arrives, for progress and for buffers; `None` before the header has arrived.
+    /// Returns the counts of all that arrives, for progress and for buffers; `None` before the
+    /// header has arrived.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
-    /// assert!(decoder.header().is_none());
-    /// decoder.update(&encoded.bytes[..20])?;
-    /// let header = decoder.header().expect("20 bytes");
-    /// assert_eq!((header.base_vertex_count, header.restored_vertex_count, header.split_count), (4, 2, 2));
+    /// let mut decoder = Decoder::default(); assert!(decoder.header().is_none());
+    /// decoder.update(&encoded.bytes[..20])?; let header = decoder.header().expect("20 bytes");
+    /// assert_eq!((header.base_vertex_count, header.restored_vertex_count, header.split_count), (4,
+    /// 2, 2));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn header(&self) -> Option<Header> {
         (self.next != Next::Header).then_some(self.header)
     }
 
-    /// Returns the positions of the vertices at the level, in the order in which they were sent: those of a lower level are its first ones.
+    /// Returns the positions of the vertices at the level, in the order in which they were sent:
+    /// those of a lower level are its first ones.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -237,7 +243,8 @@ impl Decoder {
         &self.positions[..count]
     }
 
-    /// Returns the display strips at the level, over the vertices of [`Decoder::positions`]; none before the base mesh has arrived.
+    /// Returns the display strips at the level, over the vertices of [`Decoder::positions`]; none
+    /// before the base mesh has arrived.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -1,4 +1,5 @@
-//! Progressive strips become bytes: vertices are numbered in the order in which they are sent, then header, base mesh and records are written.
+//! Progressive strips become bytes: vertices are numbered in the order in which they are sent, then
+//! header, base mesh and records are written.
 
 use std::sync::Arc;
 
@@ -22,11 +23,12 @@ pub struct Encoded {
     pub sizes: Sizes,
 }
 
-/// Encodes the strips of a mesh and its collapses, with a position per vertex of the sequence. The same input gives the same bytes.
+/// Encodes the strips of a mesh and its collapses, with a position per vertex of the sequence. The
+/// same input gives the same bytes.
 ///
 /// # Errors
-/// There is not one position per vertex, or one that is sent is not finite; a collapse renames no vertex; or the errors of
-/// [`ProgressiveStrips::new`].
+/// There is not one position per vertex, or one that is sent is not finite; a collapse renames no
+/// vertex; or the errors of [`ProgressiveStrips::new`].
 ///
 /// ```
 /// use tristrip::lod::Encoding;

@@ -1,4 +1,5 @@
-//! The layout that encoder and decoder share: the header, the widths of numbers, the reserved slots.
+//! The layout that encoder and decoder share: the header, the widths of numbers, the reserved
+//! slots.
 
 use tristrip::Error;
 use tristrip::lod::{RESTART, encoded_offset};
@@ -34,7 +35,8 @@ impl Width {
         u32::MAX >> (32 - 8 * self.0)
     }
 
-    /// Appends the low bytes of a number: the restart and the symbols are the highest numbers of every width.
+    /// Appends the low bytes of a number: the restart and the symbols are the highest numbers of
+    /// every width.
     pub(super) fn append(self, number: u32, out: &mut Vec<u8>) {
         out.extend_from_slice(&number.to_le_bytes()[..self.0]);
     }
@@ -45,7 +47,8 @@ impl Width {
         if below_end < SPECIAL_ENTRIES { u32::MAX - below_end } else { number }
     }
 
-    /// Returns the slot that ends the record of a vertex, not the split: a record of the same split follows.
+    /// Returns the slot that ends the record of a vertex, not the split: a record of the same split
+    /// follows.
     pub(super) fn goes_on(self) -> u32 {
         (self.largest() >> 1) - 1
     }
@@ -81,7 +84,8 @@ pub struct Header {
 }
 
 impl Header {
-    /// Returns the bytes of an entry of the map: 2 for a base mesh of at most 65,531 vertices, 3 for at most 16,777,211, otherwise 4.
+    /// Returns the bytes of an entry of the map: 2 for a base mesh of at most 65,531 vertices, 3
+    /// for at most 16,777,211, otherwise 4.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -94,7 +98,8 @@ impl Header {
         self.entry_width().bytes()
     }
 
-    /// Returns the bytes of a slot of a record: 2 for a map of at most 32,766 entries, 3 for at most 8,388,606, otherwise 4.
+    /// Returns the bytes of a slot of a record: 2 for a map of at most 32,766 entries, 3 for at
+    /// most 8,388,606, otherwise 4.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -210,7 +215,8 @@ impl Sizes {
         self.header_bytes + self.position_bytes + self.map_bytes + self.record_bytes
     }
 
-    /// Returns the sizes of the whole sections of a header, and of records that end at a number of bytes.
+    /// Returns the sizes of the whole sections of a header, and of records that end at a number of
+    /// bytes.
     pub(super) fn of(header: &Header, position_count: usize, entry_count: usize, total_bytes: u64) -> Self {
         let header_bytes = HEADER_BYTES as u64;
         let position_bytes =

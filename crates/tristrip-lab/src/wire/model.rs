@@ -37,7 +37,8 @@ pub struct Published {
     pub bits_per_vertex: Option<f64>,
 }
 
-/// A level of a file; the keys are those of the JSON report. The levels have no errors: the bytes do not hold any.
+/// A level of a file; the keys are those of the JSON report. The levels have no errors: the bytes
+/// do not hold any.
 #[derive(Debug, Clone, Serialize)]
 pub struct Level {
     /// The mesh of the level.
@@ -60,7 +61,8 @@ pub struct Level {
 /// Encodes a part of the levels of a model, with the positions of the part.
 ///
 /// # Errors
-/// The positions are not those of the part, or one is not finite; a number is too large for the bytes.
+/// The positions are not those of the part, or one is not finite; a number is too large for the
+/// bytes.
 pub(crate) fn encode_part(
     part: &LevelPart,
     positions: &[[f32; 3]],
@@ -151,7 +153,8 @@ pub fn unpack(bytes: &[u8], goal: StreamGoal) -> Result<Level, Error> {
     Ok(Level { model, level, levels, triangles, triangles_full, bytes, ended_early })
 }
 
-/// Finds the finest level with at most this many triangles: each level has more than the ones below.
+/// Finds the finest level with at most this many triangles: each level has more than the ones
+/// below.
 fn finest(decoder: &mut Decoder, arrived: usize, most: usize) -> Result<usize, Error> {
     let (mut low, mut high) = (0, arrived);
     while low < high {

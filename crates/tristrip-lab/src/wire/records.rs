@@ -1,4 +1,5 @@
-//! The splits that have arrived: what each writes into the slots of the index map, and what was there before.
+//! The splits that have arrived: what each writes into the slots of the index map, and what was
+//! there before.
 
 use tristrip::Error;
 
@@ -45,7 +46,7 @@ impl Records {
 
     /// Writes the entries that the slots of a split had before.
     pub(super) fn collapse(&self, number: usize, entries: &mut [u32]) {
-        // From the last one back, so that a slot that is written twice gets its first entry.
+        // From the last one back: a slot that is written twice gets its first entry.
         for i in range(&self.vertex_ends, number).rev() {
             let range = range(&self.slot_ends, i);
             for (&slot, &entry) in self.slots[range.clone()].iter().zip(&self.coarse[range]) {
@@ -54,7 +55,8 @@ impl Records {
         }
     }
 
-    /// Adds a restored vertex with its slots, rising, and the entries that they had, to the open split.
+    /// Adds a restored vertex with its slots, rising, and the entries that they had, to the open
+    /// split.
     pub(super) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
         self.vertices.push(vertex);
         for (slot, entry) in written {

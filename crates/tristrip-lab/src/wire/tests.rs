@@ -41,7 +41,8 @@ fn decoded(bytes: &[u8]) -> Result<Decoder, Error> {
     decoder.update(bytes).map(|()| decoder)
 }
 
-/// Formats bytes by section: positions as the first coordinate, everything else in hexadecimal digits.
+/// Formats bytes by section: positions as the first coordinate, everything else in hexadecimal
+/// digits.
 fn text(encoded: &Encoded) -> String {
     let decoder = decoded(&encoded.bytes).unwrap();
     let header = decoder.header().unwrap();
@@ -77,7 +78,8 @@ fn the_bytes_of_the_head() {
 
 #[test]
 fn restarts_swaps_disjoint_and_closed_vertices() {
-    // The swap 1 is R−2. Vertex 6 is closed: its slot next to 7 becomes R+1, the other one holds 7, and is disjoint as that of strip 1 is.
+    // The swap 1 is R−2. Vertex 6 is closed: its slot next to 7 becomes R+1, the other one holds 7,
+    // and is disjoint as that of strip 1 is.
     let strips = strips(&[&[0, 1, 2, 1, 3], &[6, 2, 3, 4, 6, 7], &[8, 6, 9]]);
     let expected = "89505301 08000000 10000000 01000000 01000000\n\
                     0 1 2 3 7 4 8 9\n\
@@ -217,7 +219,8 @@ fn damaged_bytes_are_errors_with_their_position() {
         ),
         (24, &nan, "byte 20: found the coordinate NaN, expected a finite number", 0),
         (70, &[4], "byte 70: found entry 4, expected less than 4, a symbol or a restart", 0),
-        // R−2 at the second slot; R+2 at the last but one; R−1 and R+1 of each other; R−1 after a restart.
+        // R−2 at the second slot; R+2 at the last but one; R−1 and R+1 of each other; R−1 after a
+        // restart.
         (70, &[0xFB, 0xFF], "byte 70: found a symbol, expected one that leads to a vertex of its strip", 0),
         (76, &[0xFE, 0xFF], "byte 76: found a symbol, expected one that leads to a vertex of its strip", 0),
         (72, &[0xFD, 0xFF], "byte 72: found a symbol, expected one that leads to a vertex of its strip", 0),

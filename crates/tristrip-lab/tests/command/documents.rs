@@ -14,7 +14,8 @@ fn document() -> PathBuf {
 const SAMPLES: [&str; 2] =
     ["fly fish_control.ply --frames 30 --json", "repro --papers 000 --models . -o . --json"];
 
-/// Sets all times of a report to the same value, and cuts arrays to their first entry, except coordinates.
+/// Sets all times of a report to the same value, and cuts arrays to their first entry, except
+/// coordinates.
 fn sample_of(value: &mut Value) {
     match value {
         Value::Array(entries) => {

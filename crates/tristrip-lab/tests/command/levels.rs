@@ -110,7 +110,7 @@ fn a_comparison_sums_all_levels() {
     assert_eq!((&totals[0]["percent"], &totals[0]["vertices_per_triangle"]), (&100.0.into(), &3.0.into()));
     let text = lab().args(["levels", "--compare", "-m", "sgi"]).arg(model("wingnut.ply")).assert().success();
     let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
-    assert!(text.contains("all levels, each once") && text.contains("100.0 %"), "{text}");
+    assert!(text.contains("sum over all levels") && text.contains("100.0 %"), "{text}");
 }
 
 #[test]

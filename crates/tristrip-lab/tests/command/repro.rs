@@ -175,7 +175,8 @@ fn a_section_is_measured_by_itself_and_keeps_the_rest_of_the_page() {
     }
     assert!(!path.join("000-figure-16.svg").exists());
 
-    // The other section comes to it, and each keeps what the other one measured, also without its models.
+    // The other section comes to it, and each keeps what the other one measured, also without its
+    // models.
     section("strips").assert().success();
     let both = page();
     assert!(both.contains("## Table 1\n") && both.contains("stand-in: triceratops"), "{both}");

@@ -30,7 +30,7 @@ pub struct ModelCursor {
     models: Vec<Arc<dyn LevelModel>>,
     level: usize,
     levels: Vec<usize>,
-    /// The parts that the last move changed, each once.
+    /// The parts that the last move changed, without repeats.
     moved: Vec<u32>,
     cursors: Vec<Box<dyn LevelCursor>>,
 }

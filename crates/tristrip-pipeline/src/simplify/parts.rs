@@ -183,7 +183,7 @@ fn compare(parts: &mut [Part<'_>], places: &Places) -> Result<usize, Error> {
     let mut ids = PositionIds::default();
     let mut corners = ids.faces(&drawn.iter().collect::<Vec<_>>())?.corners().to_vec();
     drop(drawn);
-    // 1. The positions of each list of places, each once; corners become their numbers.
+    // 1. The distinct positions of each list of places; corners become their indices.
     let id_count = corners.iter().max().map_or(0, |&id| id as usize + 1);
     // For each position the last list that has it, the number there, and the first part.
     let mut last = vec![(usize::MAX, 0_u32, 0_usize); id_count];

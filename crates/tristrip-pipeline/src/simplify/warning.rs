@@ -17,7 +17,7 @@ pub(crate) fn warning(collapses: &Collapses, limit: Deviation, locks_borders: bo
             "a model without locked borders can get smaller",
         ),
         (false, _) => (
-            "touch parts in other places of the scene and stay, so that no gaps open",
+            "touch other parts of the scene and stay, to avoid gaps",
             "parts of one node are simplified together",
         ),
     };

@@ -104,7 +104,7 @@ impl Blocks {
     /// Builds the model from strips of the full mesh.
     ///
     /// # Errors
-    /// The strips do not draw the triangles of the full mesh, each once with its winding, or the collapses rename too many slots.
+    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or the collapses rename too many slots.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

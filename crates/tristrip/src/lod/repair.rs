@@ -124,7 +124,7 @@ impl Repair {
     /// Starts from the strips of the full mesh.
     ///
     /// # Errors
-    /// The strips do not draw the triangles of the full mesh, each once with its winding, or there are too many triangles.
+    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or there are too many triangles.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

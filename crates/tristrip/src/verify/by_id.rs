@@ -1,4 +1,4 @@
-//! The proof by vertex id that strips draw exactly the faces that they were made from: each once, with its winding.
+//! The proof by vertex id that strips draw every face of their mesh exactly once, with its original winding.
 //!
 //! # Algorithm
 //! *Triangles*: the two multisets of oriented triangles are compared (see `triangle_sets`). If they differ, both are sorted to find the
@@ -86,7 +86,7 @@ pub enum Unproven {
     },
 }
 
-/// Proves that strips draw a mesh's faces, each once, with its winding. Of strips with [welds](Strips::welds) it proves that the welded vertices
+/// Proves that strips draw every face of a mesh exactly once, with its original winding. Of strips with [welds](Strips::welds) it proves that the welded vertices
 /// are equal bit for bit, and that the strips draw the faces after welding.
 ///
 /// # Errors

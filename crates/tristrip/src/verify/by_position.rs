@@ -77,7 +77,7 @@ fn at(positions: &[[f32; 3]]) -> String {
     positions.iter().map(point).collect::<Vec<_>>().join(" ")
 }
 
-/// Proves that the meshes of a result draw exactly the faces of a source's meshes, each once, with its winding. Vertices
+/// Proves that the meshes of a result draw every face of a source's meshes exactly once, with its original winding. Vertices
 /// are compared by the bits of their positions; 0.0 and −0.0 are equal.
 ///
 /// # Errors

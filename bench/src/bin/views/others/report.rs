@@ -48,7 +48,7 @@ Who wins in what:
   full mesh. Repaired strips also send the fewest vertices, but take many times as long per frame; `dtfs` sends more per triangle.
 - clusterlod chooses a frame in a small part of the time of Skip Strips, with a fraction of its memory, next to nothing per view, and about half of the
   vertices transformed per triangle. At the allowed error it draws more triangles, and its measured distances are smaller; with as many triangles they are
-  larger. Its clusters never change, so that nothing is uploaded per frame but their numbers. Where the time per frame, the
+  larger. Its clusters never change: only their indices are uploaded per frame. Where the time per frame, the
   memory or the vertices transformed are the limit, and not the number of triangles, it is the better answer.
 - blocks at one level takes next to no time and sends few vertices per triangle, but draws the whole model as finely as its nearest vertex needs.
 - Simplifying the model for each frame takes much longer than the update of Skip Strips, and spends triangles on what is far away or not seen.

@@ -28,7 +28,7 @@ _NO_FACE = "a strip needs a triangle with three different vertices"
 
 
 def stripify(triangles: Iterable[Sequence[int]], stitchstrips: bool = False) -> list[list[int]]:  # noqa: FBT001, FBT002
-    """Compute strips that draw triangles, each once, with its winding.
+    """Compute strips that draw every triangle exactly once, with its original winding.
 
     Args:
         triangles: an iterable of triples of integers of any size; a generator is read once.

@@ -41,11 +41,11 @@ const INSTANCES_PER_NODE: usize = 4;
 pub struct Appearance {
     /// The parts in the places where the scene shows them, in the order of its nodes. A scene without meshes shows each part once.
     pub instances: Vec<Instance>,
-    /// The skins that instances have, each once.
+    /// The distinct skins of the instances.
     pub skins: Vec<Skin>,
     /// The material of each part, in the order of the parts.
     pub materials: Vec<Material>,
-    /// The images that the materials use, each once.
+    /// The distinct images of the materials.
     pub images: Vec<Image>,
     /// What is not shown as the file has it, in words.
     pub notes: Vec<String>,

@@ -37,7 +37,7 @@ pub struct Skin {
     pub joints: Vec<[[f64; 4]; 3]>,
 }
 
-/// Reads the skins of nodes, each once.
+/// Reads the distinct skins of nodes.
 pub(in crate::gltf) struct SkinReader<'a> {
     resolver: AccessorResolver<'a>,
     /// The transforms of all nodes, once a skin is read.

@@ -11,7 +11,7 @@ pub(in crate::gltf) const JPEG: &[u8] = b"\xff\xd8\xff";
 /// How PNG begins.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Collects the materials of parts, each once.
+/// Collects the distinct materials of parts.
 pub(in crate::gltf) struct MaterialBuilder<'a> {
     known: Option<&'a Materials>,
     /// The materials by their names, and whether their parts have texture coordinates.

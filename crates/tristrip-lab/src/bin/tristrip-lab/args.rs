@@ -52,9 +52,10 @@ pub(crate) enum Command {
 
 /// Reproduce the tables and figures of papers, published beside measured
 ///
-/// Write a page per paper, and its figures as SVG or PNG, into the folder `reproduction` of a directory. Each result is proven
-/// before it is shown. Pages contain no times, so they are the same on every machine. Rows whose model is missing are marked. A
-/// page that was measured on more models than are found now is kept with its figures, and a note says so.
+/// Write a page per paper, and its figures as SVG or PNG, into the folder `reproduction` of a
+/// directory. Each result is proven before it is shown. Pages contain no times, so they are the
+/// same on every machine. Rows whose model is missing are marked. A page that was measured on more
+/// models than are found now is kept with its figures, and a note says so.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Papers:
   000  El-Sana et al., Efficiently Computing and Updating Triangle Strips, 2000
@@ -72,8 +73,8 @@ pub(crate) struct ReproArgs {
     pub(crate) papers: Vec<String>,
     /// Reproduce only this section of the papers that have it
     ///
-    /// Paper 000 has the sections strips and skip-strips; 001 and 002 have levels, 003 and 004 strips. Other sections of the
-    /// page are kept.
+    /// Paper 000 has the sections strips and skip-strips; 001 and 002 have levels, 003 and 004
+    /// strips. Other sections of the page are kept.
     #[arg(long, value_name = "NAME")]
     pub(crate) section: Option<String>,
     /// The folder of the models [default: ../shared/models if it exists, else testdata/models]
@@ -86,8 +87,9 @@ pub(crate) struct ReproArgs {
 
 /// Compare the filters and the level models on the levels of detail of meshes
 ///
-/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename vertices in them down to a base
-/// mesh. At least one of --table, --compare, --sweep and --plot is needed.
+/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename
+/// vertices in them down to a base mesh. At least one of --table, --compare, --sweep and --plot is
+/// needed.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip-lab levels bunny.ply --table                      vertices sent by each filter, level by level
@@ -104,13 +106,16 @@ pub(crate) struct LevelsArgs {
     /// Print the vertices that each filter sends over all levels
     #[arg(long)]
     pub(crate) compare: bool,
-    /// Measure how long each level model takes to move between levels, and its memory: linear, exponential, or both
+    /// Measure how long each level model takes to move between levels, and its memory: linear,
+    /// exponential, or both
     ///
-    /// 1, 3, 6, 10, 15 and 20 % of all levels are recovered, from the full mesh down to the base mesh and up again, at equal
-    /// distances (linear) or closer to each other near the full mesh (exponential).
+    /// 1, 3, 6, 10, 15 and 20 % of all levels are recovered, from the full mesh down to the base
+    /// mesh and up again, at equal distances (linear) or closer to each other near the full mesh
+    /// (exponential).
     #[arg(long, value_name = "SWEEPS", value_delimiter = ',')]
     pub(crate) sweep: Vec<Sweep>,
-    /// Plot the vertices sent by each filter, or with --sweep the times, in an SVG file; up to three inputs
+    /// Plot the vertices sent by each filter, or with --sweep the times, in an SVG file; up to
+    /// three inputs
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
     /// The ratio of all triangles that the base mesh keeps: 0.05 or 5%
@@ -139,8 +144,9 @@ pub(crate) struct MethodArgs {
 
 /// Chart all methods: indices per triangle against misses per triangle
 ///
-/// A line joins the Pareto-optimal methods: no other method has fewer of one and no more of the other. Each result is proven.
-/// The plain triangle list is shown for comparison. Misses are kept across strips.
+/// A line joins the Pareto-optimal methods: no other method has fewer of one and no more of the
+/// other. Each result is proven. The plain triangle list is shown for comparison. Misses are kept
+/// across strips.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip-lab pareto bunny.ply -o bunny.svg")]
@@ -151,7 +157,8 @@ pub(crate) struct ParetoArgs {
     /// The SVG file to write
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// The effort of best, fewest and cache, from 0 to 9 [default: best and cache at 2 and 5, fewest at 5]
+    /// The effort of best, fewest and cache, from 0 to 9 [default: best and cache at 2 and 5,
+    /// fewest at 5]
     #[arg(long, value_name = "LEVEL", value_parser = effort)]
     pub(crate) effort: Option<Effort>,
     /// The vertex cache: fifo:N or lru:N, N entries
@@ -167,10 +174,11 @@ pub(crate) struct ParetoArgs {
 
 /// Fly a camera over a model with view-dependent detail, and measure each frame
 ///
-/// Build strips once for the full mesh, and a tree of collapses. In each frame the camera decides which vertices collapse: more
-/// far from the camera, outside the frustum and on back faces. Only the strips change in which such a vertex is. The report has
-/// the triangles, the vertices sent, what changed, and the time of each update. The display strips of up to 20 frames are proven
-/// to draw exactly the triangles of the view.
+/// Build strips once for the full mesh, and a tree of collapses. In each frame the camera decides
+/// which vertices collapse: more far from the camera, outside the frustum and on back faces. Only
+/// the strips change in which such a vertex is. The report has the triangles, the vertices sent,
+/// what changed, and the time of each update. The display strips of up to 20 frames are proven to
+/// draw exactly the triangles of the view.
 ///
 /// The parts of a file become one mesh, without the transformations of nodes.
 #[derive(Debug, Args)]
@@ -187,16 +195,19 @@ pub(crate) struct FlyArgs {
     pub(crate) input: PathBuf,
     /// The path of the camera: orbit, dolly, flyover, or a JSON file of cameras
     ///
-    /// orbit is one turn around the vertical axis, at a distance at which the model fills the image. dolly goes straight towards
-    /// the model. flyover goes low over it along the longest side of its bounding box, for terrains. A file is an array of
-    /// cameras, `[{"eye": [0, 0, 9], "look_at": [0, 0, 0], "up": [0, 1, 0], "field_of_view": 45}]` in mesh units and degrees,
-    /// between which the frames are interpolated linearly; up and the angle may be left out.
+    /// orbit is one turn around the vertical axis, at a distance at which the model fills the
+    /// image. dolly goes straight towards the model. flyover goes low over it along the longest
+    /// side of its bounding box, for terrains. A file is an array of cameras,
+    /// `[{"eye": [0, 0, 9], "look_at": [0, 0, 0], "up": [0, 1, 0], "field_of_view": 45}]` in mesh
+    /// units and degrees, between which the frames are interpolated linearly; up and the angle may
+    /// be left out.
     #[arg(long, value_name = "PATH", default_value = "orbit")]
     pub(crate) path: PathBuf,
     /// The number of frames, up to 100000
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub(crate) frames: usize,
-    /// The vertical axis of orbit, dolly and flyover [default: y; for flyover, the shortest side of the bounding box]
+    /// The vertical axis of orbit, dolly and flyover [default: y; for flyover, the shortest side of
+    /// the bounding box]
     #[arg(long, value_name = "AXIS")]
     pub(crate) up: Option<Axis>,
     /// The vertical angle of the image in degrees
@@ -210,10 +221,12 @@ pub(crate) struct FlyArgs {
     pub(crate) pixels: f32,
     /// The maximum number of triangles of a frame
     ///
-    /// If the error needs more, the largest errors in pixels are reduced first. The base mesh may have more.
+    /// If the error needs more, the largest errors in pixels are reduced first. The base mesh may
+    /// have more.
     #[arg(long, value_name = "COUNT")]
     pub(crate) triangles: Option<usize>,
-    /// The maximum number of collapses and splits of a frame; the rest is done in the next one [default: no limit]
+    /// The maximum number of collapses and splits of a frame; the rest is done in the next one
+    /// [default: no limit]
     #[arg(long, value_name = "N")]
     pub(crate) steps: Option<NonZeroUsize>,
     /// Keep the detail outside the frustum
@@ -255,12 +268,14 @@ pub(crate) struct FlyArgs {
     /// Skip verification
     #[arg(long)]
     pub(crate) no_verify: bool,
-    /// The method of the strips and its options, such as stripe-global:patches=full,cutoff=10 [default: best]
+    /// The method of the strips and its options, such as stripe-global:patches=full,cutoff=10
+    /// [default: best]
     #[arg(short, long, value_name = "METHOD", value_parser = parse_method)]
     pub(crate) method: Option<StripifyOptions>,
 }
 
-/// Encode a mesh as paper 001 transmits it: progressive strips, and 12 + 2 u bytes per restored vertex
+/// Encode a mesh as paper 001 transmits it: progressive strips, and 12 + 2 u bytes per restored
+/// vertex
 ///
 /// All parts become one mesh of positions and strips. The bytes are not compressed.
 #[derive(Debug, Args)]
@@ -287,7 +302,8 @@ pub(crate) struct UnpackArgs {
     /// A file of `pack`
     #[arg(value_name = "INPUT")]
     pub(crate) input: PathBuf,
-    /// The level of detail: the number of collapses that are undone, or a percentage of all [default: 100%]
+    /// The level of detail: the number of collapses that are undone, or a percentage of all
+    /// [default: 100%]
     #[arg(long, value_name = "LEVEL", group = "goal", allow_negative_numbers = true)]
     pub(crate) level: Option<Level>,
     /// The finest level with at most this number of triangles

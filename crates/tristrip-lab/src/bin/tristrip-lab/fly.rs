@@ -272,7 +272,8 @@ struct Images<'a> {
 }
 
 impl<'a> Images<'a> {
-    /// Creates the directory if it does not exist, but not a missing parent, which is more likely a typing error.
+    /// Creates the directory if it does not exist, but not a missing parent, which is more likely a
+    /// typing error.
     fn new(args: &'a FlyArgs, mesh: &'a Mesh) -> Result<Self, Failure> {
         if let Some(directory) = &args.video
             && !directory.is_dir()

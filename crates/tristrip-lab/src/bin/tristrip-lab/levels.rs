@@ -150,7 +150,8 @@ fn tables(
     Ok(())
 }
 
-/// Draws the chart of the inputs that were measured; returns whether it was written, if there is one.
+/// Draws the chart of the inputs that were measured; returns whether it was written, if there is
+/// one.
 fn plot(
     path: &Path,
     args: &LevelsArgs,

@@ -1,5 +1,5 @@
-//! `tristrip-lab`: reproductions of the papers, comparisons of methods and of level models, camera flights, and the
-//! transmission of paper 001.
+//! `tristrip-lab`: reproductions of the papers, comparisons of methods and of level models, camera
+//! flights, and the transmission of paper 001.
 
 #![forbid(unsafe_code)]
 

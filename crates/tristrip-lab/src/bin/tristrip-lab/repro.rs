@@ -64,7 +64,8 @@ fn selection(args: &ReproArgs) -> Result<Selection, Failure> {
     Ok(Selection { papers, section: args.section.clone() })
 }
 
-/// Returns the model folder beside the checkout if it exists, else the project's own, relative to the checkout.
+/// Returns the model folder beside the checkout if it exists, else the project's own, relative to
+/// the checkout.
 fn default_models() -> PathBuf {
     let shared = PathBuf::from("../shared/models");
     if shared.is_dir() { shared } else { "testdata/models".into() }

@@ -21,7 +21,8 @@ impl Paper {
     }
 }
 
-/// Returns the least and the greatest of some numbers, and their mean, with one decimal. The models with two stand-ins count once.
+/// Returns the least and the greatest of some numbers, and their mean, with one decimal. The models
+/// with two stand-ins count once.
 fn range(mut numbers: Vec<f64>) -> [String; 3] {
     numbers.dedup();
     let mean = numbers.iter().sum::<f64>() / numbers.len() as f64;
@@ -49,7 +50,8 @@ fn shares_are_those_of_the_printed_traffic() {
     }
 }
 
-/// A collapse drops about as many triangles at every level, so that the levels have half of the triangles of both ends on average.
+/// A collapse drops about as many triangles at every level: on average, a level has half of the
+/// triangles of both ends.
 #[test]
 fn traffic_and_strips_follow_from_the_triangles() {
     let paper = paper();

@@ -1,4 +1,5 @@
-//! The items of the bytes, one after the other: each is checked, and changes the decoder or is an error at its offset.
+//! The items of the bytes, one after the other: each is checked, and changes the decoder or is an
+//! error at its offset.
 
 use super::super::layout::{HEADER_BYTES, Header, POSITION_BYTES, is_entry, number};
 use super::{Decoder, Next, references};
@@ -97,7 +98,8 @@ impl Decoder {
         Ok(())
     }
 
-    /// Checks that the references of the base map lead to vertices. Later levels then have no others: records only write vertices.
+    /// Checks that the references of the base map lead to vertices. Later levels then have no
+    /// others: records only write vertices.
     fn check_references(&self) -> Result<(), Error> {
         let Some(slot) = references::first_without_vertex(&self.entries) else { return Ok(()) };
         let from_end = (self.entries.len() - slot) as u64 * self.header.entry_bytes() as u64;

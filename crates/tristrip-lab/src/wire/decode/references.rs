@@ -1,8 +1,10 @@
-//! The symbols of a map that has arrived: each must lead, over any number of others, to a vertex of its strip.
+//! The symbols of a map that has arrived: each must lead, over any number of others, to a vertex of
+//! its strip.
 
 use tristrip::lod::{RESTART, encoded_offset};
 
-/// Returns the first slot whose reference leads out of its strip, or back to itself. Linear: what leads to a vertex is not followed again.
+/// Returns the first slot whose reference leads out of its strip, or back to itself. Linear: what
+/// leads to a vertex is not followed again.
 pub(super) fn first_without_vertex(entries: &[u32]) -> Option<usize> {
     // The slot from which each one was followed, plus one; 0 if it was not.
     let mut followed_from = vec![0_u32; entries.len()];

@@ -24,9 +24,9 @@ pub struct StripGraph {
     slots: Vec<Vec<u32>>,
     /// The place of each slot among those of its node.
     place_of_slot: Vec<u32>,
-    /// The nodes whose visits or successors the last step changed, each once.
+    /// The nodes whose visits or successors the last step changed, without repeats.
     pub changed: Vec<u32>,
-    /// The slots whose vertex or successor the last step changed, rising, each once.
+    /// The slots whose vertex or successor the last step changed, sorted, without repeats.
     pub changed_slots: Vec<u32>,
 }
 

@@ -10,7 +10,7 @@
 //!   ·── 4 ──·── 7 ──·── 9 ──·      Points 4, 7 and 9 may be removed. In the first round only 4 is priced. If it will be removed, 7 will be
 //!                                  passed over, and in the next round 9 is priced; otherwise 7 is, and then 9.
 //! ```
-//! A price of a point that is passed over would be in vain. So they are found in rounds: in each those of the points for which no
+//! The price of a point that is passed over would be wasted work. So prices are found in rounds: in each those of the points for which no
 //! earlier neighbour is undecided, or will be removed.
 //!
 //! The levels of a merge tree price all points around which something changed before they take one. Each price is found with the outcomes of the collapses
@@ -374,7 +374,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(found, ahead.found.len(), "none is in vain");
+        assert_eq!(found, ahead.found.len(), "no price is unused");
         assert!(found > 1000 && missing < MIN_POINTS, "{found} {missing}");
     }
 }

@@ -14,7 +14,7 @@
 //!
 //! # Algorithm
 //! The neighbours are priced by ascending estimate. A price is found in steps, the cheap ones first, and left as soon as it exceeds the best
-//! one. Points that were never priced wait with their estimate times a usual ratio of the two, so that few are priced in vain; and a
+//! one. Points that were never priced wait with their estimate times a usual ratio of the two, so few are priced for nothing; and a
 //! neighbour whose estimate exceeds the best price is left out, since it has seldom the better one.
 //!
 //! By [`Price::Planes`] the price is the estimate, with the attributes. [`Price::Quadric`] has nothing of all this; see the module `queue`.
@@ -45,7 +45,7 @@ const VANISHING_WEIGHT: f64 = 2.0;
 /// go to near ones, and no point is passed on along a chain, which would rename the same corners repeatedly.
 const LENGTH_WEIGHT: f64 = 1e-6;
 /// Points wait with this times the estimate before they have a price by distance. With 0.5 or 1 distances are the same, and more prices are
-/// found in vain.
+/// computed without being used.
 const USUAL_RATIO: f64 = 2.0;
 
 impl Price {
