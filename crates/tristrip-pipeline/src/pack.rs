@@ -70,22 +70,15 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Sets how meshes are encoded.
-    #[must_use]
-    pub fn with_stream(self, stream: StreamOptions) -> Self {
-        Self { stream, ..self }
-    }
+    tristrip::setters! {
+        /// Sets how meshes are encoded.
+        with_stream(stream: StreamOptions);
 
-    /// Sets the position in the scene from which errors are seen.
-    #[must_use]
-    pub fn with_eye(self, eye: Option<[f32; 3]>) -> Self {
-        Self { eye, ..self }
-    }
+        /// Sets the position in the scene from which errors are seen.
+        with_eye(eye: Option<[f32; 3]>);
 
-    /// Sets whether the bytes are read back and proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
+        /// Sets whether the bytes are read back and proven.
+        with_verify(verify: bool);
     }
 }
 

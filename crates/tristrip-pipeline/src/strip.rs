@@ -32,16 +32,12 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Sets the method and its options.
-    #[must_use]
-    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
-        Self { stripify, ..self }
-    }
+    tristrip::setters! {
+        /// Sets the method and its options.
+        with_stripify(stripify: StripifyOptions);
 
-    /// Sets whether the strips are proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
+        /// Sets whether the strips are proven.
+        with_verify(verify: bool);
     }
 }
 

@@ -45,22 +45,15 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Sets the method of the strips, and its options.
-    #[must_use]
-    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
-        Self { stripify, ..self }
-    }
+    tristrip::setters! {
+        /// Sets the method of the strips, and its options.
+        with_stripify(stripify: StripifyOptions);
 
-    /// Sets the order in which the collapses of a level are chosen.
-    #[must_use]
-    pub fn with_order(self, order: MergeOrder) -> Self {
-        Self { order, ..self }
-    }
+        /// Sets the order in which the collapses of a level are chosen.
+        with_order(order: MergeOrder);
 
-    /// Sets whether the strips are proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
+        /// Sets whether the strips are proven.
+        with_verify(verify: bool);
     }
 }
 

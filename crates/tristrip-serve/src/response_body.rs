@@ -18,7 +18,7 @@ use tokio::time::{Instant, Sleep, sleep_until};
 
 use crate::activity::{Activity, OpenBody};
 use crate::clients::Place;
-use crate::metrics::Metrics;
+use crate::metrics::ServerMetrics;
 use crate::streams::StreamEnd;
 
 /// The pieces per second of a paced body, and the fewest bytes of one.
@@ -72,7 +72,7 @@ pub(crate) struct ResponseBody {
     sent: u64,
     is_whole: bool,
     record: Record,
-    metrics: Arc<Metrics>,
+    metrics: Arc<ServerMetrics>,
     activity: Arc<Activity>,
     open: OpenBody,
     /// The response counts until its body ends.
@@ -84,7 +84,7 @@ impl ResponseBody {
         inner: Body,
         pace: Option<Pace>,
         record: Record,
-        metrics: Arc<Metrics>,
+        metrics: Arc<ServerMetrics>,
         activity: Arc<Activity>,
         place: Option<Place>,
     ) -> Self {
@@ -173,7 +173,7 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn the_bandwidth_is_that_of_each_body() {
-        let metrics = Arc::new(Metrics::new());
+        let metrics = Arc::new(ServerMetrics::new());
         let started = Instant::now();
         tokio::join!(take(&metrics), take(&metrics));
         let seconds = started.elapsed().as_secs_f64();
@@ -182,7 +182,7 @@ mod tests {
     }
 
     /// Takes a paced body whose 100,000 bytes are due within two seconds.
-    async fn take(metrics: &Arc<Metrics>) {
+    async fn take(metrics: &Arc<ServerMetrics>) {
         let record = Record {
             method: Method::GET,
             path: "/".into(),

@@ -30,6 +30,7 @@ mod packed;
 mod prepare;
 #[cfg(feature = "serde")]
 mod serialize;
+mod setters;
 mod strip;
 pub mod union_find;
 mod vector;

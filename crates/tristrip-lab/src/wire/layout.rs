@@ -89,7 +89,7 @@ impl Header {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// decoder.update(&encoded.bytes)?;
     /// assert_eq!(decoder.header().map(|header| header.entry_bytes()), Some(2));
     /// # Ok::<(), tristrip::Error>(())
@@ -103,7 +103,7 @@ impl Header {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// decoder.update(&encoded.bytes)?;
     /// assert_eq!(decoder.header().map(|header| header.slot_bytes()), Some(2));
     /// # Ok::<(), tristrip::Error>(())

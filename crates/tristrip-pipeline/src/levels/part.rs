@@ -94,7 +94,7 @@ impl LevelPart {
     ///
     /// # Errors
     /// The part does not have this level.
-    pub fn display(
+    pub(crate) fn display(
         &self,
         level: usize,
         filter: DisplayFilter,

@@ -2,12 +2,12 @@
 //! error at its offset.
 
 use super::super::layout::{HEADER_BYTES, Header, POSITION_BYTES, is_entry, number};
-use super::{Decoder, Next, references};
+use super::{Next, WireDecoder, references};
 use tristrip::Error;
 use tristrip::lod::RESTART;
 use tristrip::text::counted;
 
-impl Decoder {
+impl WireDecoder {
     /// Reads all items that end in some bytes.
     pub(super) fn read(&mut self, mut bytes: &[u8]) -> Result<(), Error> {
         while !bytes.is_empty() {

@@ -17,7 +17,7 @@ const MAX_AROUND: usize = 32;
 const MAX_WIDE: usize = 256;
 
 /// Triangles over positions, with the triangles around each position.
-pub(super) struct Surface {
+pub(super) struct FitSurface {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) at: Vec<Point>,
     /// The end of the triangles around each position.
@@ -39,7 +39,7 @@ impl Spot {
     }
 }
 
-impl Surface {
+impl FitSurface {
     /// Builds the surface of triangles over numbered positions.
     pub(super) fn new(faces: &Faces, at: Vec<Point>) -> Self {
         let triangles = faces.corners().as_chunks().0.to_vec();
@@ -200,7 +200,7 @@ pub(super) mod tests {
     }
 
     /// A strip of triangles in the shape of a U: from one end to the other the way is far, and the distance rises before it falls.
-    fn bent(length: usize) -> Surface {
+    fn bent(length: usize) -> FitSurface {
         let at: Vec<Point> = (0..2 * length)
             .map(|v| {
                 let along = std::f64::consts::PI * 1.8 * (v / 2) as f64 / (length - 1) as f64;
@@ -208,7 +208,7 @@ pub(super) mod tests {
             })
             .collect();
         let corners: Vec<u32> = (0..2 * length as u32 - 2).flat_map(|v| [v, v + 1, v + 2]).collect();
-        Surface::new(&Faces::from_triangles(corners).unwrap(), at)
+        FitSurface::new(&Faces::from_triangles(corners).unwrap(), at)
     }
 
     #[test]

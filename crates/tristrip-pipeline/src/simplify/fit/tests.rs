@@ -215,7 +215,7 @@ fn no_step_turns_a_triangle() {
     let mesh = ball(12, 20, false).parts.remove(0).mesh;
     let at: Vec<Point> = mesh.positions().iter().map(|p| p.map(f64::from)).collect();
     for size in [0.01, 0.1, 0.5, 3.0] {
-        let mut surface = Surface::new(mesh.faces(), at.clone());
+        let mut surface = FitSurface::new(mesh.faces(), at.clone());
         let normals: Vec<Point> = surface.triangles.iter().map(|t| unit_normal(&at, t)).collect();
         let moves = at.iter().map(|_| [size * number(), size * number(), size * number()]).collect();
         step(&mut surface, moves, &normals);

@@ -19,7 +19,7 @@ use crate::vector::{Point, dot, normal_of, sub};
 
 /// The bounds of all collapses, by node.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Bounds {
+pub(super) struct TreeBounds {
     pub(super) nodes: Vec<NodeBounds>,
     /// The center of the bounding box.
     pub(super) center: Point,
@@ -36,7 +36,7 @@ pub(super) struct NodeBounds {
     pub(super) cone: Cone,
 }
 
-impl Bounds {
+impl TreeBounds {
     /// Bounds the collapses of a tree.
     ///
     /// # Errors

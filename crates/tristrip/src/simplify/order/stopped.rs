@@ -37,9 +37,10 @@ impl fmt::Display for Stopped {
         ];
         let mut is_first = true;
         for (count, reason) in reasons.iter().filter(|(count, _)| *count > 0) {
-            match is_first {
-                true => write!(f, ": {} {reason}", counted(count, "vertex"))?,
-                false => write!(f, ", {count} {reason}")?,
+            if is_first {
+                write!(f, ": {} {reason}", counted(count, "vertex"))?;
+            } else {
+                write!(f, ", {count} {reason}")?;
             }
             is_first = false;
         }
