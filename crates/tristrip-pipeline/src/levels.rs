@@ -17,6 +17,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use tristrip::lod::{Camera, LevelModel, ModelKind, RepairOptions, ViewCriteria};
+use tristrip::text::counted;
 use tristrip::{CollapseSequence, Mesh, Strips};
 use tristrip_io::Model;
 
@@ -182,7 +183,10 @@ impl ModelLevels {
     ) -> Result<Self, Error> {
         if strips.len() != prepared.parts().len() {
             let (found, expected) = (strips.len(), prepared.parts().len());
-            return Err(Error::unproven(format!("found strips of {found} parts, expected {expected}")));
+            return Err(Error::unproven(format!(
+                "found strips of {}, expected {expected}",
+                counted(found, "part")
+            )));
         }
         let meshes = prepared.parts().iter().map(|part| part.mesh);
         let vertex_counts = meshes.clone().map(Mesh::vertex_count);

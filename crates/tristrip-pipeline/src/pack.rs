@@ -357,7 +357,10 @@ fn prove(model: &Model, bytes: &Arc<Vec<u8>>, expected: &HashMap<usize, Mesh>) -
     let again = tristrip_io::read_shared(bytes, Format::Glb).map_err(unproven)?;
     if again.parts.len() != model.parts.len() {
         let (found, expected) = (again.parts.len(), model.parts.len());
-        return Err(Error::unproven(format!("found {found} parts, expected {expected}")));
+        return Err(Error::unproven(format!(
+            "found {}, expected {expected}",
+            tristrip::text::counted(found, "part")
+        )));
     }
     let mut triangles = 0;
     for (number, part) in model.parts.iter().enumerate() {

@@ -3,6 +3,7 @@
 //! Each stage processes all parts in parallel; the results are in the order of the parts for any number of threads.
 
 use tristrip::stripify::Watch;
+use tristrip::text::counted;
 use tristrip::verify::verify;
 use tristrip::{DualGraph, Mesh, PreparedFaces, StripifyOptions, Strips, stripify};
 use tristrip_io::Model;
@@ -115,7 +116,10 @@ impl<'a> PreparedModel<'a> {
     pub fn prove(&self, strips: &[Strips]) -> Result<(), Error> {
         if strips.len() != self.parts.len() {
             let (found, expected) = (strips.len(), self.parts.len());
-            return Err(Error::unproven(format!("found strips of {found} parts, expected {expected}")));
+            return Err(Error::unproven(format!(
+                "found strips of {}, expected {expected}",
+                counted(found, "part")
+            )));
         }
         let pairs: Vec<_> = self.parts.iter().zip(strips).collect();
         let proofs = map(&pairs, |(part, strips)| prove_part(part, strips));

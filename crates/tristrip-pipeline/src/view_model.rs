@@ -12,6 +12,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use tristrip::lod::{SkipStrips, SkipView};
 use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
+use tristrip::text::counted;
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Mesh, StripifyOptions, Strips};
 use tristrip_io::tlod::{self, TlodLimits, TlodModel};
@@ -234,7 +235,10 @@ pub fn prove_view(view: &SkipView, strips: &Strips) -> Result<usize, Error> {
     let expected = Faces::from_triangles(view.renamed_triangles().into_flattened())?;
     if expected.face_count() != view.triangle_count() {
         let (found, expected) = (view.triangle_count(), expected.face_count());
-        return Err(Error::unproven(format!("the view counts {found} triangles, expected {expected}")));
+        return Err(Error::unproven(format!(
+            "the view counts {}, expected {expected}",
+            counted(found, "triangle")
+        )));
     }
     let drawn: Vec<[u32; 3]> = strips.triangles().collect();
     let proof = verify_drawing(&expected, &drawn).map_err(|why| Error::unproven(why.to_string()))?;

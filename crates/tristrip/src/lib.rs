@@ -41,6 +41,7 @@ pub mod random;
 pub mod simplify;
 pub mod stream;
 pub mod stripify;
+pub mod text;
 pub mod verify;
 pub mod vertex_cache;
 

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use tristrip::lod::Encoding;
+use tristrip::text::counted;
 use tristrip::verify::verify_models;
 use tristrip::{Faces, Mesh};
 use tristrip_io::{Model, Part};
@@ -130,7 +131,7 @@ pub fn unpack(bytes: &[u8], goal: StreamGoal) -> Result<Level, Error> {
     };
     decoder.update(used)?;
     let Some(header) = decoder.header().filter(|_| decoder.level().is_some()) else {
-        let found = format!("the end of the file after {} bytes", used.len());
+        let found = format!("the end of the file after {}", counted(used.len(), "byte"));
         return Err(Error::Data(format!("file: found {found}, expected a whole base mesh")));
     };
     let full_level = header.split_count as usize;

@@ -262,7 +262,8 @@ fn splits_and_vertices_are_counted() {
     let mut bytes = head().bytes;
     bytes[16] = 3;
     let error = decoded(&bytes).unwrap_err().to_string();
-    let expected = "byte 106: found the last split, 1 vertices before the last one, expected another record of the split";
+    let expected =
+        "byte 106: found the last split, 1 vertex before the last one, expected another record of the split";
     assert_eq!(error, expected);
     // Slots may be written to a restart by nobody.
     let two = encoded(&strips(&[&[0, 1, 2], &[3, 4, 5, 6]]), &[&[(6, 5)]]);

@@ -8,6 +8,7 @@
 
 use crate::error::{Error, MeshProblem};
 use crate::ids::check_count;
+use crate::text::counted;
 
 /// The positions of vertices, wherever they are stored.
 ///
@@ -166,7 +167,7 @@ fn check_stride(length: usize, stride: usize, offset: usize, size: usize) -> Res
         return Err(Error::Parameter { name: "stride", found, expected: "at least the end of the position" });
     }
     if !length.is_multiple_of(stride) {
-        let found = format!("{length} values in strides of {stride}");
+        let found = format!("{} in strides of {stride}", counted(length, "value"));
         return Err(Error::Parameter { name: "positions", found, expected: "a whole number of strides" });
     }
     check_count("vertices", length / stride)

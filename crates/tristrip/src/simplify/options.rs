@@ -5,6 +5,7 @@ use std::str::FromStr;
 use crate::error::Error;
 use crate::names::names;
 use crate::simplify::surface::topology::MAX_TRIANGLES;
+use crate::text::counted;
 
 /// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
 ///
@@ -342,7 +343,7 @@ impl SimplifyOptions {
         ];
         for (name, count) in counts {
             if count > vertex_count {
-                let found = format!("{count} values for {vertex_count} vertices");
+                let found = format!("{} for {}", counted(count, "value"), counted(vertex_count, "vertex"));
                 return Err(Error::Parameter { name, found, expected: "at most one value per vertex" });
             }
         }

@@ -5,6 +5,7 @@ use super::super::layout::{HEADER_BYTES, Header, POSITION_BYTES, is_entry, numbe
 use super::{Next, WireDecoder, references};
 use tristrip::Error;
 use tristrip::lod::RESTART;
+use tristrip::text::counted;
 
 impl WireDecoder {
     /// Reads all items that end in some bytes.
@@ -149,7 +150,7 @@ impl WireDecoder {
     fn end_split(&mut self) -> Result<(), Error> {
         let (left, splits) = self.left();
         if splits == 1 && left > 0 {
-            let found = format!("the last split, {left} vertices before the last one");
+            let found = format!("the last split, {} before the last one", counted(left, "vertex"));
             return Err(self.wrong(found, "another record of the split"));
         }
         self.split.record_ends.push(self.split.slots.len());

@@ -14,6 +14,7 @@ use super::vertex_tree::{NodeNumbers, VertexTree};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::mesh::{Positions, check_positions, triangles_of};
+use crate::text::counted;
 use crate::vector::{Point, dot, normal_of, sub};
 
 /// The bounds of all collapses, by node.
@@ -48,7 +49,8 @@ impl TreeBounds {
     ) -> Result<Self, Error> {
         let triangles = sequence.triangles();
         if positions.vertex_count() < sequence.vertex_count() {
-            let found = format!("{} for {} vertices", positions.vertex_count(), sequence.vertex_count());
+            let found =
+                format!("{} for {}", positions.vertex_count(), counted(sequence.vertex_count(), "vertex"));
             return Err(Error::Parameter { name: "positions", found, expected: "one per vertex" });
         }
         check_positions(triangles, positions)?;
