@@ -42,10 +42,10 @@ const STYLES: Styles = Styles::styled()
     .valid(AnsiColor::Green.on_default())
     .invalid(AnsiColor::Yellow.on_default());
 
-/// Make polygon meshes small, streamable and ready for levels of detail
+/// Stripify, simplify and stream polygon meshes
 ///
-/// Read OBJ, PLY, OFF, STL, glTF and GLB; write GLB, glTF, PLY and OBJ. Every result is verified
-/// before it is written: each input face is drawn exactly once, with its original winding.
+/// Read OBJ, PLY, OFF, STL, glTF and GLB; write GLB, glTF, PLY and OBJ. Every output is verified
+/// before it is written. Strips draw each input face exactly once, with its original winding.
 #[derive(Debug, Parser)]
 #[command(name = "tristrip", bin_name = "tristrip", version, propagate_version = true, max_term_width = 100, styles = STYLES)]
 #[command(
@@ -117,7 +117,8 @@ fn any_arguments() -> Arg {
 
 /// Build triangle strips, verify them and write them
 ///
-/// Without -o, only report. Results go to standard output, stages and progress to standard error.
+/// Without -o, only print a report. The report goes to standard output, with `-o -` to standard
+/// error; stages and progress go to standard error.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip strip bunny.ply -o bunny.glb             strips that every glTF viewer draws
@@ -152,7 +153,7 @@ pub(crate) struct StripArgs {
     pub(crate) picture: Option<PathBuf>,
 }
 
-/// Compare all methods on a model
+/// Compare the methods that build strips
 ///
 /// Print one table per model. Each result is proven before its row is printed; the best value of
 /// each column is marked.
@@ -163,7 +164,7 @@ pub(crate) struct StripArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// Add tunnel, eta, guided-tunnels and all 24 variants of stripe-local and 10 of stripe-global
+    /// Add tunnel, eta, guided-tunnels, and all variants of sgi, stripe-local and stripe-global
     #[arg(long)]
     pub(crate) all: bool,
     /// The search effort of best, fewest and cache, from 0 to 9 [default: 2; for fewest 5]
@@ -187,9 +188,9 @@ pub(crate) struct CompareArgs {
 
 /// Compute lower bounds on strips, vertices and indices
 ///
-/// The bounds hold for all covers of the dual graph by strips; the report says how they were found.
-/// Where more than two faces meet at an edge, they hold for the pairs that the dual graph joins.
-/// For polygons they hold for every triangulation; for triangles they are tighter.
+/// The bounds hold for every set of strips on the dual graph; the report names the method that
+/// found them. At edges with more than two faces they assume the pairs of faces that the dual graph
+/// joins. For polygons they hold for every triangulation; for triangles they are tighter.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip bound bunny.ply")]
@@ -203,9 +204,9 @@ pub(crate) struct BoundArgs {
 /// Report index and vertex-cache statistics of a file
 ///
 /// Count triangles, strips, indices, restarts and degenerate triangles as stored, and simulate
-/// vertex caches. A miss is a vertex that must be transformed again; ACMR is misses per triangle,
-/// ATVR misses per used vertex. No strips are built; polygons count as triangle fans. Each part of
-/// a file (a material in OBJ, a primitive in glTF) starts with an empty cache.
+/// vertex caches. A miss is a vertex that must be transformed. ACMR is misses per triangle, ATVR
+/// misses per used vertex. No strips are built; polygons count as triangle fans. Each part of a
+/// file (a material in OBJ, a primitive in glTF) starts with an empty cache.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip analyze bunny.ply bunny.glb              before and after

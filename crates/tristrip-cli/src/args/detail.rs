@@ -19,7 +19,7 @@ use crate::values::{Amount, VectorArg, effort_parser, named};
 ///
 /// The surface keeps its holes and, as far as the goal allows, its shape. All parts of a scene are
 /// simplified together. If a goal cannot be reached within the error limit, or without tearing or
-/// folding the surface, simplification stops earlier and prints a warning. Without -o, only report.
+/// folding the surface, simplification stops earlier and prints a warning. Without -o, only print a report.
 /// `tristrip help simplification` explains all options in detail.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
@@ -32,9 +32,9 @@ use crate::values::{Amount, VectorArg, effort_parser, named};
 pub(crate) struct SimplifyArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// The ratio of all triangles to keep: 0.05 or 5%
+    /// The fraction of the triangles to keep: 0.05 or 5%
     ///
-    /// All parts of a model share the triangles. Without --ratio or --triangles, simplify as far as
+    /// All parts of a model share one budget. Without --ratio or --triangles, simplify as far as
     /// --error allows; with one of them, simplification ends at whichever limit is reached first.
     #[arg(long, value_name = "RATIO", conflicts_with = "triangles", allow_negative_numbers = true)]
     pub(crate) ratio: Option<Ratio>,
@@ -45,15 +45,15 @@ pub(crate) struct SimplifyArgs {
     pub(crate) collapse: CollapseArgs,
     /// Keep or rebuild normals: auto, keep or rebuild
     ///
-    /// auto rebuilds those of flat-shaded parts, and keeps all others where they still fit the
-    /// faces. rebuild rebuilds all: flat, or smooth up to the crease angle that the hard edges of a
-    /// part show.
+    /// auto rebuilds the normals of flat-shaded parts, and replaces other normals that no longer
+    /// fit their faces. rebuild computes all normals again: flat, or smooth up to a crease angle
+    /// that is estimated for each part.
     #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default(), hide_possible_values = true)]
     pub(crate) normals: Normals,
     /// Move the remaining vertices closer to the original surface
     ///
-    /// The root mean square of the distances falls by a third or more. The result has vertices that
-    /// the input does not have.
+    /// The root mean square of the distances typically falls by a third or more. The result has
+    /// vertices that the input does not have.
     #[arg(long)]
     pub(crate) fit: bool,
     /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
@@ -72,11 +72,11 @@ pub(crate) struct SimplifyArgs {
 
 /// Write one level of detail with the strips of the full mesh
 ///
-/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename
-/// vertices in them down to a base mesh. Level 0 is the base mesh, the highest level the full mesh,
-/// and each level adds one vertex. The result is proven to draw exactly the triangles that remain
-/// after the collapses. Without -o, only report. `tristrip help levels` explains levels, filters
-/// and models.
+/// Strips are built once, for the full mesh. Half-edge collapses, cheapest first, rename vertices
+/// of the strips until the base mesh is reached. Level 0 is the base mesh, the highest level the
+/// full mesh, and each level adds one vertex. The result is proven to draw exactly the triangles
+/// that remain after the collapses. Without -o, only print a report. `tristrip help levels`
+/// explains levels, filters and models.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip level bunny.ply --level 40% -o level.glb
@@ -96,7 +96,7 @@ pub(crate) struct LevelArgs {
         conflicts_with_all = ["triangles", "error", "pixels"],
     )]
     pub(crate) level: Option<Level>,
-    /// Select the finest level of up to this number of triangles, such as 200k
+    /// Select the finest level with at most this many triangles, such as 200k
     #[arg(
         long,
         value_name = "COUNT",
@@ -108,7 +108,7 @@ pub(crate) struct LevelArgs {
     /// Select the coarsest level within this error: 0.01 mesh units, or 0.1%
     #[arg(long, value_name = "ERROR", help_heading = "Level", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
-    /// Select the coarsest level with an error of up to this number of pixels
+    /// Select the coarsest level with an error of at most this many pixels
     #[arg(
         long,
         value_name = "PIXELS",
@@ -118,7 +118,7 @@ pub(crate) struct LevelArgs {
         requires = "distance"
     )]
     pub(crate) pixels: Option<f32>,
-    /// The distance of --pixels from the camera to the model, in mesh units
+    /// The distance of the camera for --pixels, in mesh units
     #[arg(
         long,
         value_name = "DISTANCE",
@@ -127,13 +127,13 @@ pub(crate) struct LevelArgs {
         requires = "pixels"
     )]
     pub(crate) distance: Option<f32>,
-    /// The vertical field of view of --pixels, in degrees [default: 45]
+    /// The vertical field of view for --pixels, in degrees [default: 45]
     #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW, hide_default_value = true, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
     pub(crate) field_of_view: f32,
-    /// The height of the image of --pixels, in pixels [default: 1080]
+    /// The height of the image for --pixels, in pixels [default: 1080]
     #[arg(long, value_name = "ROWS", default_value_t = View::ROWS, hide_default_value = true, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
     pub(crate) rows: f32,
-    /// The ratio of all triangles in the base mesh [default: 5% with --level, else 0]
+    /// The fraction of the triangles in the base mesh [default: 5% with --level, else 0]
     #[arg(
         long,
         hide_short_help = true,
@@ -160,10 +160,10 @@ pub(crate) struct LevelArgs {
     pub(crate) method: MethodArgs,
 }
 
-/// Write what one camera sees, with reduced detail where it cannot see it
+/// Write a view-dependent level of detail for one camera
 ///
 /// Detail is reduced far from the camera, outside the frustum and on back faces, with the strips of
-/// the full mesh (Skip Strips). The result is proven. Without -o, only report.
+/// the full mesh (Skip Strips). The result is proven. Without -o, only print a report.
 /// `tristrip help levels` explains the details.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
@@ -199,7 +199,7 @@ pub(crate) struct CameraLevelArgs {
     pub(crate) triangles: Option<Amount>,
     #[command(flatten)]
     pub(crate) criteria: CriteriaArgs,
-    /// The ratio of all triangles in the base mesh [default: 0]
+    /// The fraction of the triangles in the base mesh [default: 0]
     #[arg(
         long,
         value_name = "RATIO",
@@ -221,7 +221,7 @@ pub(crate) struct CameraLevelArgs {
 ///
 /// All levels come from one simplification and share the vertices of the input. A GLB or .gltf
 /// holds all of them (`MSFT_lod`); in a directory, each level is a file of its own. Normals are
-/// kept: `simplify --normals` rebuilds them for a single level. Without -o, only report.
+/// kept: `simplify --normals` rebuilds them for a single level. Without -o, only print a report.
 /// `tristrip help levels` and `tristrip help simplification` explain the details.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
@@ -231,7 +231,7 @@ pub(crate) struct CameraLevelArgs {
 pub(crate) struct ChainArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// The ratios of all triangles that the levels keep, the finest first, up to 16
+    /// The fraction of the triangles in each level, finest first, up to 16 levels
     #[arg(long, value_name = "RATIOS", default_value_t = ChainRatios::default())]
     pub(crate) ratios: ChainRatios,
     #[command(flatten)]
@@ -244,10 +244,10 @@ pub(crate) struct ChainArgs {
 
 /// Build a view-dependent LOD model and write it as .tlod
 ///
-/// Strips are built for the full mesh, and half-edge collapses are organized in levels. For each
-/// frame, a program applies the collapses whose error its camera cannot see, without building
-/// strips again (Skip Strips). The file holds the mesh with all attributes, the strips and the
-/// collapses. The strips are proven to draw exactly the faces of the mesh, and the file is read
+/// Strips are built for the full mesh, and half-edge collapses are organized in levels. At run
+/// time, a renderer applies every collapse whose error in the image is small enough, without
+/// building strips again (Skip Strips). The file holds the mesh with all attributes, the strips and
+/// the collapses. The strips are proven to draw exactly the faces of the mesh, and the file is read
 /// back and compared. Polygons become triangles. The parts of a file become one mesh, without the
 /// transformations of their nodes; attributes that not all parts have are dropped with a note.
 #[derive(Debug, Args)]
@@ -263,9 +263,8 @@ pub(crate) struct BuildLodArgs {
     pub(crate) from: FromArgs,
     /// The order in which collapses are chosen
     ///
-    /// By quadric, the cheaper half of the possible collapses makes a level, so the vertices of
-    /// features go last. By shortest edge, each level has as many independent collapses as
-    /// possible.
+    /// quadric: each level takes independent collapses from the cheapest quarter, and vertices of
+    /// features go last. shortest-edge: each level takes as many independent collapses as possible.
     #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Level")]
     pub(crate) order: MergeOrder,
     /// The .tlod file to write

@@ -23,7 +23,7 @@ pub(crate) struct GeneralArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct FromArgs {
-    /// The format of the input, if neither extension nor content tells it
+    /// The format of the input, instead of what its extension or content says
     #[arg(long, value_name = "FORMAT", value_parser = format_parser(&Format::ALL), hide_short_help = true)]
     pub(crate) from: Option<Format>,
 }
@@ -35,10 +35,10 @@ pub(crate) struct SharedArgs {
     /// Print the results as JSON on standard output
     #[arg(long, global = true)]
     pub(crate) json: bool,
-    /// Print only errors and requested results: JSON, a table, a report without -o
+    /// Print only errors, warnings and requested results: JSON, a table, a report without -o
     #[arg(short, long, global = true, hide_short_help = true)]
     pub(crate) quiet: bool,
-    /// The number of threads, which the result does not depend on [default: one per core]
+    /// The number of threads; the result does not depend on it [default: one per core]
     #[arg(long, global = true, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 }

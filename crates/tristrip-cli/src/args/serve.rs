@@ -14,8 +14,8 @@ use crate::values::{BitRate, ByteCount};
 /// The gallery shows all models of the directory and its subdirectories; the viewer refines a
 /// progressive model while it loads. Only programs on this machine can connect unless --address is
 /// set. Files outside the directory and hidden files are never served. Ctrl-C stops the server
-/// after running responses. `tristrip help server` explains addresses, packing, the cache and
-/// limits.
+/// after the responses in progress. `tristrip help server` explains addresses, packing, the cache
+/// and limits.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip serve models/                            http://127.0.0.1:8080/

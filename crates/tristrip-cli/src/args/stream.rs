@@ -12,10 +12,11 @@ use crate::values::VectorArg;
 ///
 /// The model renders from the first bytes and refines as the rest arrives. The file is a valid GLB:
 /// every viewer draws its base meshes. They are followed by chunks of vertex splits that refine the
-/// base meshes to the full ones. `unpack`, all other subcommands and the JavaScript decoder read
-/// them, also from a part of the file. Positions and attributes are rounded to a grid; triangles
-/// and their winding are unchanged. Everything else in a scene is kept: nodes, materials, textures,
-/// skins, animations. The file is read back and proven.
+/// base meshes to the full ones. `unpack`, `inspect` and the JavaScript decoder also read truncated
+/// files; the other subcommands need the whole file. Positions and attributes are rounded to a
+/// grid; triangles and their winding are unchanged. Nodes, materials, textures, skins and
+/// animations are kept. Parts with morph targets, and parts that a stream would not make smaller,
+/// are stored in full. The file is read back and proven.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip pack bunny.ply -o bunny.glb
@@ -28,8 +29,8 @@ pub(crate) struct PackArgs {
     /// Refine first what looks largest from this position in the scene, such as 0,0.1,0.5 [default:
     /// uniform]
     ///
-    /// Errors are weighted by distance, and by half on back faces. The complete file refines
-    /// everything.
+    /// Errors are divided by the distance, and halved on back faces. The complete file still
+    /// refines to the full mesh.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Stream")]
     pub(crate) eye: Option<VectorArg>,
     /// The .glb file to write, a directory for several inputs, or - for standard output
@@ -79,8 +80,8 @@ pub(crate) struct UnpackArgs {
 
 /// Report chunks, bits per vertex and errors of a progressive GLB
 ///
-/// The bits of the components are those of the range coder: marks select the vertices to split,
-/// corners the triangles that move, precision adds bits to known positions. Bits per vertex are
+/// The table splits the range-coded bits by component: `marks` selects the vertices to split,
+/// `corners` the triangles that move, and `precision` refines known positions. Bits per vertex are
 /// relative to the vertices of the full meshes. A truncated or damaged file is reported up to the
 /// damage.
 #[derive(Debug, Args)]

@@ -24,13 +24,13 @@ pub(crate) struct CriteriaArgs {
     /// Keep the detail outside the frustum
     #[arg(long, hide_short_help = true)]
     pub(crate) no_frustum: bool,
-    /// Keep the detail of back faces, otherwise up to four times the error
+    /// Do not allow back faces four times the error
     #[arg(long, hide_short_help = true)]
     pub(crate) no_back_faces: bool,
-    /// Give silhouettes no extra detail, otherwise half the error
+    /// Do not halve the allowed error of silhouettes
     #[arg(long, hide_short_help = true)]
     pub(crate) no_silhouettes: bool,
-    /// The direction to a light: unlit faces may have twice the error
+    /// The direction to a light; faces that point away from it may have twice the error
     #[arg(long, hide_short_help = true, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) light: Option<VectorArg>,
     /// The growth of the allowed error per degree from --attention, such as 0.2

@@ -40,7 +40,7 @@ pub fn method_help() -> String {
             .iter()
             .filter(|method| (parameter.get)(&StripifyOptions::default().with_method(**method)).is_some());
         let of: Vec<&str> = of.map(|method| method.name()).collect();
-        entry(&mut text, 2, parameter.name, &format!("{} Of {}.", parameter.help, of.join(", ")));
+        entry(&mut text, 2, parameter.name, &format!("{} Used by {}.", parameter.help, of.join(", ")));
         match parameter.values {
             AcceptedValues::Named(values) => {
                 for (name, summary) in values() {
@@ -56,16 +56,16 @@ pub fn method_help() -> String {
 /// Appends a name with a text beside it, in wrapped lines.
 fn entry(text: &mut String, indent: usize, name: &str, words: &str) {
     let mut line = format!("{:indent$}{name}", "");
-    let mut column = INDENT.max(line.len() + 1);
+    let mut column = INDENT.max(line.chars().count() + 1);
     for word in words.split_whitespace() {
-        if column + word.len() > WIDTH {
+        if column + word.chars().count() > WIDTH {
             text.push_str(line.trim_end());
             text.push('\n');
             line.clear();
             column = INDENT;
         }
         line = format!("{line:column$}{word}");
-        column = line.len() + 1;
+        column = line.chars().count() + 1;
     }
     text.push_str(line.trim_end());
     text.push('\n');

@@ -145,8 +145,8 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     },
     Parameter {
         name: "vertex-cache",
-        help: "The vertex cache to optimize for. Desktop GPUs behave like 16 to 32 entries. The cache is kept \
-               from one strip to the next, as GPUs do.",
+        help: "The vertex cache to optimize for. Desktop GPUs behave like caches of 16 to 32 entries. The cache is \
+               not flushed between strips.",
         values: AcceptedValues::Other("fifo:N or lru:N, N entries"),
         get: |options| (options.method == Method::Cache).then(|| word(&options.vertex_cache)),
         set: |options, text| Ok(options.with_vertex_cache(text.parse()?)),

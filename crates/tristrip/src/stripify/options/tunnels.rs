@@ -70,7 +70,7 @@ pub enum Localization {
 names! {
     "tristrip::stripify::Acceptance", Acceptance, "acceptance",
     DepthFirst => "depth-first", "Every tunnel up to the maximum length, as it is found";
-    Repeated => "repeated", "The same with maximum lengths 49, 99, 199 … up to the one given";
+    Repeated => "repeated", "Depth-first with maximum lengths 49, 99, 199 and so on, up to tunnel-length";
     BreadthFirst => "breadth-first", "Shorter tunnels first, over the whole mesh";
 }
 
