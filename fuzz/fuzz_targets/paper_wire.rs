@@ -4,7 +4,7 @@
 
 use tristrip::lod::Encoding;
 use tristrip_fuzz::{Bytes, Model, model, sorted};
-use tristrip_lab::wire::{Decoder, encode};
+use tristrip_lab::wire::{WireDecoder, encode};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let piece = usize::from(data.first().copied().unwrap_or(0)) + 1;
@@ -17,7 +17,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let positions = vec![[0.0; 3]; sequence.vertex_count()];
     for encoding in [Encoding::Naive, Encoding::Offsets] {
         let Ok(encoded) = encode(&strips, &sequence, &positions, encoding) else { continue };
-        let mut decoder = Decoder::default();
+        let mut decoder = WireDecoder::default();
         for piece in encoded.bytes.chunks(piece) {
             decoder.update(piece).expect("bytes of the encoder");
             let Some(level) = decoder.level() else { continue };
@@ -32,7 +32,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
 
 /// Reads bytes at once and in pieces: the same levels, and memory that they justify.
 fn any_bytes(bytes: &[u8], piece: usize) {
-    let (mut whole, mut pieces) = (Decoder::default(), Decoder::default());
+    let (mut whole, mut pieces) = (WireDecoder::default(), WireDecoder::default());
     let result = whole.update(bytes);
     assert_eq!(result, bytes.chunks(piece).try_for_each(|piece| pieces.update(piece)));
     assert_eq!((whole.level(), whole.strips()), (pieces.level(), pieces.strips()));

@@ -9,6 +9,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
+use tristrip::text::counted;
 use tristrip::{Faces, Layout, MAX_COUNT, Strips};
 
 use crate::errors::Failure;
@@ -45,7 +46,7 @@ impl<'py> GivenFaces<'py> {
             }
         };
         if shape.len() == 1 && shape[0] % 3 != 0 {
-            let found = format!("{} indices", shape[0]);
+            let found = counted(shape[0], "index");
             return Err(Failure::mesh(name, found, "three per triangle"));
         }
         let flat = indices(name, &array)?;

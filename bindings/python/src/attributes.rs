@@ -3,6 +3,7 @@
 use numpy::{Element, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
+use tristrip::text::counted;
 use tristrip::{Attribute, AttributeData, Mesh};
 
 use crate::arrays::{as_array, shape_text};
@@ -34,7 +35,7 @@ impl GivenAttributes<'_, '_> {
             let Some(given) = given else { continue };
             let attribute = attribute(argument, name, given)?;
             if !components.contains(&attribute.components) {
-                let found = format!("{} columns", attribute.components);
+                let found = counted(attribute.components, "column");
                 let expected = match name {
                     NORMAL => "3",
                     UV => "2",
@@ -62,7 +63,8 @@ fn with(mesh: Mesh, argument: &str, attribute: Attribute) -> Result<Mesh, Failur
         (attribute.data.len() / usize::from(attribute.components.max(1)), mesh.vertex_count());
     if found != expected {
         return Err(Failure::Mesh(format!(
-            "{argument}: found {found} rows, expected {expected}, one per vertex"
+            "{argument}: found {}, expected {expected}, one per vertex",
+            counted(found, "row")
         )));
     }
     Ok(mesh.with_attribute(attribute)?)

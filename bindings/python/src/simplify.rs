@@ -160,7 +160,11 @@ impl Simplified {
         let sources = indices_of("sources", sources, false)?;
         if sources.len() != mesh.vertex_count() {
             let (found, expected) = (sources.len(), mesh.vertex_count());
-            return Err(Failure::Parameter(format!("pickle: {found} sources, expected {expected}")).into());
+            return Err(Failure::Parameter(format!(
+                "pickle: found {}, expected {expected}",
+                tristrip::text::counted(found, "source")
+            ))
+            .into());
         }
         Ok(Self { mesh, sources, figures })
     }

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 use serde::{Deserialize, Serialize};
 use tristrip::stripify::{Watch, plan_watched};
+use tristrip::text::counted;
 use tristrip::verify::{verify, verify_drawing};
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{DualGraph, Layout, Mesh, PreparedFaces, StripifyOptions, stripify_indices_watched};
@@ -297,7 +298,7 @@ impl Strips {
 
     fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let strip = self.strip(index).ok_or_else(|| {
-            PyIndexError::new_err(format!("strip {index}: found {} strips", self.inner.len()))
+            PyIndexError::new_err(format!("strip {index}: found {}", counted(self.inner.len(), "strip")))
         })?;
         Ok(PyArray1::from_slice(py, strip))
     }

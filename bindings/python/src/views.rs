@@ -649,7 +649,7 @@ impl View {
         let vertex_count = self.model.mesh.vertex_count();
         let bits = index_bits(py, dtype, vertex_count)?;
         if vertex_count > (1_usize << bits) - 1 {
-            let expected = format!("one that names {vertex_count} vertices");
+            let expected = format!("one that names {}", tristrip::text::counted(vertex_count, "vertex"));
             return Err(Failure::option("dtype", format!("uint{bits}"), &expected).into());
         }
         let (indices, changed) = self.with(py, |state| state.changes(bits));

@@ -18,18 +18,17 @@ const SECONDS: SecondsKeys =
 
 /// Returns a line on the gap.
 pub(crate) fn gap_line(gap: &BoundGap) -> String {
-    let (one, many) = match gap.figure {
-        "strips" => ("strip", "strips"),
-        "vertices_sent" | "gl_cost" => ("vertex", "vertices"),
-        _ => ("index", "indices"),
+    let noun = match gap.figure {
+        "strips" => "strip",
+        "vertices_sent" | "gl_cost" => "vertex",
+        _ => "index",
     };
-    let (found, bound) = (count(gap.found), count(gap.bound));
-    let what = if gap.found == 1 { one } else { many };
+    let (found, bound) = (counted(gap.found, noun), count(gap.bound));
     if gap.optimal {
-        return format!("optimal: {found} {what}, no cover of the dual graph has fewer");
+        return format!("optimal: {found}, no cover of the dual graph has fewer");
     }
     let percent = 100.0 * gap.gap as f64 / gap.bound.max(1) as f64;
-    format!("{found} {what}, lower bound {bound}: gap {} ({percent:.1} %)", count(gap.gap))
+    format!("{found}, lower bound {bound}: gap {} ({percent:.1} %)", count(gap.gap))
 }
 
 /// Bounds all inputs in order; returns whether all succeeded.

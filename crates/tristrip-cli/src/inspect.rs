@@ -4,6 +4,7 @@ use serde::Serialize;
 use tristrip_pipeline::Stage;
 use tristrip_pipeline::inspect::{self, ComponentBits};
 use tristrip_pipeline::text::count;
+use tristrip_pipeline::text::counted;
 use tristrip_render::{rate, text};
 
 use crate::clock::{SecondsKeys, StageClock};
@@ -58,7 +59,7 @@ fn curve(report: &Report<Inspected>) -> Option<(String, Vec<(usize, f32)>)> {
 fn inspect(input: &Input, console: &mut Console, clock: &StageClock) -> Result<Inspected, Failure> {
     let glb = clock.timed(Stage::Load, || open(input))?;
     let outcome = clock.observe(|observer| inspect::run(&glb, observer))?;
-    let what = format!("{} chunks", count(outcome.chunks.len()));
+    let what = counted(outcome.chunks.len(), "chunk");
     console.stage("decode", &what, clock.seconds(DECODING));
     if let Some(problem) = &outcome.problem {
         console.warning(&input.name(), problem);

@@ -106,12 +106,12 @@ fn unpack(task: &UnpackTask, console: &mut Console, clock: &StageClock) -> Resul
 /// Returns a line on the level.
 fn summary(unpacked: &unpack::Outcome) -> String {
     format!(
-        "  level {} of {}, {} of {} triangles, from {} bytes in {} chunks\n",
+        "  level {} of {}, {} of {}, from {} in {}\n",
         count(unpacked.level),
         count(unpacked.levels),
         count(unpacked.triangles),
-        count(unpacked.triangles_full),
-        count(unpacked.bytes),
-        count(unpacked.chunks)
+        counted(unpacked.triangles_full, "triangle"),
+        counted(unpacked.bytes, "byte"),
+        counted(unpacked.chunks, "chunk")
     )
 }

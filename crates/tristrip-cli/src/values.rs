@@ -103,9 +103,9 @@ impl fmt::Display for ImageSize {
 
 /// A point or direction as typed: `0,1.5,-3`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Vector(pub(crate) [f32; 3]);
+pub(crate) struct VectorArg(pub(crate) [f32; 3]);
 
-impl FromStr for Vector {
+impl FromStr for VectorArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -141,7 +141,7 @@ fn finite_numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
     numbers.iter().all(|x| x.is_finite()).then_some(numbers)
 }
 
-impl fmt::Display for Vector {
+impl fmt::Display for VectorArg {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = self.0;
         write!(f, "{x},{y},{z}")
@@ -163,8 +163,8 @@ mod tests {
         );
         assert_eq!("640x480".parse(), Ok(ImageSize([640, 480])));
         assert!(["640", "0x5", "9000x1", "ax5", "1x2x3"].iter().all(|t| t.parse::<ImageSize>().is_err()));
-        assert_eq!("0,1.5, -3".parse(), Ok(Vector([0.0, 1.5, -3.0])));
-        assert!(["0,1", "0,1,NaN", "0,1,inf", "0,1,2,3"].iter().all(|t| t.parse::<Vector>().is_err()));
+        assert_eq!("0,1.5, -3".parse(), Ok(VectorArg([0.0, 1.5, -3.0])));
+        assert!(["0,1", "0,1,NaN", "0,1,inf", "0,1,2,3"].iter().all(|t| t.parse::<VectorArg>().is_err()));
         assert_eq!("0.5,1".parse(), Ok(ImagePoint([0.5, 1.0])));
         assert!(["0.5", "0,1,0", "0,NaN", "-0.1,0"].iter().all(|t| t.parse::<ImagePoint>().is_err()));
     }

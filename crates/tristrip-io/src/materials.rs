@@ -15,6 +15,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
+use tristrip::text::counted;
 
 /// The most bytes of a library that are parsed; longer ones are no material libraries.
 const LONGEST_LIBRARY: usize = 64 << 20;
@@ -195,7 +196,8 @@ impl Materials {
         if !has_materials {
             self.problems.push(format!("{name}: no material in it"));
         }
-        let lost = lost.into_iter().map(|(what, count)| format!("{name}: {what} in {count} materials"));
+        let lost =
+            lost.into_iter().map(|(what, count)| format!("{name}: {what} in {}", counted(count, "material")));
         self.losses.extend(lost);
         if images.by_name.len() > MAX_IMAGES {
             let count = images.by_name.len();
@@ -391,7 +393,7 @@ mod tests {
         assert_eq!((lamp.colour, lamp.emissive), ([1.0; 4], [1.0, 1.0, 0.5]));
         assert_eq!((lamp.roughness, lamp.metalness, lamp.is_blended), (0.25, 1.0, true));
         assert_eq!(images, ["b.png", "glow.jpg", "maps/oak wood.png"]);
-        assert_eq!(all.losses, ["a.mtl: bump map in 1 materials"]);
+        assert_eq!(all.losses, ["a.mtl: bump map in 1 material"]);
     }
 
     #[test]

@@ -17,6 +17,7 @@
 //! One pass; only the file's bytes and the arrays of the result are held.
 
 use tristrip::MAX_COUNT;
+use tristrip::text::counted;
 use tristrip::{Attribute, AttributeData, Mesh};
 
 use crate::error::Error;
@@ -48,11 +49,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     if let Some(word) = text.word() {
         return Err(Error::format(text.position(), quote(word), "the end of the line after three counts"));
     }
-    check_capacity(&text, vertex_count, 3, "vertices")?;
+    check_capacity(&text, vertex_count, 3, "vertex")?;
     let mut reader =
         OffReader { text, fields, vertex_count, arrays: VertexArrays::default(), notes: Vec::new() };
     reader.read_vertices()?;
-    check_capacity(&reader.text, face_count, 1, "faces")?;
+    check_capacity(&reader.text, face_count, 1, "face")?;
     let polygons = reader.read_faces(face_count)?;
     let OffReader { mut text, arrays, notes, .. } = reader;
     if let Some(word) = text.word_on_any_line() {
@@ -138,11 +139,11 @@ fn parse_count(text: &Text, word: &[u8], what: &str) -> Result<u64, Error> {
 }
 
 /// Checks that the remaining bytes can hold a count of items, before anything is allocated for it.
-fn check_capacity(text: &Text, count: u64, words: u64, what: &str) -> Result<(), Error> {
+fn check_capacity(text: &Text, count: u64, words: u64, noun: &str) -> Result<(), Error> {
     let most = text.words_left() as u64 / words;
     if count > most {
-        let expected = format!("at most {most} in the remaining {} bytes", text.bytes_left());
-        return Err(Error::format(text.position(), format!("{count} {what}"), expected));
+        let expected = format!("at most {most} in the remaining {}", counted(text.bytes_left(), "byte"));
+        return Err(Error::format(text.position(), counted(count, noun), expected));
     }
     if count > MAX_COUNT as u64 {
         return Err(Error::LimitExceeded { at: text.position(), found: count, limit: MAX_COUNT as u64 });
@@ -233,7 +234,7 @@ impl OffReader<'_> {
             let text = &mut self.text;
             let word = text.word().unwrap_or_default();
             let size = parse_count(text, word, "corners")?;
-            check_capacity(text, size, 1, "corners")?;
+            check_capacity(text, size, 1, "corner")?;
             for _ in 0..size {
                 let Some(word) = text.word() else { return Err(text.missing("a vertex index")) };
                 match integer(word).map(u64::try_from) {

@@ -21,6 +21,7 @@
 
 use std::collections::HashMap;
 
+use tristrip::text::counted;
 use tristrip::{Faces, Mesh};
 
 use crate::error::Error;
@@ -87,13 +88,13 @@ impl Welder {
 
 fn read_binary(bytes: &[u8]) -> Result<Model, Error> {
     let Some(count) = facet_count(bytes) else {
-        let found = format!("{} bytes", bytes.len());
+        let found = counted(bytes.len(), "byte");
         return Err(Error::format("byte 0", found, "`solid`, or a binary file of 84 bytes or more"));
     };
     let expected = binary_bytes(count);
     let size = bytes.len() as u64;
     if expected > size {
-        let found = format!("{count} triangles in a file of {size} bytes");
+        let found = format!("{} in a file of {}", counted(count, "triangle"), counted(size, "byte"));
         return Err(Error::format("byte 80", found, format!("{expected} bytes")));
     }
     let mut notes = Vec::new();

@@ -17,6 +17,7 @@ use tristrip::Metrics;
 use tristrip::stripify::{Objective, TunnelOptions};
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Method, StripifyOptions, Strips};
+use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{
     Error as PipelineError, MethodDescription, Observer, PreparedModel, PreparedPart, Stopped, rounded,
 };
@@ -242,7 +243,7 @@ fn list(parts: &[PreparedPart<'_>], cache: VertexCache) -> ParetoPoint {
 /// Returns a line on the number of methods.
 pub fn line(points: &[ParetoPoint]) -> String {
     let optimal = points.iter().filter(|point| point.optimal).count();
-    format!("{} methods compared, each proven; {optimal} optimal", points.len())
+    format!("{} compared, each proven; {optimal} optimal", counted(points.len(), "method"))
 }
 
 /// Returns the points as a table, the fewest indices first.

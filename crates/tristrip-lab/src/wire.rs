@@ -46,7 +46,7 @@
 //! 2005, section 3.
 //!
 //! # Complexity
-//! Both directions take one step per entry and per slot sent. A [`Decoder`] holds 12 bytes per
+//! Both directions take one step per entry and per slot sent. A [`WireDecoder`] holds 12 bytes per
 //! position, 8 bytes per entry, 12 bytes per record and 8 bytes per slot, beside the display
 //! strips, 4 more per entry below the highest level, and nothing for bytes that have not arrived.
 
@@ -59,7 +59,7 @@ mod records;
 #[cfg(test)]
 mod tests;
 
-pub use decode::Decoder;
+pub use decode::WireDecoder;
 pub use encode::{Encoded, encode};
 pub use layout::{Header, Sizes};
 pub(crate) use model::encode_part;

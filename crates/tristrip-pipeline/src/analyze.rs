@@ -26,16 +26,12 @@ pub struct Options {
 }
 
 impl Options {
-    /// Sets the vertex caches.
-    #[must_use]
-    pub fn with_vertex_caches(self, vertex_caches: VertexCacheList) -> Self {
-        Self { vertex_caches, ..self }
-    }
+    tristrip::setters! {
+        /// Sets the vertex caches.
+        with_vertex_caches(vertex_caches: VertexCacheList);
 
-    /// Sets whether caches are flushed between strips.
-    #[must_use]
-    pub fn with_flush_policy(self, flush_policy: FlushPolicy) -> Self {
-        Self { flush_policy, ..self }
+        /// Sets whether caches are flushed between strips.
+        with_flush_policy(flush_policy: FlushPolicy);
     }
 }
 

@@ -21,10 +21,9 @@ pub struct Options {
 }
 
 impl Options {
-    /// Sets whether vertices with the same bits in all attributes are one.
-    #[must_use]
-    pub fn with_weld(self, weld: bool) -> Self {
-        Self { weld, ..self }
+    tristrip::setters! {
+        /// Sets whether vertices with the same bits in all attributes are one.
+        with_weld(weld: bool);
     }
 }
 

@@ -65,7 +65,7 @@ impl Bounds {
     }
 
     /// Compares the figure that a method minimizes with its bound; returns `None` for methods that do not search.
-    pub fn gap(&self, options: &StripifyOptions, figures: &StripMetrics) -> Option<BoundGap> {
+    pub(crate) fn gap(&self, options: &StripifyOptions, figures: &StripMetrics) -> Option<BoundGap> {
         let (figure, found, bound) = match (options.method, options.cost) {
             (Method::Fewest, _) => ("strips", figures.strips, self.strips),
             (Method::Best, Cost::Restart) => {

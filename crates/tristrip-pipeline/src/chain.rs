@@ -82,34 +82,21 @@ impl Options {
         }
     }
 
-    /// Sets the maximum error of a collapse.
-    #[must_use]
-    pub fn with_deviation(self, deviation: Deviation) -> Self {
-        Self { deviation, ..self }
-    }
+    tristrip::setters! {
+        /// Sets the maximum error of a collapse.
+        with_deviation(deviation: Deviation);
 
-    /// Sets what collapses may do, and what they cost.
-    #[must_use]
-    pub fn with_rules(self, rules: CollapseRules) -> Self {
-        Self { rules, ..self }
-    }
+        /// Sets what collapses may do, and what they cost.
+        with_rules(rules: CollapseRules);
 
-    /// Sets the method of the strips.
-    #[must_use]
-    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
-        Self { stripify, ..self }
-    }
+        /// Sets the method of the strips.
+        with_stripify(stripify: StripifyOptions);
 
-    /// Sets whether the collapses are proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
-    }
+        /// Sets whether the collapses are proven.
+        with_verify(verify: bool);
 
-    /// Sets the format in which the levels will be written.
-    #[must_use]
-    pub fn with_format(self, format: Format) -> Self {
-        Self { format, ..self }
+        /// Sets the format in which the levels will be written.
+        with_format(format: Format);
     }
 }
 

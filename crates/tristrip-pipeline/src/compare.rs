@@ -28,22 +28,15 @@ pub struct Options {
 }
 
 impl Options {
-    /// Sets the options that all methods share.
-    #[must_use]
-    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
-        Self { stripify, ..self }
-    }
+    tristrip::setters! {
+        /// Sets the options that all methods share.
+        with_stripify(stripify: StripifyOptions);
 
-    /// Sets the effort of the methods that search.
-    #[must_use]
-    pub fn with_effort(self, effort: Option<Effort>) -> Self {
-        Self { effort, ..self }
-    }
+        /// Sets the effort of the methods that search.
+        with_effort(effort: Option<Effort>);
 
-    /// Sets whether every variant of a method is compared.
-    #[must_use]
-    pub fn with_every_variant(self, every_variant: bool) -> Self {
-        Self { every_variant, ..self }
+        /// Sets whether every variant of a method is compared.
+        with_every_variant(every_variant: bool);
     }
 
     /// Returns the options of each row: `best` at its default effort, then all methods at the effort.

@@ -28,16 +28,12 @@ impl Options {
         Self { format, layout: None, verify: true }
     }
 
-    /// Draws all parts as strips in their stored order, in a layout.
-    #[must_use]
-    pub fn with_layout(self, layout: Layout) -> Self {
-        Self { layout: Some(layout), ..self }
-    }
+    tristrip::setters! {
+        /// Draws all parts as strips in their stored order, in a layout.
+        with_layout(layout: Layout) as Some;
 
-    /// Sets whether the bytes are read back and proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
+        /// Sets whether the bytes are read back and proven.
+        with_verify(verify: bool);
     }
 
     /// Returns whether a part is drawn as strips.

@@ -40,7 +40,7 @@ pub enum DrawnAs {
 /// The indices of a model, and their vertex-cache misses, summed over its parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
-pub struct DrawCost {
+pub struct IndexCost {
     /// The indices, restarts and degenerate triangles included. Polygons count as fans.
     pub indices: usize,
     /// Real triangles.
@@ -49,13 +49,9 @@ pub struct DrawCost {
     pub misses: usize,
 }
 
-impl DrawCost {
+impl IndexCost {
     /// Returns the misses per triangle.
-    ///
-    /// ```
-    /// assert_eq!(tristrip_pipeline::DrawCost::default().acmr().to_string(), "0");
-    /// ```
-    pub fn acmr(&self) -> f64 {
+    pub(crate) fn acmr(&self) -> f64 {
         if self.triangles == 0 { 0.0 } else { self.misses as f64 / self.triangles as f64 }
     }
 
@@ -88,7 +84,7 @@ impl DrawCost {
     }
 }
 
-impl std::iter::Sum for DrawCost {
+impl std::iter::Sum for IndexCost {
     fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
         parts.fold(Self::default(), |a, b| Self {
             indices: a.indices + b.indices,
@@ -112,7 +108,7 @@ pub struct FileCost {
 
 impl FileCost {
     /// Reports a cost and a size.
-    pub fn of(cost: &DrawCost, bytes: Option<u64>) -> Self {
+    pub(crate) fn of(cost: &IndexCost, bytes: Option<u64>) -> Self {
         Self { indices: cost.indices, acmr_fifo_16: rounded(cost.acmr()), bytes }
     }
 }
@@ -131,7 +127,7 @@ pub struct DrawnParts {
 
 impl DrawnParts {
     /// Returns a note for each kind of parts that are not drawn as the strips found.
-    pub fn notes(&self) -> Vec<String> {
+    pub(crate) fn notes(&self) -> Vec<String> {
         let stored =
             format!("{} drawn as the strips of the input: fewer indices", counted(self.stored, "part"));
         let list = format!("{} drawn as faces, not as strips: fewer indices", counted(self.list, "part"));
@@ -152,14 +148,14 @@ pub struct Drawn<'a> {
     /// What each part is drawn as, in their order.
     pub drawn_as: Vec<DrawnAs>,
     /// The cost of the source as it was read.
-    pub before: DrawCost,
+    pub before: IndexCost,
     /// The cost of the drawings in the layout of the file.
-    pub after: DrawCost,
+    pub after: IndexCost,
 }
 
 impl Drawn<'_> {
     /// Counts the parts by what they are drawn as.
-    pub fn parts(&self) -> DrawnParts {
+    pub(crate) fn parts(&self) -> DrawnParts {
         let count = |kind| self.drawn_as.iter().filter(|&&one| one == kind).count();
         DrawnParts {
             found: count(DrawnAs::Found),
@@ -181,16 +177,16 @@ pub(crate) fn choose<'a>(
     let keep_found = keep_found || layout == Layout::List;
     let all: Vec<_> = model.parts.iter().zip(strips).zip(figures).collect();
     let chosen = map(&all, |&((part, found), figures)| {
-        let list = DrawCost::of_faces(&part.mesh);
-        let before = DrawCost::of_source(part, list);
-        let mut best = (DrawnAs::Found, Drawing::Strips(found), DrawCost::of_found(figures, layout));
+        let list = IndexCost::of_faces(&part.mesh);
+        let before = IndexCost::of_source(part, list);
+        let mut best = (DrawnAs::Found, Drawing::Strips(found), IndexCost::of_found(figures, layout));
         let mut fewest = best.2.indices;
         if keep_found {
             return (best, before);
         }
         if let Some(stored) = part.stored.as_ref().filter(|stored| !stored.fans) {
             let indices = index_count(&Metrics::of(&stored.runs), layout);
-            let cost = DrawCost::of_strips(&stored.runs, indices);
+            let cost = IndexCost::of_strips(&stored.runs, indices);
             if cost.indices < fewest {
                 (best, fewest) = ((DrawnAs::Stored, Drawing::Strips(&stored.runs), cost), cost.indices);
             }
@@ -198,7 +194,7 @@ pub(crate) fn choose<'a>(
         let written =
             if options.format == Format::Ply { part.mesh.faces().corner_count() } else { list.indices };
         if options.list && written < fewest {
-            best = (DrawnAs::List, Drawing::Faces, DrawCost { indices: written, ..list });
+            best = (DrawnAs::List, Drawing::Faces, IndexCost { indices: written, ..list });
         }
         (best, before)
     });

@@ -45,28 +45,18 @@ impl Options {
         Self { layout, list: false, ..self }
     }
 
-    /// Sets whether a part may be drawn as a list where that takes fewer indices than strips.
-    #[must_use]
-    pub fn with_list(self, list: bool) -> Self {
-        Self { list, ..self }
-    }
+    tristrip::setters! {
+        /// Sets whether a part may be drawn as a list where that takes fewer indices than strips.
+        with_list(list: bool);
 
-    /// Sets whether vertices are numbered in the order in which the drawings first use them.
-    #[must_use]
-    pub fn with_reorder(self, reorder: bool) -> Self {
-        Self { reorder, ..self }
-    }
+        /// Sets whether vertices are numbered in the order in which the drawings first use them.
+        with_reorder(reorder: bool);
 
-    /// Sets how a GLB is packed into fewer bytes.
-    #[must_use]
-    pub fn with_pack(self, pack: Option<Rounding>) -> Self {
-        Self { pack, ..self }
-    }
+        /// Sets how a GLB is packed into fewer bytes.
+        with_pack(pack: Option<Rounding>);
 
-    /// Sets whether the bytes are read back and proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
+        /// Sets whether the bytes are read back and proven.
+        with_verify(verify: bool);
     }
 }
 
@@ -115,17 +105,7 @@ impl Outcome {
     ///
     /// # Errors
     /// The file is not a GLB, or the separate files are not proven.
-    ///
-    /// ```
-    /// use tristrip_io::{Drawing, Format, read};
-    /// use tristrip_pipeline::encode;
-    /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-    /// let glb = encode::run(&model, &[Drawing::Faces], &encode::Options::new(Format::Glb), &())?;
-    /// let files = glb.separate("model.bin")?;
-    /// assert!(files.json.starts_with(b"{") && !files.buffer.is_empty());
-    /// # Ok::<(), tristrip_pipeline::Error>(())
-    /// ```
-    pub fn separate(&self, file_name: &str) -> Result<SeparateFiles, Error> {
+    pub(crate) fn separate(&self, file_name: &str) -> Result<SeparateFiles, Error> {
         let files = tristrip_io::gltf::separate(self.bytes.clone(), file_name)?;
         if self.faces.is_some() {
             let unproven = |error: tristrip_io::Error| Error::unproven(error.to_string());

@@ -143,7 +143,7 @@ impl MeshProperties {
 
 impl MeshProperties {
     /// Returns a note on each kind of faces or vertices that were dropped, changed or unusual.
-    pub fn remarks(&self) -> Vec<String> {
+    pub(crate) fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         let mut add = |n: usize, noun: &str, rest: &str| {
             if n > 0 {

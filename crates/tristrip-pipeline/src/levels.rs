@@ -17,6 +17,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use tristrip::lod::{Camera, LevelModel, ModelKind, RepairOptions, ViewCriteria};
+use tristrip::text::counted;
 use tristrip::{CollapseSequence, Mesh, Strips};
 use tristrip_io::Model;
 
@@ -182,7 +183,10 @@ impl ModelLevels {
     ) -> Result<Self, Error> {
         if strips.len() != prepared.parts().len() {
             let (found, expected) = (strips.len(), prepared.parts().len());
-            return Err(Error::unproven(format!("found strips of {found} parts, expected {expected}")));
+            return Err(Error::unproven(format!(
+                "found strips of {}, expected {expected}",
+                counted(found, "part")
+            )));
         }
         let meshes = prepared.parts().iter().map(|part| part.mesh);
         let vertex_counts = meshes.clone().map(Mesh::vertex_count);
@@ -259,16 +263,7 @@ impl ModelLevels {
     ///
     /// # Errors
     /// The levels are inconsistent; no input is known that causes this.
-    ///
-    /// ```
-    /// # use tristrip_io::{Format, read};
-    /// # let text = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
-    /// # let levels = tristrip_pipeline::levels::run(&read(text, Format::Obj)?, &Default::default(), &())?.model;
-    /// let level = levels.level_of_triangles(3)?;
-    /// assert_eq!((levels.triangle_count(level)?, levels.triangle_count(level + 1)?), (2, 4));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn level_of_triangles(&self, triangle_count: usize) -> Result<usize, Error> {
+    pub(crate) fn level_of_triangles(&self, triangle_count: usize) -> Result<usize, Error> {
         let full = self.collapse_count();
         let mut left = self.triangle_count(full)?;
         let mut of_parts = self.order.of_parts(full)?;
@@ -289,15 +284,7 @@ impl ModelLevels {
     ///
     /// # Errors
     /// The error is negative or not a number.
-    ///
-    /// ```
-    /// # use tristrip_io::{Format, read};
-    /// # let text = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
-    /// # let levels = tristrip_pipeline::levels::run(&read(text, Format::Obj)?, &Default::default(), &())?.model;
-    /// assert_eq!((levels.level_of_error(9.0)?, levels.level_of_error(0.0)?), (0, levels.collapse_count()));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn level_of_error(&self, error: f32) -> Result<usize, Error> {
+    pub(crate) fn level_of_error(&self, error: f32) -> Result<usize, Error> {
         if error.is_nan() || error < 0.0 {
             let (name, found, expected) = ("error", error.to_string(), "0 or more");
             return Err(tristrip::Error::Parameter { name, found, expected }.into());

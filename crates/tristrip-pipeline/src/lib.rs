@@ -60,7 +60,7 @@ pub mod view_model;
 
 pub use bounds::{BoundGap, Bounds};
 pub use collapses::{Collapses, KeptVertices};
-pub use drawing::{DrawCost, Drawn, DrawnAs, DrawnParts, FileCost};
+pub use drawing::{Drawn, DrawnAs, DrawnParts, FileCost, IndexCost};
 pub use error::{Error, UnprovenMetrics};
 pub use figures::MeshProperties;
 #[cfg(feature = "fs")]

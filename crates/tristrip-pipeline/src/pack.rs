@@ -70,22 +70,15 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Sets how meshes are encoded.
-    #[must_use]
-    pub fn with_stream(self, stream: StreamOptions) -> Self {
-        Self { stream, ..self }
-    }
+    tristrip::setters! {
+        /// Sets how meshes are encoded.
+        with_stream(stream: StreamOptions);
 
-    /// Sets the position in the scene from which errors are seen.
-    #[must_use]
-    pub fn with_eye(self, eye: Option<[f32; 3]>) -> Self {
-        Self { eye, ..self }
-    }
+        /// Sets the position in the scene from which errors are seen.
+        with_eye(eye: Option<[f32; 3]>);
 
-    /// Sets whether the bytes are read back and proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
+        /// Sets whether the bytes are read back and proven.
+        with_verify(verify: bool);
     }
 }
 
@@ -364,7 +357,10 @@ fn prove(model: &Model, bytes: &Arc<Vec<u8>>, expected: &HashMap<usize, Mesh>) -
     let again = tristrip_io::read_shared(bytes, Format::Glb).map_err(unproven)?;
     if again.parts.len() != model.parts.len() {
         let (found, expected) = (again.parts.len(), model.parts.len());
-        return Err(Error::unproven(format!("found {found} parts, expected {expected}")));
+        return Err(Error::unproven(format!(
+            "found {}, expected {expected}",
+            tristrip::text::counted(found, "part")
+        )));
     }
     let mut triangles = 0;
     for (number, part) in model.parts.iter().enumerate() {

@@ -3,6 +3,7 @@
 //! Each stage processes all parts in parallel; the results are in the order of the parts for any number of threads.
 
 use tristrip::stripify::Watch;
+use tristrip::text::counted;
 use tristrip::verify::verify;
 use tristrip::{DualGraph, Mesh, PreparedFaces, StripifyOptions, Strips, stripify};
 use tristrip_io::Model;
@@ -41,7 +42,7 @@ impl<'a> PreparedModel<'a> {
     }
 
     /// Prepares some of the meshes of a model, where their coordinates are.
-    pub fn of_meshes(meshes: &[&'a Mesh], weld: bool) -> Self {
+    pub(crate) fn of_meshes(meshes: &[&'a Mesh], weld: bool) -> Self {
         let parts = map(meshes, |&mesh| {
             let surface = PreparedFaces::new(mesh, weld);
             let graph = DualGraph::new(surface.faces());
@@ -115,7 +116,10 @@ impl<'a> PreparedModel<'a> {
     pub fn prove(&self, strips: &[Strips]) -> Result<(), Error> {
         if strips.len() != self.parts.len() {
             let (found, expected) = (strips.len(), self.parts.len());
-            return Err(Error::unproven(format!("found strips of {found} parts, expected {expected}")));
+            return Err(Error::unproven(format!(
+                "found strips of {}, expected {expected}",
+                counted(found, "part")
+            )));
         }
         let pairs: Vec<_> = self.parts.iter().zip(strips).collect();
         let proofs = map(&pairs, |(part, strips)| prove_part(part, strips));
@@ -152,16 +156,11 @@ impl<'a> Survey<'a> {
     ///
     /// # Errors
     /// The observer cancelled.
-    ///
-    /// ```
-    /// use tristrip::StripifyOptions;
-    /// use tristrip_pipeline::Survey;
-    /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n", tristrip_io::Format::Obj)?;
-    /// let survey = Survey::new(&model, StripifyOptions::default(), &())?;
-    /// assert_eq!((survey.mesh.faces, survey.mesh.degenerate_faces, survey.notes.len()), (2, 1, 1));
-    /// # Ok::<(), tristrip_pipeline::Error>(())
-    /// ```
-    pub fn new(model: &'a Model, options: StripifyOptions, observer: &dyn Observer) -> Result<Self, Error> {
+    pub(crate) fn new(
+        model: &'a Model,
+        options: StripifyOptions,
+        observer: &dyn Observer,
+    ) -> Result<Self, Error> {
         let mut notes = model.notes.clone();
         let options = fitted(options, model, &mut notes);
         begin(observer, Stage::Prepare)?;

@@ -81,64 +81,42 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Sets the number of triangles to keep, and the maximum error.
-    #[must_use]
-    pub fn with_goal(self, goal: Goal) -> Self {
-        Self { goal, ..self }
-    }
+    tristrip::setters! {
+        /// Sets the number of triangles to keep, and the maximum error.
+        with_goal(goal: Goal);
 
-    /// Sets what collapses may do, and what they cost.
-    #[must_use]
-    pub fn with_rules(self, rules: CollapseRules) -> Self {
-        Self { rules, ..self }
-    }
+        /// Sets what collapses may do, and what they cost.
+        with_rules(rules: CollapseRules);
 
-    /// Sets whether normals are kept or rebuilt.
-    #[must_use]
-    pub fn with_normals(self, normals: Normals) -> Self {
-        Self { normals, ..self }
-    }
+        /// Sets whether normals are kept or rebuilt.
+        with_normals(normals: Normals);
 
-    /// Sets what is rounded when a GLB is packed into few bytes.
-    #[must_use]
-    pub fn with_rounding(self, rounding: Rounding) -> Self {
-        Self { rounding, ..self }
-    }
+        /// Sets what is rounded when a GLB is packed into few bytes.
+        with_rounding(rounding: Rounding);
 
-    /// Sets whether the vertices that are left are moved closer to the original surface, which lowers the mean distance by a third or more where
-    /// it is curved. They are no vertices of the source any more: levels of detail cannot share them. Vertices at borders stay, those that
-    /// touch parts in other places of the scene, and those of parts whose positions a GLB cannot change, which a note names.
-    ///
-    /// ```
-    /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::simplify;
-    /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
-    /// let fitted = simplify::run(&model, &simplify::Options::default().with_fit(true), &())?;
-    /// assert_eq!(fitted.redrawn.model.parts[0].mesh.positions()[1], [1.0, 0.0, 0.0], "at a border");
-    /// assert_eq!(fitted.moved_positions, Some(0));
-    /// # Ok::<(), tristrip_pipeline::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_fit(self, fit: bool) -> Self {
-        Self { fit, ..self }
-    }
+        /// Sets whether the vertices that are left are moved closer to the original surface, which lowers the mean distance by a third or more where
+        /// it is curved. They are no vertices of the source any more: levels of detail cannot share them. Vertices at borders stay, those that
+        /// touch parts in other places of the scene, and those of parts whose positions a GLB cannot change, which a note names.
+        ///
+        /// ```
+        /// use tristrip_io::{Format, read};
+        /// use tristrip_pipeline::simplify;
+        /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+        /// let fitted = simplify::run(&model, &simplify::Options::default().with_fit(true), &())?;
+        /// assert_eq!(fitted.redrawn.model.parts[0].mesh.positions()[1], [1.0, 0.0, 0.0], "at a border");
+        /// assert_eq!(fitted.moved_positions, Some(0));
+        /// # Ok::<(), tristrip_pipeline::Error>(())
+        /// ```
+        with_fit(fit: bool);
 
-    /// Sets whether the result is compared with the original.
-    #[must_use]
-    pub fn with_measure(self, measure: bool) -> Self {
-        Self { measure, ..self }
-    }
+        /// Sets whether the result is compared with the original.
+        with_measure(measure: bool);
 
-    /// Sets whether the collapses are proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
-    }
+        /// Sets whether the collapses are proven.
+        with_verify(verify: bool);
 
-    /// Sets the format in which the result will be written.
-    #[must_use]
-    pub fn with_format(self, format: Format) -> Self {
-        Self { format, ..self }
+        /// Sets the format in which the result will be written.
+        with_format(format: Format);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Strips of a whole model: built, measured, compared with their lower bounds and proven.
 
 use serde::Serialize;
+use tristrip::text::counted;
 use tristrip::{Method, StripifyOptions, Strips};
 use tristrip_io::Model;
 
@@ -31,16 +32,12 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Sets the method and its options.
-    #[must_use]
-    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
-        Self { stripify, ..self }
-    }
+    tristrip::setters! {
+        /// Sets the method and its options.
+        with_stripify(stripify: StripifyOptions);
 
-    /// Sets whether the strips are proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
+        /// Sets whether the strips are proven.
+        with_verify(verify: bool);
     }
 }
 
@@ -190,7 +187,10 @@ pub fn of_strips(
 ) -> Result<Outcome, Error> {
     if strips.len() != model.parts.len() {
         let (found, expected) = (strips.len(), model.parts.len());
-        return Err(Error::unproven(format!("found strips of {found} parts, expected {expected}")));
+        return Err(Error::unproven(format!(
+            "found strips of {}, expected {expected}",
+            counted(found, "part")
+        )));
     }
     measured(Survey::new(model, options.stripify, observer)?, strips, stopped, options.verify, observer)
 }

@@ -25,18 +25,12 @@ pub fn grouped(digits: &str) -> String {
     out
 }
 
-/// Formats a count with its noun, in the plural unless the count is one.
+/// Formats a count with thousands separators and its noun, in the plural unless the count is one.
 ///
 /// ```
 /// use tristrip_pipeline::text::counted;
 /// assert_eq!([counted(1, "strip"), counted(2, "index"), counted(2, "mesh")], ["1 strip", "2 indices", "2 meshes"]);
 /// ```
 pub fn counted(n: usize, noun: &str) -> String {
-    let plural =
-        match noun.strip_suffix("ex").filter(|start| start.ends_with("vert") || start.ends_with("ind")) {
-            Some(start) => format!("{start}ices"),
-            None if noun.ends_with("sh") => format!("{noun}es"),
-            None => format!("{noun}s"),
-        };
-    if n == 1 { format!("1 {noun}") } else { format!("{} {plural}", count(n)) }
+    tristrip::text::counted(count(n), noun)
 }

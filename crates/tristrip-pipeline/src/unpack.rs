@@ -48,16 +48,12 @@ pub struct Options {
 }
 
 impl Options {
-    /// Sets what selects the level.
-    #[must_use]
-    pub fn with_goal(self, goal: StreamGoal) -> Self {
-        Self { goal, ..self }
-    }
+    tristrip::setters! {
+        /// Sets what selects the level.
+        with_goal(goal: StreamGoal);
 
-    /// Sets the directory of the files that the document refers to.
-    #[must_use]
-    pub fn with_base_dir(self, base_dir: Option<PathBuf>) -> Self {
-        Self { base_dir, ..self }
+        /// Sets the directory of the files that the document refers to.
+        with_base_dir(base_dir: Option<PathBuf>);
     }
 }
 
@@ -116,7 +112,7 @@ pub fn run(glb: &ProgressiveGlb, options: &Options, observer: &dyn Observer) -> 
     begin(observer, Stage::Decode)?;
     let goal = options.goal;
     let mut decoder = Decoder::new(glb.limits());
-    let mut progress = Progress { goal, target: None };
+    let mut progress = GoalProgress { goal, target: None };
     let most = match goal {
         StreamGoal::Bytes(bytes) => bytes.saturating_sub(glb.chunk_start()),
         _ => usize::MAX,
@@ -187,12 +183,12 @@ pub(crate) fn early_end(glb: &ProgressiveGlb, decoder: &mut Decoder) -> Option<S
 }
 
 /// A goal, and the level that it asks for once that is known.
-struct Progress {
+struct GoalProgress {
     goal: StreamGoal,
     target: Option<usize>,
 }
 
-impl Progress {
+impl GoalProgress {
     /// Returns whether the goal lies within or before what is decoded, all base meshes among it.
     fn is_reached(&mut self, decoder: &Decoder) -> Result<bool, Error> {
         let level: usize = decoder.parts().map(StreamPart::level).sum();

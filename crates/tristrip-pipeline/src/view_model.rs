@@ -12,6 +12,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use tristrip::lod::{SkipStrips, SkipView};
 use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
+use tristrip::text::counted;
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Mesh, StripifyOptions, Strips};
 use tristrip_io::tlod::{self, TlodLimits, TlodModel};
@@ -44,22 +45,15 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Sets the method of the strips, and its options.
-    #[must_use]
-    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
-        Self { stripify, ..self }
-    }
+    tristrip::setters! {
+        /// Sets the method of the strips, and its options.
+        with_stripify(stripify: StripifyOptions);
 
-    /// Sets the order in which the collapses of a level are chosen.
-    #[must_use]
-    pub fn with_order(self, order: MergeOrder) -> Self {
-        Self { order, ..self }
-    }
+        /// Sets the order in which the collapses of a level are chosen.
+        with_order(order: MergeOrder);
 
-    /// Sets whether the strips are proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
+        /// Sets whether the strips are proven.
+        with_verify(verify: bool);
     }
 }
 
@@ -241,7 +235,10 @@ pub fn prove_view(view: &SkipView, strips: &Strips) -> Result<usize, Error> {
     let expected = Faces::from_triangles(view.renamed_triangles().into_flattened())?;
     if expected.face_count() != view.triangle_count() {
         let (found, expected) = (view.triangle_count(), expected.face_count());
-        return Err(Error::unproven(format!("the view counts {found} triangles, expected {expected}")));
+        return Err(Error::unproven(format!(
+            "the view counts {}, expected {expected}",
+            counted(found, "triangle")
+        )));
     }
     let drawn: Vec<[u32; 3]> = strips.triangles().collect();
     let proof = verify_drawing(&expected, &drawn).map_err(|why| Error::unproven(why.to_string()))?;

@@ -26,7 +26,7 @@ use crate::activity::Activity;
 use crate::clients::Clients;
 use crate::error::Error;
 use crate::hosts::Hosts;
-use crate::metrics::Metrics;
+use crate::metrics::ServerMetrics;
 use crate::options::{Limits, ServerOptions};
 use crate::replies::text;
 use crate::response_body::{Pace, Record, ResponseBody};
@@ -46,11 +46,15 @@ pub(crate) struct Answerer {
     limits: Arc<Limits>,
     /// The responses of each client that have not ended.
     responses: Arc<Clients>,
-    metrics: Arc<Metrics>,
+    metrics: Arc<ServerMetrics>,
 }
 
 impl Answerer {
-    pub(crate) fn new(routes: Router, options: &ServerOptions, metrics: Arc<Metrics>) -> Result<Self, Error> {
+    pub(crate) fn new(
+        routes: Router,
+        options: &ServerOptions,
+        metrics: Arc<ServerMetrics>,
+    ) -> Result<Self, Error> {
         let has_cors = !options.cors.is_empty();
         let routes = if has_cors { routes.layer(cors(&options.cors)?) } else { routes };
         let hosts = Arc::new(Hosts::new(options.address, &options.hosts)?);

@@ -16,6 +16,7 @@ use serde::Serialize;
 use tristrip::stream::{Decoder, StreamPart, chunks};
 use tristrip_io::Format;
 use tristrip_io::gltf::ChunkRange;
+use tristrip_pipeline::text::counted;
 
 use crate::folder::{Folder, Version};
 use crate::glb_start::{HEAD_BYTES, bytes_at, json_bytes};
@@ -158,8 +159,7 @@ impl Scanner {
         self.known().retain(|path, _| paths.contains(path));
         let mut note = |count: usize, what: &str| {
             if count > 0 {
-                let files = if count == 1 { "file" } else { "files" };
-                notes.push(format!("{count} {files} {what}"));
+                notes.push(format!("{} {what}", counted(count, "file")));
             }
         };
         note(unread, "not looked at yet: the list is whole after some more requests");

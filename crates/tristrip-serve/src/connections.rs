@@ -25,7 +25,7 @@ use tokio_io_timeout::TimeoutStream;
 use crate::activity::Activity;
 use crate::answer::Answerer;
 use crate::clients::{Clients, Place};
-use crate::metrics::Metrics;
+use crate::metrics::ServerMetrics;
 use crate::options::Limits;
 use crate::streams::StreamExecutor;
 use crate::tls::Tls;
@@ -40,7 +40,7 @@ const SEND_BYTES: usize = 64 << 10;
 pub(crate) struct Connections {
     pub(crate) answerer: Answerer,
     pub(crate) limits: Arc<Limits>,
-    pub(crate) metrics: Arc<Metrics>,
+    pub(crate) metrics: Arc<ServerMetrics>,
     pub(crate) tls: Option<Tls>,
     pub(crate) clients: Arc<Clients>,
     /// True once the server stops.
@@ -48,10 +48,10 @@ pub(crate) struct Connections {
 }
 
 /// A connection in the figures.
-struct Counted(Arc<Metrics>);
+struct Counted(Arc<ServerMetrics>);
 
 impl Counted {
-    fn new(metrics: &Arc<Metrics>) -> Self {
+    fn new(metrics: &Arc<ServerMetrics>) -> Self {
         metrics.connections.inc();
         Self(Arc::clone(metrics))
     }

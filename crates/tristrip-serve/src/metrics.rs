@@ -17,7 +17,7 @@ const SECONDS: [f64; 10] = [0.001, 0.005, 0.02, 0.1, 0.5, 1.0, 2.0, 5.0, 20.0, 6
 
 /// The figures of a server.
 #[derive(Debug)]
-pub(crate) struct Metrics {
+pub(crate) struct ServerMetrics {
     registry: Registry,
     requests: Family<Labels<2>, Counter>,
     seconds: Family<Labels<1>, Histogram>,
@@ -34,7 +34,7 @@ pub(crate) struct Metrics {
     pub(crate) cache_bytes: Gauge<u64, AtomicU64>,
 }
 
-impl Metrics {
+impl ServerMetrics {
     pub(crate) fn new() -> Self {
         let mut registry = Registry::with_prefix("tristrip");
         let seconds = Family::new_with_constructor((|| Histogram::new(SECONDS)) as fn() -> Histogram);
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn figures_are_printed() {
-        let metrics = Metrics::new();
+        let metrics = ServerMetrics::new();
         metrics.count_response("files", 206, 100, Duration::from_millis(3));
         metrics.count_refused("client");
         metrics.count_job("packing", "done");

@@ -17,7 +17,7 @@ use crate::clients::Clients;
 use crate::connections::{Connections, refuse};
 use crate::content::{Content, Store};
 use crate::error::Error;
-use crate::metrics::Metrics;
+use crate::metrics::ServerMetrics;
 use crate::options::{PackingOptions, ServerOptions};
 use crate::site::{Site, router};
 use crate::tls::Tls;
@@ -52,7 +52,7 @@ pub struct Server {
     address: SocketAddr,
     options: ServerOptions,
     answerer: Answerer,
-    metrics: Arc<Metrics>,
+    metrics: Arc<ServerMetrics>,
     tls: Option<Tls>,
     stop: StopHandle,
 }
@@ -101,7 +101,7 @@ impl Server {
         let options = options.clone();
         let store = Store::open(content)?;
         let tls = Tls::from_options(&options)?;
-        let metrics = Arc::new(Metrics::new());
+        let metrics = Arc::new(ServerMetrics::new());
         let workshop = match &store {
             Store::Folder(_) => Some(Arc::new(open_workshop(&options.packing, &metrics)?)),
             Store::Memory(_) => None,
@@ -226,7 +226,7 @@ impl Server {
     }
 }
 
-fn open_workshop(options: &PackingOptions, metrics: &Arc<Metrics>) -> Result<Workshop, Error> {
+fn open_workshop(options: &PackingOptions, metrics: &Arc<ServerMetrics>) -> Result<Workshop, Error> {
     let cache = match options.cache.clone().or_else(default_cache) {
         Some(folder) => Cache::open(&folder, options.cache_bytes)?,
         None => Cache::temporary(options.cache_bytes)?,

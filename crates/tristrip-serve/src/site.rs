@@ -31,7 +31,7 @@ use crate::content::{Store, list, open_resource};
 use crate::deadline::Deadline;
 use crate::folder::Folder;
 use crate::media::is_compressible;
-use crate::metrics::Metrics;
+use crate::metrics::ServerMetrics;
 use crate::options::PackingOptions;
 use crate::packing::Source;
 use crate::paths::{BadPath, SitePath};
@@ -55,7 +55,7 @@ pub(crate) struct Site {
     /// `None` where nothing is packed and no picture is kept: files in memory.
     workshop: Option<Arc<Workshop>>,
     packing: PackingOptions,
-    metrics: Arc<Metrics>,
+    metrics: Arc<ServerMetrics>,
     assets: Arc<Assets>,
     scanner: Scanner,
     list: Mutex<Option<Listing>>,
@@ -72,7 +72,7 @@ impl Site {
         store: Store,
         workshop: Option<Arc<Workshop>>,
         packing: PackingOptions,
-        metrics: Arc<Metrics>,
+        metrics: Arc<ServerMetrics>,
     ) -> Self {
         Self {
             drawings: Arc::new(Semaphore::new((packing.at_once / 2).clamp(1, Semaphore::MAX_PERMITS))),
@@ -357,7 +357,7 @@ mod tests {
         std::fs::write(dir.path().join("a.stl"), "").unwrap();
         let store = Store::open(Content::Folder(dir.path().to_path_buf())).unwrap();
         let packing = PackingOptions::default().with_on_demand(true);
-        let site = Arc::new(Site::new(store, None, packing, Arc::new(Metrics::new())));
+        let site = Arc::new(Site::new(store, None, packing, Arc::new(ServerMetrics::new())));
         // One thread for all that blocks: nothing is scanned before the gate opens.
         let runtime = Builder::new_current_thread().max_blocking_threads(1).enable_time().build().unwrap();
         runtime.block_on(async {

@@ -25,7 +25,7 @@ use tokio::time::timeout;
 use crate::cache::{Cache, Made};
 use crate::deadline::Deadline;
 use crate::error::Error;
-use crate::metrics::Metrics;
+use crate::metrics::ServerMetrics;
 use crate::options::PackingOptions;
 
 /// The stack of each thread that packs, as that of the command's threads.
@@ -88,7 +88,7 @@ pub(crate) struct Workshop {
     lookups: Arc<Semaphore>,
     running: Mutex<HashMap<String, Watch>>,
     failures: Mutex<HashMap<String, (Instant, Arc<str>)>>,
-    metrics: Arc<Metrics>,
+    metrics: Arc<ServerMetrics>,
 }
 
 /// What jobs of one kind share.
@@ -112,7 +112,11 @@ impl Lane {
 }
 
 impl Workshop {
-    pub(crate) fn new(options: &PackingOptions, cache: Cache, metrics: Arc<Metrics>) -> Result<Self, Error> {
+    pub(crate) fn new(
+        options: &PackingOptions,
+        cache: Cache,
+        metrics: Arc<ServerMetrics>,
+    ) -> Result<Self, Error> {
         let drawn_at_once = (options.at_once / 2).max(1);
         let drawing_threads =
             options.threads.map_or(drawn_at_once, |threads| threads.clamp(1, drawn_at_once));
@@ -279,7 +283,7 @@ mod tests {
 
     fn workshop(options: &PackingOptions, dir: &std::path::Path) -> Arc<Workshop> {
         let cache = Cache::open(dir, 1 << 30).unwrap();
-        Arc::new(Workshop::new(options, cache, Arc::new(Metrics::new())).unwrap())
+        Arc::new(Workshop::new(options, cache, Arc::new(ServerMetrics::new())).unwrap())
     }
 
     fn job(key: &str) -> JobKey {

@@ -248,15 +248,7 @@ impl CollapseSequence {
     }
 
     /// Returns the memory of the sequence in bytes.
-    ///
-    /// ```
-    #[doc = include_str!("lod/example.txt")]
-    /// // Three triangles take 12 bytes each, and two collapses 28 bytes each: one rename of 8 bytes, two errors, the end of the renames,
-    /// // one dropped triangle and its end of 4 bytes each.
-    /// assert_eq!(sequence.memory(), 3 * 12 + 2 * 28);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         let lists = [&self.triangles, &self.rename_ends, &self.dropped, &self.dropped_ends];
         let numbers: usize = lists.map(|list| size_of_val(&list[..])).iter().sum();
         let errors = size_of_val(&self.errors[..]) + size_of_val(&self.largest_errors[..]);

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::index::Index;
+use crate::text::counted;
 
 /// The largest number of vertices, faces or corners: ids have 32 bits, and the highest value stays free.
 pub const MAX_COUNT: usize = (u32::MAX - 1) as usize;
@@ -16,7 +17,7 @@ pub(crate) fn check_count(what: &'static str, found: usize) -> Result<(), Error>
 
 /// Returns the error of an index without a vertex, at a position of an index buffer.
 pub(crate) fn index_out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
-    let found = format!("index {vertex} at {at}, over {vertex_count} vertices");
+    let found = format!("index {vertex} at {at}, over {}", counted(vertex_count, "vertex"));
     Error::Parameter { name: "indices", found, expected: "less than the number of vertices" }
 }
 

@@ -30,6 +30,7 @@ mod packed;
 mod prepare;
 #[cfg(feature = "serde")]
 mod serialize;
+mod setters;
 mod strip;
 pub mod union_find;
 mod vector;
@@ -40,6 +41,7 @@ pub mod random;
 pub mod simplify;
 pub mod stream;
 pub mod stripify;
+pub mod text;
 pub mod verify;
 pub mod vertex_cache;
 

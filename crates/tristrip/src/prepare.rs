@@ -80,17 +80,7 @@ impl<'a> PreparedFaces<'a> {
     ///
     /// # Errors
     /// A face has a vertex without a position, or with one that is not finite.
-    ///
-    /// ```
-    /// use tristrip::{Faces, InterleavedPositions, PreparedFaces};
-    /// // A concave quadrilateral; each vertex has a position and a shade.
-    /// let vertices = [0., 0., 0., 9., 2., 1., 0., 9., 0., 2., 0., 9., 0.5, 1., 0., 9.];
-    /// let positions = InterleavedPositions::from_floats(&vertices, 4, 0)?;
-    /// let faces = Faces::from_polygons([[0, 1, 2, 3]])?;
-    /// assert_eq!(PreparedFaces::of_faces(&faces, &positions)?.counts().cut_polygons, 1);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn of_faces<P: Positions + ?Sized>(faces: &'a Faces, positions: &P) -> Result<Self, Error> {
+    pub(crate) fn of_faces<P: Positions + ?Sized>(faces: &'a Faces, positions: &P) -> Result<Self, Error> {
         let vertex_count = positions.vertex_count();
         check_count("vertices", vertex_count)?;
         check_positions(faces.corners(), positions)?;
@@ -131,26 +121,12 @@ impl<'a> PreparedFaces<'a> {
     }
 
     /// Counts the vertices of the mesh, whether or not a face uses them.
-    ///
-    /// ```
-    #[doc = include_str!("mesh/example.txt")]
-    /// let some = mesh.with_faces(Faces::from_triangles(vec![0, 1, 2])?)?;
-    /// assert_eq!(PreparedFaces::new(&some, false).vertex_count(), 5);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn vertex_count(&self) -> usize {
+    pub(crate) fn vertex_count(&self) -> usize {
         self.vertex_count
     }
 
     /// Returns the vertices that were welded.
-    ///
-    /// ```
-    #[doc = include_str!("mesh/welded_example.txt")]
-    /// assert_eq!(PreparedFaces::new(&mesh, true).welds().len(), 2);
-    /// assert!(PreparedFaces::new(&mesh, false).welds().is_empty());
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn welds(&self) -> &VertexWelds {
+    pub(crate) fn welds(&self) -> &VertexWelds {
         &self.welds
     }
 

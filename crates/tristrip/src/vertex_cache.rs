@@ -13,8 +13,8 @@
 //! nothing here. A processor keeps its cache from one strip of an index buffer to the next ([`FlushPolicy::Keep`]); published
 //! studies of strips flush it ([`FlushPolicy::Flush`]).
 //!
-//! [`VertexCacheStatistics`] measures strips or a list, with one cache or many; [`StripCacheStatistics`] measures each strip,
-//! [`lru_profile`] all LRU sizes; [`VertexCacheSimulator`] accepts one vertex after the other. [`GeneralizedCost`] is a different
+//! [`VertexCacheStatistics`] measures strips or a list, with one cache or many; [`lru_profile`] measures all LRU sizes;
+//! [`VertexCacheSimulator`] accepts one vertex after the other. [`GeneralizedCost`] is a different
 //! machine, that of the first studies: it receives vertices and references to its cache.
 //!
 //! # Algorithm
@@ -49,7 +49,7 @@ mod stream;
 pub use generalized::GeneralizedCost;
 pub use policy::{FlushPolicy, Replacement, VertexCache};
 pub use simulator::VertexCacheSimulator;
-pub use statistics::{StripCacheStatistics, VertexCacheStatistics, lru_profile};
+pub use statistics::{VertexCacheStatistics, lru_profile};
 
 #[cfg(test)]
 mod tests;

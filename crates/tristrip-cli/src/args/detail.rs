@@ -13,7 +13,7 @@ use tristrip_pipeline::{
 use super::groups::{CollapseArgs, FromArgs, GeneralArgs, OutputArgs, TargetArgs};
 use super::view::{CriteriaArgs, LensArgs};
 use crate::method::MethodArgs;
-use crate::values::{Amount, Vector, effort_parser, named};
+use crate::values::{Amount, VectorArg, effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
@@ -175,13 +175,13 @@ pub(crate) struct CameraLevelArgs {
     pub(crate) general: GeneralArgs,
     /// The position of the camera, in the coordinates of the scene
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
-    pub(crate) eye: Vector,
+    pub(crate) eye: VectorArg,
     /// The point that the camera looks at
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
-    pub(crate) look_at: Vector,
+    pub(crate) look_at: VectorArg,
     /// The direction that is up in the image [default: 0,1,0]
-    #[arg(long, hide_short_help = true, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, default_value_t = Vector([0.0, 1.0, 0.0]), hide_default_value = true)]
-    pub(crate) up: Vector,
+    #[arg(long, hide_short_help = true, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, default_value_t = VectorArg([0.0, 1.0, 0.0]), hide_default_value = true)]
+    pub(crate) up: VectorArg,
     #[command(flatten)]
     pub(crate) lens: LensArgs,
     /// The maximum error of a collapse in the image, in pixels [default: 1]

@@ -6,7 +6,7 @@ use clap::Args;
 use tristrip_pipeline::levels::Level;
 
 use super::groups::{GeneralArgs, TargetArgs};
-use crate::values::Vector;
+use crate::values::VectorArg;
 
 /// Pack a model as a progressive GLB that renders while it loads
 ///
@@ -31,7 +31,7 @@ pub(crate) struct PackArgs {
     /// Errors are weighted by distance, and by half on back faces. The complete file refines
     /// everything.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Stream")]
-    pub(crate) eye: Option<Vector>,
+    pub(crate) eye: Option<VectorArg>,
     /// The .glb file to write, a directory for several inputs, or - for standard output
     ///
     /// Files are written under a temporary name and then renamed; existing files are replaced. In a

@@ -3,7 +3,7 @@
 use clap::Args;
 use tristrip::lod::View;
 
-use crate::values::{ImagePoint, ImageSize, Vector};
+use crate::values::{ImagePoint, ImageSize, VectorArg};
 
 /// The image of a camera.
 #[derive(Debug, Args)]
@@ -32,7 +32,7 @@ pub(crate) struct CriteriaArgs {
     pub(crate) no_silhouettes: bool,
     /// The direction to a light: unlit faces may have twice the error
     #[arg(long, hide_short_help = true, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub(crate) light: Option<Vector>,
+    pub(crate) light: Option<VectorArg>,
     /// The growth of the allowed error per degree from --attention, such as 0.2
     #[arg(long, hide_short_help = true, value_name = "GROWTH", allow_negative_numbers = true)]
     pub(crate) foveation: Option<f32>,

@@ -13,7 +13,7 @@ use super::checks::of_flag;
 use super::views::{checked_pixels, view_criteria};
 use crate::args::{BuildLodArgs, CameraLevelArgs, ChainArgs, LevelArgs};
 use crate::job::{Input, Job, inputs, jobs_of, jobs_of_levels};
-use crate::values::{Amount as Count, Vector};
+use crate::values::{Amount as Count, VectorArg};
 
 #[derive(Debug)]
 pub(crate) struct LevelTask {
@@ -95,7 +95,7 @@ pub(super) fn level_task(mut args: LevelArgs) -> Result<LevelTask, String> {
 }
 
 pub(super) fn camera_level_task(args: CameraLevelArgs) -> Result<LevelTask, String> {
-    let (Vector(eye), Vector(look_at)) = (args.eye, args.look_at);
+    let (VectorArg(eye), VectorArg(look_at)) = (args.eye, args.look_at);
     let [columns, rows] = args.lens.image.0;
     let camera = Camera::new(eye, look_at)
         .and_then(|camera| camera.with_up(args.up.0))

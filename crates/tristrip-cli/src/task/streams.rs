@@ -10,7 +10,7 @@ use tristrip_pipeline::{levels::Level, pack, unpack::StreamGoal};
 use super::checks::check_chart;
 use crate::args::{InspectArgs, OutputArgs, PackArgs, TargetArgs, UnpackArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, jobs_to};
-use crate::values::Vector;
+use crate::values::VectorArg;
 
 #[derive(Debug)]
 pub(crate) struct PackTask {
@@ -49,7 +49,7 @@ pub(super) fn pack_task(args: PackArgs) -> Result<PackTask, String> {
     }
     stream.check().map_err(|error| error.to_string())?;
     let options = pack::Options::default().with_stream(stream).with_verify(!args.no_verify);
-    let options = options.with_eye(args.eye.map(|Vector(eye)| eye));
+    let options = options.with_eye(args.eye.map(|VectorArg(eye)| eye));
     Ok(PackTask { jobs, options })
 }
 

@@ -4,7 +4,7 @@ use tristrip::lod::{Foveation, ViewCriteria};
 
 use super::checks::of_flag;
 use crate::args::CriteriaArgs;
-use crate::values::{Amount as Count, Vector};
+use crate::values::{Amount as Count, VectorArg};
 
 /// Checks an allowed error in pixels.
 pub(super) fn checked_pixels(pixels: f32) -> Result<f32, String> {
@@ -28,7 +28,7 @@ pub(super) fn view_criteria(
     if let Some(Count(most)) = triangles {
         criteria = criteria.with_budget(most);
     }
-    if let Some(Vector(direction)) = args.light {
+    if let Some(VectorArg(direction)) = args.light {
         criteria = criteria.with_light(direction);
     }
     if let Some(growth) = args.foveation {

@@ -127,7 +127,7 @@ fn what_cannot_travel_gives_one_warning_also_in_quiet_mode() {
     };
     to("a.ply").stderr(contains("materials are not written: PLY has none"));
     fs::write(dir.path().join("mats/box.mtl"), [MTL, "bump b.png\n"].concat()).unwrap();
-    to("a.glb").stderr(contains("bump map in 1 materials").and(contains("b.png")));
+    to("a.glb").stderr(contains("bump map in 1 material").and(contains("b.png")));
     fs::remove_file(dir.path().join("mats/box.mtl")).unwrap();
     to("a.glb").stderr(contains("box.mtl: "));
     // A name that leads out of the folder is not followed.

@@ -43,6 +43,20 @@ fn missing_extra_and_flipped_triangles_are_counted_and_located() {
 }
 
 #[test]
+fn exactly_one_missing_triangle_has_no_plural_verb() {
+    let dir = tempfile::tempdir().unwrap();
+    let source = dir.path().join("a.obj");
+    fs::write(&source, SQUARE).unwrap();
+    let assert = tristrip()
+        .arg("verify")
+        .arg(&source)
+        .arg(model("../issues/one_triangle_missing.obj"))
+        .assert()
+        .code(1);
+    assert.stderr(contains("not proven: triangles missing: 1, extra: 0, flipped: 0; the first is at"));
+}
+
+#[test]
 fn polygons_are_compared_by_their_boundaries() {
     let dir = tempfile::tempdir().unwrap();
     let (source, result) = (dir.path().join("a.obj"), dir.path().join("b.obj"));

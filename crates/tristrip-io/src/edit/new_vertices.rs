@@ -9,6 +9,7 @@
 //! Linear in the values of the vertices, old and new.
 
 use rustc_hash::FxHashMap;
+use tristrip::text::counted;
 use tristrip::{Attribute, Mesh};
 
 use crate::edit::new_values::{NewValues, NewVertices, can_hold_directions, with_values};
@@ -123,13 +124,15 @@ fn check(model: &Model, added: &[Option<NewVertices>]) -> Result<(), Error> {
     for (part, new) in added.iter().enumerate().filter_map(|(part, new)| Some((part, new.as_ref()?))) {
         let sources = new.sources.len();
         let lists = [
-            ("normals", new.normals.len()),
-            ("tangents", new.tangents.len()),
-            ("positions", new.positions.len()),
+            ("normal", new.normals.len()),
+            ("tangent", new.tangents.len()),
+            ("position", new.positions.len()),
         ];
         if let Some((name, found)) = lists.into_iter().find(|&(_, found)| found != 0 && found != sources) {
             return unsupported(format!(
-                "part {part}: found {found} {name}, expected one for each of {sources} new vertices, or none"
+                "part {part}: found {}, expected one for each of {}, or none",
+                counted(found, name),
+                counted(sources, "new vertex")
             ));
         }
     }

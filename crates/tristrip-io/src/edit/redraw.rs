@@ -13,6 +13,7 @@
 //! Linear time; 8 bytes per vertex in addition to the new model, and for a scene as in `gltf/edit/renumber.rs`.
 
 use tristrip::VertexOrder;
+use tristrip::text::counted;
 use tristrip::{Faces, Mesh, Strips};
 
 use crate::edit::renumber::renumbered;
@@ -68,7 +69,7 @@ impl Redrawn {
     /// ```
     pub fn old_vertices(&self, part: usize) -> Result<Vec<u32>, Error> {
         let (Some(order), Some(new)) = (self.order_of.get(part), self.model.parts.get(part)) else {
-            let message = format!("part {part}: found {} parts", self.order_of.len());
+            let message = format!("part {part}: found {}", counted(self.order_of.len(), "part"));
             return Err(Error::Unsupported(message));
         };
         let vertex_count = new.mesh.vertex_count();
@@ -95,7 +96,7 @@ impl Redrawn {
     /// ```
     pub fn strips(&self, part: usize, strips: &Strips) -> Result<Strips, Error> {
         let Some(order) = self.order_of.get(part) else {
-            let message = format!("part {part}: found {} parts", self.order_of.len());
+            let message = format!("part {part}: found {}", counted(self.order_of.len(), "part"));
             return Err(Error::Unsupported(message));
         };
         let Some(order) = order.map(|order| &self.orders[order]) else { return Ok(strips.clone()) };

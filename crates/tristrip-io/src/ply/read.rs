@@ -2,6 +2,7 @@
 
 use tristrip::MAX_COUNT;
 use tristrip::strip_triangles;
+use tristrip::text::counted;
 use tristrip::{Attribute, Mesh};
 
 use super::columns::{VertexColumn, columns};
@@ -71,8 +72,9 @@ impl<R: Rows> PlyReader<R> {
         for element in &header.elements {
             let most = self.rows.rows_left(&element.properties);
             if element.row_count > most && !element.properties.is_empty() {
-                let found = format!("{} rows of element `{}`", element.row_count, element.name);
-                let expected = format!("at most {most} in the remaining {} bytes", self.rows.bytes_left());
+                let found = format!("{} of element `{}`", counted(element.row_count, "row"), element.name);
+                let left = counted(self.rows.bytes_left(), "byte");
+                let expected = format!("at most {most} in the remaining {left}");
                 return Err(Error::format(element.position(), found, expected));
             }
             match element.name.as_str() {

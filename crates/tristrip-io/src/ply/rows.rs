@@ -5,6 +5,7 @@ use super::header::{Element, Property, Scalar};
 use crate::error::Error;
 use crate::polygons::Polygons;
 use crate::text::{Text, integer, quote};
+use tristrip::text::counted;
 
 /// Reads numbers in the order of the file. 64-bit floats represent the numbers of every PLY type exactly.
 pub(super) trait Rows {
@@ -169,9 +170,9 @@ impl<'a, const BIG: bool> BinaryRows<'a, BIG> {
     fn end_of_file(&self, size: usize, name: &str) -> Error {
         let found = match self.bytes_left() {
             0 => "the end of the file".to_owned(),
-            left => format!("the end of the file after {left} bytes"),
+            left => format!("the end of the file after {}", counted(left, "byte")),
         };
-        Error::format(self.position(), found, format!("{size} bytes for `{name}`"))
+        Error::format(self.position(), found, format!("{} for `{name}`", counted(size, "byte")))
     }
 }
 
@@ -274,7 +275,7 @@ impl<const BIG: bool> Rows for BinaryRows<'_, BIG> {
         if left.iter().all(|&byte| byte == 0 || byte.is_ascii_whitespace()) {
             return Ok(());
         }
-        let found = format!("{} bytes after the last row", left.len());
+        let found = format!("{} after the last row", counted(left.len(), "byte"));
         Err(Error::format(
             format!("byte {}", self.at),
             found,

@@ -1,5 +1,6 @@
 //! The content of a file: a mesh, its strips and its collapses, which fit together.
 
+use tristrip::text::counted;
 use tristrip::verify::verify;
 use tristrip::{CollapseSequence, Faces, Mesh, Strips};
 
@@ -92,16 +93,12 @@ fn check_vertices(mesh: &Mesh, strips: &Strips, sequence: &CollapseSequence) -> 
             "vertices of the collapses: found {found}, expected {vertex_count}"
         )));
     }
-    if let Some(at) = strips.vertices().iter().position(|&v| v as usize >= vertex_count) {
-        let found = strips.vertices()[at];
-        return Err(Error::Unsupported(format!(
-            "vertex {at} of the strips: found {found}, expected less than {vertex_count}"
-        )));
-    }
+    strips.check_vertices(vertex_count)?;
     if !strips.welds().is_empty() {
         let found = strips.welds().len();
         return Err(Error::Unsupported(format!(
-            "strips: found {found} welded vertices, expected those of the mesh"
+            "strips: found {}, expected those of the mesh",
+            counted(found, "welded vertex")
         )));
     }
     Ok(())

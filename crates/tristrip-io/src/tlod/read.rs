@@ -2,6 +2,7 @@
 
 use std::io::Read;
 
+use tristrip::text::counted;
 use tristrip::{Attribute, AttributeData, CollapseSequence, Faces, Mesh, Rename, Strips};
 
 use super::limits::{TlodLimits, check};
@@ -149,7 +150,7 @@ fn read_strips(source: &mut TlodSource<'_>, counts: Counts) -> Result<Strips, Er
     let triangle_count = strips.triangles().count();
     if triangle_count != counts.triangles as usize {
         let expected = format!("{}, as stated", counts.triangles);
-        return Err(Error::format(format!("byte {at}"), format!("{triangle_count} triangles"), expected));
+        return Err(Error::format(format!("byte {at}"), counted(triangle_count, "triangle"), expected));
     }
     Ok(strips)
 }

@@ -1,6 +1,7 @@
 //! The constants of the file, and the counts in its first section.
 
 use tristrip::AttributeData;
+use tristrip::text::counted;
 
 use super::limits::{TlodLimits, check};
 use crate::error::Error;
@@ -78,7 +79,7 @@ impl Counts {
             let expected = format!("at most {}, one for each vertex", self.vertices);
             return Err(Error::format(
                 format!("byte {}", at + 24),
-                format!("{} renames", self.renames),
+                counted(self.renames, "rename"),
                 expected,
             ));
         }

@@ -7,6 +7,7 @@ use crc32fast::Hasher;
 use super::limits::check;
 use super::sections::{PIECE_BYTES, SectionKind};
 use crate::error::Error;
+use tristrip::text::counted;
 
 /// A stream of bytes, from its first one on.
 pub(super) struct TlodSource<'a> {
@@ -147,6 +148,6 @@ impl<'a> TlodSource<'a> {
 
 /// Returns the error of a section with another length than the counts give.
 pub(super) fn wrong_length(at: u64, section: &str, found: u64, expected: u64) -> Error {
-    let found = format!("{found} bytes in section {section}");
+    let found = format!("{} in section {section}", counted(found, "byte"));
     Error::format(format!("byte {at}"), found, format!("{expected}, by the counts"))
 }

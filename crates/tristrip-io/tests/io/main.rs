@@ -19,6 +19,7 @@ mod images;
 mod kept_scenes;
 mod levels;
 mod levels_of_detail;
+mod limits;
 mod malformed;
 mod meshopt;
 mod meshopt_errors;

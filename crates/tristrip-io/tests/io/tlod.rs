@@ -199,7 +199,7 @@ fn a_model_whose_fields_were_changed_is_not_written() {
     let refused = |model: &TlodModel| write(model, &mut Vec::new()).unwrap_err().to_string();
     assert!(refused(&model).starts_with("triangles: found others"));
     model.strips.push(&[8]);
-    assert_eq!(refused(&model), "vertex 12 of the strips: found 8, expected less than 8");
+    assert_eq!(refused(&model), "strip 4, vertex 0: found vertex index 8, expected less than 8");
     model.sequence = CollapseSequence::default();
     assert!(refused(&model).starts_with("vertices of the collapses: found 0"));
 }
@@ -322,6 +322,20 @@ fn limits_are_kept() {
         let wrong = read(&bytes[..], &exact.with_bytes(limit)).unwrap_err();
         assert!(matches!(wrong, Error::LimitExceeded { .. }), "{limit}: {wrong}");
     }
+}
+
+#[test]
+fn a_bad_strip_vertex_is_reported_by_its_position_and_not_as_a_corner_of_a_face() {
+    let bytes = std::fs::read(test_model("../issues/strip_vertex_out_of_range.tlod")).unwrap();
+    assert_eq!(message(&bytes), "byte 148: found vertex 9, expected less than 4");
+    // The same strips over the same vertices, from a caller.
+    let mesh = Mesh::new(vec![[0.0; 3]; 4], Faces::default()).unwrap();
+    let mut strips = Strips::default();
+    strips.push(&[0, 2, 1]);
+    strips.push(&[3, 0, 2, 9]);
+    let none = CollapseSequence::from_collapses(4, vec![], []).unwrap();
+    let wrong = TlodModel::new(mesh, strips, none).unwrap_err().to_string();
+    assert_eq!(wrong, "strip 1, vertex 3: found vertex index 9, expected less than 4");
 }
 
 /// Returns one byte per call, after an interruption.

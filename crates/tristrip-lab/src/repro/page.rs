@@ -6,7 +6,7 @@ use super::coverage::CLAIMS;
 use super::paper::{Better, Paper, PublishedColumn, PublishedSize, PublishedTable, Quantity, Tolerance};
 use super::paper_report::{ClaimReport, PaperReport, RowReport, TableReport};
 use tristrip::simplify::MergeOrder;
-use tristrip_pipeline::text::grouped;
+use tristrip_pipeline::text::{counted, grouped};
 use tristrip_render::text::markdown;
 
 /// A section of a paper on its page.
@@ -280,8 +280,8 @@ fn with_unit(text: String, claim: &ClaimReport) -> String {
 fn models(count: usize, stand_ins: usize, in_words: bool) -> String {
     match (stand_ins, in_words) {
         (0, false) => count.to_string(),
-        (0, true) => format!("{count} models"),
-        _ => format!("{count} models, {} stand-in{}", stand_ins, if stand_ins == 1 { "" } else { "s" }),
+        (0, true) => counted(count, "model"),
+        _ => format!("{}, {}", counted(count, "model"), counted(stand_ins, "stand-in")),
     }
 }
 

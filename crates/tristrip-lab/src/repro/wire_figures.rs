@@ -10,7 +10,7 @@ use tristrip::lod::Encoding;
 use tristrip_pipeline::{Error as PipelineError, PreparedModel, levels::LevelPart, levels::ModelLevels};
 
 use crate::error::Error;
-use crate::wire::{Decoder, Encoded, Sizes, encode_part};
+use crate::wire::{Encoded, Sizes, WireDecoder, encode_part};
 
 /// Levels of each part that are proven, in equal steps.
 const PROVEN_STEPS: usize = 8;
@@ -45,7 +45,7 @@ pub(super) fn measure(
 
 /// Decodes the bytes of a part, and proves some of its levels, the first and the last one included.
 fn prove(part: &LevelPart, encoded: &Encoded) -> Result<(), Error> {
-    let mut decoder = Decoder::default();
+    let mut decoder = WireDecoder::default();
     decoder.update(&encoded.bytes).map_err(PipelineError::from)?;
     let last = part.sequence().len();
     for step in 0..=PROVEN_STEPS {

@@ -13,7 +13,7 @@ mod items;
 mod references;
 
 use super::layout::{Header, Sizes};
-use super::records::Records;
+use super::records::WireRecords;
 use tristrip::Error;
 use tristrip::Strips;
 use tristrip::lod::{Filter, decode_entries};
@@ -52,7 +52,7 @@ struct Lower {
 ///
 /// ```
 #[doc = include_str!("example.txt")]
-/// let mut decoder = Decoder::default();
+/// let mut decoder = WireDecoder::default();
 /// let mut drawn = Vec::new();
 /// for piece in encoded.bytes.chunks(7) {
 ///     decoder.update(piece)?;
@@ -63,7 +63,7 @@ struct Lower {
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 #[derive(Debug, Clone, Default)]
-pub struct Decoder {
+pub struct WireDecoder {
     next: Next,
     header: Header,
     /// The bytes of an item of which some are missing.
@@ -75,7 +75,7 @@ pub struct Decoder {
     positions: Vec<[f32; 3]>,
     /// The entries at the highest level that has arrived.
     entries: Vec<u32>,
-    records: Records,
+    records: WireRecords,
     /// Where the decoder stands, if it is not the highest level.
     lower: Option<Lower>,
     split: OpenSplit,
@@ -87,12 +87,12 @@ pub struct Decoder {
     is_current: bool,
 }
 
-impl Decoder {
+impl WireDecoder {
     /// Sets the filter of the display strips; the default is [`Filter::Linked`].
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default().with_filter(Filter::None);
+    /// let mut decoder = WireDecoder::default().with_filter(Filter::None);
     /// decoder.update(&encoded.bytes)?;
     /// decoder.set_level(0)?;
     /// // Every strip as it is, degenerate triangles included.
@@ -115,7 +115,7 @@ impl Decoder {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// let (base, records) = encoded.bytes.split_at(80);
     /// decoder.update(base)?;
     /// assert_eq!(decoder.level(), Some(0));
@@ -144,7 +144,7 @@ impl Decoder {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// assert!(decoder.set_level(0).is_err());
     /// decoder.update(&encoded.bytes)?;
     /// decoder.set_level(0)?;
@@ -165,7 +165,7 @@ impl Decoder {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// assert_eq!(decoder.level(), None);
     /// decoder.update(&encoded.bytes)?;
     /// assert_eq!(decoder.level(), Some(2));
@@ -179,7 +179,7 @@ impl Decoder {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// let mut counts = Vec::new();
     /// for piece in encoded.bytes.chunks(40) {
     ///     decoder.update(piece)?;
@@ -197,7 +197,7 @@ impl Decoder {
     /// ```
     #[doc = include_str!("example.txt")]
     /// let (last, before) = encoded.bytes.split_last().expect("bytes");
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// decoder.update(before)?;
     /// assert!(!decoder.is_complete());
     /// decoder.update(&[*last])?;
@@ -213,10 +213,11 @@ impl Decoder {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default(); assert!(decoder.header().is_none());
-    /// decoder.update(&encoded.bytes[..20])?; let header = decoder.header().expect("20 bytes");
-    /// assert_eq!((header.base_vertex_count, header.restored_vertex_count, header.split_count), (4,
-    /// 2, 2));
+    /// let mut decoder = WireDecoder::default();
+    /// assert!(decoder.header().is_none());
+    /// decoder.update(&encoded.bytes[..20])?;
+    /// let header = decoder.header().expect("20 bytes");
+    /// assert_eq!((header.base_vertex_count, header.restored_vertex_count, header.split_count), (4, 2, 2));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn header(&self) -> Option<Header> {
@@ -228,7 +229,7 @@ impl Decoder {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// decoder.update(&encoded.bytes)?;
     /// let all = decoder.positions().to_vec();
     /// decoder.set_level(0)?;
@@ -243,12 +244,12 @@ impl Decoder {
         &self.positions[..count]
     }
 
-    /// Returns the display strips at the level, over the vertices of [`Decoder::positions`]; none
+    /// Returns the display strips at the level, over the vertices of [`WireDecoder::positions`]; none
     /// before the base mesh has arrived.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// decoder.update(&encoded.bytes)?;
     /// // The strip 0 1 2 3 4 5 with the vertices in the order in which they were sent.
     /// assert_eq!(encoded.vertices, [0, 1, 2, 5, 3, 4]);
@@ -270,7 +271,7 @@ impl Decoder {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// decoder.update(&encoded.bytes)?;
     /// assert_eq!(decoder.sizes(), encoded.sizes);
     /// # Ok::<(), tristrip::Error>(())
@@ -285,9 +286,9 @@ impl Decoder {
     /// Returns the memory of the decoder in bytes, which is bounded by the bytes that have arrived.
     ///
     /// ```
-    /// use tristrip_lab::wire::Decoder;
+    /// use tristrip_lab::wire::WireDecoder;
     /// // A header that promises four billion splits.
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// decoder.update(&[0x89, b'P', b'S', 1, 3, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0xF0, 0, 0, 0, 0xF0])?;
     /// assert!(decoder.memory() < 1000);
     /// # Ok::<(), tristrip::Error>(())

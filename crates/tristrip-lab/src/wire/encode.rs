@@ -32,7 +32,7 @@ pub struct Encoded {
 ///
 /// ```
 /// use tristrip::lod::Encoding;
-/// use tristrip_lab::wire::{Decoder, encode};
+/// use tristrip_lab::wire::{WireDecoder, encode};
 /// use tristrip::{CollapseSequence, Rename, Strips};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3]);
@@ -41,7 +41,7 @@ pub struct Encoded {
 /// let positions = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
 ///
 /// let encoded = encode(&strips, &sequence, &positions, Encoding::Offsets)?;
-/// let mut decoder = Decoder::default();
+/// let mut decoder = WireDecoder::default();
 /// decoder.update(&encoded.bytes)?;
 /// assert_eq!((decoder.level(), decoder.strips().vertices()), (Some(1), &[0, 1, 2, 3][..]));
 /// assert_eq!(decoder.positions(), positions);

@@ -3,6 +3,7 @@
 
 use tristrip::Error;
 use tristrip::lod::{RESTART, encoded_offset};
+use tristrip::text::counted;
 
 /// A byte that is not ASCII, `PS` for progressive strips, and the version.
 const SIGNATURE: [u8; 4] = [0x89, b'P', b'S', 1];
@@ -88,7 +89,7 @@ impl Header {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// decoder.update(&encoded.bytes)?;
     /// assert_eq!(decoder.header().map(|header| header.entry_bytes()), Some(2));
     /// # Ok::<(), tristrip::Error>(())
@@ -102,7 +103,7 @@ impl Header {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// let mut decoder = Decoder::default();
+    /// let mut decoder = WireDecoder::default();
     /// decoder.update(&encoded.bytes)?;
     /// assert_eq!(decoder.header().map(|header| header.slot_bytes()), Some(2));
     /// # Ok::<(), tristrip::Error>(())
@@ -167,7 +168,11 @@ impl Header {
             || restored_vertex_count < least
             || (least == 0) != (restored_vertex_count == 0)
         {
-            let found = format!("{restored_vertex_count} restored vertices of {split_count} splits");
+            let found = format!(
+                "{} of {}",
+                counted(restored_vertex_count, "restored vertex"),
+                counted(split_count, "split")
+            );
             let expected = format!("one per split or more, at most {most}");
             return Err(wrong(16, found, expected));
         }

@@ -2,12 +2,13 @@
 
 use serde::Serialize;
 use tristrip::lod::Encoding;
+use tristrip::text::counted;
 use tristrip::verify::verify_models;
 use tristrip::{Faces, Mesh};
 use tristrip_io::{Model, Part};
 use tristrip_pipeline::{levels, levels::LevelPart, rounded, unpack::StreamGoal};
 
-use super::{Decoder, Encoded, encode};
+use super::{Encoded, WireDecoder, encode};
 use crate::error::Error;
 
 /// A mesh as paper 001 transmits it; the keys are those of the JSON report.
@@ -123,14 +124,14 @@ pub fn pack(mesh: &Mesh, options: &levels::Options) -> Result<Published, Error> 
 /// # Errors
 /// The bytes are not valid, the level does not exist, or the base mesh is not complete.
 pub fn unpack(bytes: &[u8], goal: StreamGoal) -> Result<Level, Error> {
-    let mut decoder = Decoder::default();
+    let mut decoder = WireDecoder::default();
     let used = match goal {
         StreamGoal::Bytes(most) => &bytes[..most.min(bytes.len())],
         StreamGoal::Level(_) | StreamGoal::Triangles(_) => bytes,
     };
     decoder.update(used)?;
     let Some(header) = decoder.header().filter(|_| decoder.level().is_some()) else {
-        let found = format!("the end of the file after {} bytes", used.len());
+        let found = format!("the end of the file after {}", counted(used.len(), "byte"));
         return Err(Error::Data(format!("file: found {found}, expected a whole base mesh")));
     };
     let full_level = header.split_count as usize;
@@ -154,7 +155,7 @@ pub fn unpack(bytes: &[u8], goal: StreamGoal) -> Result<Level, Error> {
 
 /// Finds the finest level with at most this many triangles: each level has more than the ones
 /// below.
-fn finest(decoder: &mut Decoder, arrived: usize, most: usize) -> Result<usize, Error> {
+fn finest(decoder: &mut WireDecoder, arrived: usize, most: usize) -> Result<usize, Error> {
     let (mut low, mut high) = (0, arrived);
     while low < high {
         let middle = low + (high - low).div_ceil(2);

@@ -8,7 +8,7 @@ const MAX_SLOTS_PER_ENTRY: usize = 256;
 
 /// The splits in the order in which they arrived, from the base mesh on.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Records {
+pub(super) struct WireRecords {
     /// The end of each split among the vertices.
     vertex_ends: Vec<u32>,
     /// The restored vertices.
@@ -20,7 +20,7 @@ pub(super) struct Records {
     coarse: Vec<u32>,
 }
 
-impl Records {
+impl WireRecords {
     pub(super) fn len(&self) -> usize {
         self.vertex_ends.len()
     }

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
-use super::{Decoder, Encoded, encode};
+use super::{Encoded, WireDecoder, encode};
 use crate::samples::samples;
 use tristrip::Error;
 use tristrip::Strips;
@@ -36,8 +36,8 @@ fn head() -> Encoded {
     encoded(&strips(&[&[0, 1, 2, 3, 4, 5]]), &[&[(4, 3)], &[(3, 2)]])
 }
 
-fn decoded(bytes: &[u8]) -> Result<Decoder, Error> {
-    let mut decoder = Decoder::default();
+fn decoded(bytes: &[u8]) -> Result<WireDecoder, Error> {
+    let mut decoder = WireDecoder::default();
     decoder.update(bytes).map(|()| decoder)
 }
 
@@ -242,12 +242,12 @@ fn damaged_bytes_are_errors_with_their_position() {
     for &(at, damage, expected, levels) in cases {
         let mut bytes = head.clone();
         bytes[at..at + damage.len()].copy_from_slice(damage);
-        let mut decoder = Decoder::default();
+        let mut decoder = WireDecoder::default();
         let error = decoder.update(&bytes).unwrap_err();
         assert_eq!((error.to_string().as_str(), decoder.level_count()), (expected, levels));
         // It stays the same, and the same in pieces.
         assert_eq!(decoder.update(&head), Err(error.clone()));
-        let mut decoder = Decoder::default();
+        let mut decoder = WireDecoder::default();
         assert_eq!(bytes.iter().find_map(|&byte| decoder.update(&[byte]).err()), Some(error));
     }
     let mut decoder = decoded(&head).unwrap();
@@ -262,7 +262,8 @@ fn splits_and_vertices_are_counted() {
     let mut bytes = head().bytes;
     bytes[16] = 3;
     let error = decoded(&bytes).unwrap_err().to_string();
-    let expected = "byte 106: found the last split, 1 vertices before the last one, expected another record of the split";
+    let expected =
+        "byte 106: found the last split, 1 vertex before the last one, expected another record of the split";
     assert_eq!(error, expected);
     // Slots may be written to a restart by nobody.
     let two = encoded(&strips(&[&[0, 1, 2], &[3, 4, 5, 6]]), &[&[(6, 5)]]);
@@ -323,7 +324,7 @@ proptest! {
             prop_assert_eq!(encoded.sizes.total_bytes(), encoded.bytes.len() as u64);
 
             // 1. In pieces of any size.
-            let mut decoder = Decoder::default().with_filter(filter);
+            let mut decoder = WireDecoder::default().with_filter(filter);
             let mut rest = &encoded.bytes[..];
             let mut levels_seen = 0;
             while !rest.is_empty() {
@@ -361,7 +362,7 @@ proptest! {
         let places = positions(sample.sequence.vertex_count());
         let encoded = encode(&sample.strips, &sample.sequence, &places, Encoding::Offsets).unwrap();
         let mut whole = decoded(&encoded.bytes).unwrap();
-        let mut decoder = Decoder::default();
+        let mut decoder = WireDecoder::default();
         let mut chosen = None;
         for piece in encoded.bytes.chunks(1 + random.below(60)) {
             decoder.update(piece).unwrap();
@@ -405,7 +406,7 @@ proptest! {
         let mut bytes = encode(&sample.strips, &sample.sequence, &places, Encoding::Offsets).unwrap().bytes;
         let at = at % bytes.len();
         bytes[at] ^= bits;
-        let (mut whole, mut pieces) = (Decoder::default(), Decoder::default());
+        let (mut whole, mut pieces) = (WireDecoder::default(), WireDecoder::default());
         let result = whole.update(&bytes);
         let in_pieces = bytes.chunks(piece).try_for_each(|piece| pieces.update(piece));
         prop_assert_eq!(&result, &in_pieces);

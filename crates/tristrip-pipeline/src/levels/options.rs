@@ -27,27 +27,17 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Sets the method of the strips of the full mesh.
-    #[must_use]
-    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
-        Self { stripify, ..self }
-    }
+    tristrip::setters! {
+        /// Sets the method of the strips of the full mesh.
+        with_stripify(stripify: StripifyOptions);
 
-    /// Sets the ratio of triangles that the base mesh keeps.
-    #[must_use]
-    pub fn with_base(self, base: Ratio) -> Self {
-        Self { base, ..self }
-    }
+        /// Sets the ratio of triangles that the base mesh keeps.
+        with_base(base: Ratio);
 
-    /// Sets what a collapse costs.
-    #[must_use]
-    pub fn with_price(self, price: Price) -> Self {
-        Self { price, ..self }
-    }
+        /// Sets what a collapse costs.
+        with_price(price: Price);
 
-    /// Sets whether strips and levels are proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
+        /// Sets whether strips and levels are proven.
+        with_verify(verify: bool);
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use tristrip::lod::{Filter, LevelCursor, RESTART, Repair, RepairOptions, SkipStrips, SkipView};
+use tristrip::text::counted;
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Strips};
 
@@ -93,7 +94,7 @@ impl LevelPart {
     ///
     /// # Errors
     /// The part does not have this level.
-    pub fn display(
+    pub(crate) fn display(
         &self,
         level: usize,
         filter: DisplayFilter,
@@ -164,7 +165,10 @@ impl LevelPart {
     pub fn positions_of_collapses(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Error> {
         if positions.len() != self.vertex_count {
             let (found, expected) = (positions.len(), self.vertex_count);
-            return Err(Error::unproven(format!("found a part of {found} vertices, expected {expected}")));
+            return Err(Error::unproven(format!(
+                "found a part of {}, expected {expected}",
+                counted(found, "vertex")
+            )));
         }
         let mut vertices: Vec<u32> = (0..self.used.count().unwrap_or(self.vertex_count) as u32).collect();
         self.used.outward(&mut vertices);

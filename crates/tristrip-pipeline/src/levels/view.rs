@@ -52,7 +52,10 @@ pub(super) fn displayed(
     begin(observer, Stage::Filter)?;
     if model.parts.len() != parts.len() {
         let (found, expected) = (model.parts.len(), parts.len());
-        return Err(Error::unproven(format!("found a model of {found} parts, expected {expected}")));
+        return Err(Error::unproven(format!(
+            "found a model of {}, expected {expected}",
+            tristrip::text::counted(found, "part")
+        )));
     }
     let places = Places::of(model);
     let seen = places.of_part.iter().map(|&list| match &places.lists[list][..] {

@@ -2,7 +2,7 @@
 
 use tristrip::{Method, StripifyOptions};
 
-use super::parameters::{PARAMETERS, Parameter, Values, parameters_of};
+use super::parameters::{AcceptedValues, PARAMETERS, Parameter, parameters_of};
 
 /// The columns of the text.
 const WIDTH: usize = 100;
@@ -42,12 +42,12 @@ pub fn method_help() -> String {
         let of: Vec<&str> = of.map(|method| method.name()).collect();
         entry(&mut text, 2, parameter.name, &format!("{} Of {}.", parameter.help, of.join(", ")));
         match parameter.values {
-            Values::Named(values) => {
+            AcceptedValues::Named(values) => {
                 for (name, summary) in values() {
                     entry(&mut text, 4, name, summary);
                 }
             }
-            Values::Other(values) => entry(&mut text, 2, "", &format!("VALUE: {values}.")),
+            AcceptedValues::Other(values) => entry(&mut text, 2, "", &format!("VALUE: {values}.")),
         }
     }
     text
@@ -76,8 +76,8 @@ impl Parameter {
     #[cfg(test)]
     pub(crate) fn value_names(&self) -> Vec<&'static str> {
         match self.values {
-            Values::Named(values) => values().into_iter().map(|(name, _)| name).collect(),
-            Values::Other(_) => Vec::new(),
+            AcceptedValues::Named(values) => values().into_iter().map(|(name, _)| name).collect(),
+            AcceptedValues::Other(_) => Vec::new(),
         }
     }
 }

@@ -33,7 +33,7 @@ pub(crate) struct Parameter {
     /// What the parameter does, in sentences.
     pub(super) help: &'static str,
     /// The accepted values.
-    pub(super) values: Values,
+    pub(super) values: AcceptedValues,
     /// Returns the value; `None` if the method of the options does not have the parameter.
     pub(crate) get: fn(&StripifyOptions) -> Option<Value>,
     /// Sets the value in options whose method has the parameter.
@@ -41,7 +41,7 @@ pub(crate) struct Parameter {
 }
 
 /// The values that a parameter accepts.
-pub(super) enum Values {
+pub(super) enum AcceptedValues {
     /// Names, with a line of help each.
     Named(fn() -> Vec<(&'static str, &'static str)>),
     /// Anything else, in words.
@@ -51,7 +51,7 @@ pub(super) enum Values {
 /// Returns the names and lines of help of an enumeration.
 macro_rules! named {
     ($type:ty) => {
-        Values::Named(|| <$type>::ALL.iter().map(|value| (value.name(), value.summary())).collect())
+        AcceptedValues::Named(|| <$type>::ALL.iter().map(|value| (value.name(), value.summary())).collect())
     };
 }
 
@@ -121,7 +121,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     Parameter {
         name: "cutoff",
         help: "The minimum size of a patch, in quadrilaterals.",
-        values: Values::Other(POSITIVE),
+        values: AcceptedValues::Other(POSITIVE),
         get: |options| match options.method {
             Method::StripeGlobal { cutoff, .. } | Method::QuadRows { cutoff } => Some(number(cutoff)),
             _ => None,
@@ -147,7 +147,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "vertex-cache",
         help: "The vertex cache to optimize for. Desktop GPUs behave like 16 to 32 entries. The cache is kept \
                from one strip to the next, as GPUs do.",
-        values: Values::Other("fifo:N or lru:N, N entries"),
+        values: AcceptedValues::Other("fifo:N or lru:N, N entries"),
         get: |options| (options.method == Method::Cache).then(|| word(&options.vertex_cache)),
         set: |options, text| Ok(options.with_vertex_cache(text.parse()?)),
     },
@@ -168,7 +168,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
                takes a second per million triangles up to effort 2. From 3 on, it grows strips with several \
                heuristics, and for fifo caches of up to 256 entries continues with a local search. With \
                objective=indices it searches in the same way as best.",
-        values: Values::Other(EFFORT),
+        values: AcceptedValues::Other(EFFORT),
         get: |options| {
             let searches = matches!(options.method, Method::Best | Method::Fewest | Method::Cache);
             searches.then(|| number(options.effort_or_default().level()))
@@ -182,7 +182,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     Parameter {
         name: "tunnel-length",
         help: "The maximum length of a tunnel, in edges of the dual graph.",
-        values: Values::Other(POSITIVE),
+        values: AcceptedValues::Other(POSITIVE),
         get: |options| match options.method {
             Method::Tunnel { length } => Some(number(length)),
             method => tunnels(method).map(|tunnels| number(tunnels.length)),
@@ -198,7 +198,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     Parameter {
         name: "threshold",
         help: "The number of triangles that a search visits before it gives up.",
-        values: Values::Other(POSITIVE),
+        values: AcceptedValues::Other(POSITIVE),
         get: |options| tunnels(options.method).map(|tunnels| number(tunnels.threshold)),
         set: |options, text| {
             let threshold = positive("threshold", text)?;
@@ -254,7 +254,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     Parameter {
         name: "seed",
         help: "The seed of random choices.",
-        values: Values::Other(NATURAL),
+        values: AcceptedValues::Other(NATURAL),
         get: |options| {
             let fixed = matches!(
                 options.method,

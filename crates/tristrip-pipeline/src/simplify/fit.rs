@@ -47,7 +47,7 @@ use crate::error::Error;
 use crate::parts::map;
 use crate::surface_change::{Facet, dot, sub};
 use points::Points;
-use surface::{Point, Surface, unit};
+use surface::{FitSurface, Point, unit};
 
 /// The rounds of search and solution.
 const ROUNDS: usize = 3;
@@ -82,9 +82,9 @@ pub(super) fn fit(
 ) -> Result<Fitted, Error> {
     let groups = groups_of(parts);
     let moves = map(&groups, |members| {
-        let group: Vec<Member<'_>> = members
+        let group: Vec<FittedPart<'_>> = members
             .iter()
-            .map(|&part| Member { part: &parts[part], done: &done[part], is_fixed: is_fixed[part] })
+            .map(|&part| FittedPart { part: &parts[part], done: &done[part], is_fixed: is_fixed[part] })
             .collect();
         moves_of(&group, goes_on)
     });
@@ -117,21 +117,21 @@ fn moved(mesh: &Mesh, moves: &Moves) -> Result<Option<Mesh>, Error> {
 }
 
 /// A part of a group.
-struct Member<'a> {
+struct FittedPart<'a> {
     part: &'a Part<'a>,
     done: &'a PartCollapses,
     is_fixed: bool,
 }
 
 /// Returns the positions that move in parts that are one surface.
-fn moves_of(group: &[Member<'_>], goes_on: &(dyn Fn() -> bool + Sync)) -> Result<Moves, Error> {
+fn moves_of(group: &[FittedPart<'_>], goes_on: &(dyn Fn() -> bool + Sync)) -> Result<Moves, Error> {
     if group.iter().all(|member| member.is_fixed || member.done.sequence.is_empty()) || !goes_on() {
         return Ok(Moves::new());
     }
     // 1. Both surfaces over numbered positions, those of the simplified one first.
     let mut ids = PositionIds::default();
-    let base: Vec<Mesh> = group.iter().map(Member::base).collect::<Result<_, Error>>()?;
-    let full: Vec<Mesh> = group.iter().map(Member::full).collect::<Result<_, Error>>()?;
+    let base: Vec<Mesh> = group.iter().map(FittedPart::base).collect::<Result<_, Error>>()?;
+    let full: Vec<Mesh> = group.iter().map(FittedPart::full).collect::<Result<_, Error>>()?;
     let base_faces = ids.faces(&base.iter().collect::<Vec<_>>())?;
     let base_count = position_count(&base_faces, 0);
     let full_faces = ids.faces(&full.iter().collect::<Vec<_>>())?;
@@ -139,8 +139,8 @@ fn moves_of(group: &[Member<'_>], goes_on: &(dyn Fn() -> bool + Sync)) -> Result
         (0..position_count(&full_faces, base_count) as u32).filter_map(|id| ids.position(id)).collect();
     drop((ids, full));
     let at: Vec<Point> = old.iter().map(|position| position.map(f64::from)).collect();
-    let mut simplified = Surface::new(&base_faces, at[..base_count].to_vec());
-    let original = Surface::new(&full_faces, at);
+    let mut simplified = FitSurface::new(&base_faces, at[..base_count].to_vec());
+    let original = FitSurface::new(&full_faces, at);
     let is_free = free(group, &base, &simplified);
     if !is_free.contains(&true) {
         return Ok(Moves::new());
@@ -179,7 +179,7 @@ fn moves_of(group: &[Member<'_>], goes_on: &(dyn Fn() -> bool + Sync)) -> Result
     Ok(moved.map(|((old, new), _)| (bits(*old), new)).collect())
 }
 
-impl Member<'_> {
+impl FittedPart<'_> {
     /// Returns the reduced mesh with the triangles that are left.
     fn base(&self) -> Result<Mesh, Error> {
         let corners = self.done.sequence.drawn(0)?.into_flattened();
@@ -198,7 +198,7 @@ fn position_count(faces: &Faces, least: usize) -> usize {
 }
 
 /// Returns the positions that may move.
-fn free(group: &[Member<'_>], base: &[Mesh], simplified: &Surface) -> Vec<bool> {
+fn free(group: &[FittedPart<'_>], base: &[Mesh], simplified: &FitSurface) -> Vec<bool> {
     let mut is_free = simplified.inner();
     let mut ids = simplified.triangles.as_flattened().iter();
     for (member, base) in group.iter().zip(base) {
@@ -214,7 +214,7 @@ fn free(group: &[Member<'_>], base: &[Mesh], simplified: &Surface) -> Vec<bool> 
 }
 
 /// Returns for each triangle of the original a triangle that the collapses brought one of its corners to; `None` in vanished components.
-fn starts(group: &[Member<'_>], base: &[Mesh]) -> Result<Vec<Option<u32>>, Error> {
+fn starts(group: &[FittedPart<'_>], base: &[Mesh]) -> Result<Vec<Option<u32>>, Error> {
     let (mut starts, mut first) = (Vec::new(), 0);
     for (member, base) in group.iter().zip(base) {
         let mut triangle_at = vec![None; base.vertex_count()];
@@ -231,7 +231,7 @@ fn starts(group: &[Member<'_>], base: &[Mesh]) -> Result<Vec<Option<u32>>, Error
 
 /// Adds the moves to the positions. Around triangles that would turn too far from their normals they are halved, and at last dropped, until no triangle
 /// turns; if that takes too long, all are dropped.
-fn step(surface: &mut Surface, mut moves: Vec<Point>, normals: &[Point]) {
+fn step(surface: &mut FitSurface, mut moves: Vec<Point>, normals: &[Point]) {
     for attempt in 0..MAX_ATTEMPTS {
         let moved: Vec<Point> = surface.at.iter().zip(&moves).map(|(at, by)| sum(*at, *by)).collect();
         let turned = |(t, normal): (&[u32; 3], &Point)| {
@@ -249,7 +249,7 @@ fn step(surface: &mut Surface, mut moves: Vec<Point>, normals: &[Point]) {
 
 /// Moves the corners of some triangles back to where they were, half of the way or all of it; returns which triangles this moves.
 fn go_back(
-    surface: &mut Surface,
+    surface: &mut FitSurface,
     old_at: &[Point],
     triangles: &[u32],
     attempt: usize,

@@ -162,14 +162,14 @@ pub(crate) fn simplify_all(
         _ => None,
     };
     let done: Vec<Result<FinishedGroup, MeshError>> = if let Some(count) = shared {
-        let groups = map(&members, |members| Group::new(parts, members, error, rules));
+        let groups = map(&members, |members| SurfaceGroup::new(parts, members, error, rules));
         let mut groups = groups.into_iter().collect::<Result<Vec<_>, _>>()?;
         share(&mut groups, count, &watched);
         let is_reached = triangle_count(&groups) <= count || watched.is_interrupted();
         groups.into_par_iter().map(|group| group.finish(parts, 0, is_reached)).collect()
     } else {
         map(&members, |members| {
-            let mut group = Group::new(parts, members, error, rules)?;
+            let mut group = SurfaceGroup::new(parts, members, error, rules)?;
             let count = match goal {
                 TriangleGoal::Fewest => 0,
                 TriangleGoal::OfModel(count) => count,
@@ -215,7 +215,7 @@ pub(super) fn groups_of(parts: &[Part<'_>]) -> Vec<Vec<usize>> {
 }
 
 /// Simplifies groups until they have at most this number of triangles together, all to about the same cost and none to less than needed.
-fn share(groups: &mut [Group<'_>], count: usize, watched: &Watched<'_>) {
+fn share(groups: &mut [SurfaceGroup<'_>], count: usize, watched: &Watched<'_>) {
     // 1. In rounds, those whose costs are lowest.
     while triangle_count(groups) > count {
         let mut open: Vec<usize> = (0..groups.len()).filter(|&group| !groups[group].is_done).collect();
@@ -258,12 +258,12 @@ fn after_round(triangles: usize, (share, least): (usize, usize)) -> usize {
 }
 
 /// Counts the triangles that are left of all groups.
-fn triangle_count(groups: &[Group<'_>]) -> usize {
+fn triangle_count(groups: &[SurfaceGroup<'_>]) -> usize {
     groups.iter().map(|group| group.surface.triangle_count()).sum()
 }
 
 /// Parts that are simplified as one surface.
-struct Group<'a> {
+struct SurfaceGroup<'a> {
     members: &'a [usize],
     surface: SurfaceSimplifier<'a>,
     small: Vanishing,
@@ -285,7 +285,7 @@ struct FinishedGroup {
     stopped: Option<Stopped>,
 }
 
-impl<'a> Group<'a> {
+impl<'a> SurfaceGroup<'a> {
     fn new(
         parts: &'a [Part<'_>],
         members: &'a [usize],

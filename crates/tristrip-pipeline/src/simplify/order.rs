@@ -73,7 +73,7 @@ impl LevelOrder {
     }
 
     /// Returns the number of collapses, which is the level of the full model.
-    pub fn collapse_count(&self) -> usize {
+    pub(crate) fn collapse_count(&self) -> usize {
         self.ends.len()
     }
 

@@ -64,13 +64,13 @@ struct Placed {
 
 /// Which places and positions a cell has.
 #[derive(Debug, Clone, Copy, Default)]
-struct Content {
+struct CellContent {
     first: Option<(u32, [u32; 2])>,
     has_other_places: bool,
     has_other_positions: bool,
 }
 
-impl Content {
+impl CellContent {
     fn add(&mut self, placed: &Placed) {
         self.join(&Self { first: Some((placed.place, [placed.list, placed.position])), ..Self::default() });
     }
@@ -84,7 +84,7 @@ impl Content {
 }
 
 /// The contents of a cell: of all positions, and of those of its own level.
-type Cells = HashMap<[i32; 3], [Content; 2]>;
+type Cells = HashMap<[i32; 3], [CellContent; 2]>;
 
 /// Finds the positions that touch a position of another place.
 pub(crate) fn touching(lists: &[PlacedPositions]) -> Touching {
@@ -115,7 +115,7 @@ fn mark_level(placed: &[Placed], level: i32, lists: &[PlacedPositions], touches:
         }
     }
     for placed in placed.iter().filter(|placed| placed.level <= level) {
-        let mut around = Content::default();
+        let mut around = CellContent::default();
         around.add(placed);
         let of_level = usize::from(placed.level != level);
         for cell in nearest_cells(placed.at.map(|x| x * size)) {

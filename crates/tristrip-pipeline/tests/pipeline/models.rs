@@ -3,17 +3,17 @@
 #![expect(clippy::unwrap_used, reason = "a test that panics fails")]
 
 use std::fmt::Write as _;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 use tristrip::Effort;
-use tristrip::lod::RepairOptions;
+use tristrip::lod::{Camera, RepairOptions, SkipView, ViewCriteria};
 use tristrip::stripify::{Progress, Watch};
 use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
 use tristrip_pipeline::{
     Amount, Deviation, Error, Goal, Observer, PreparedModel, Search, Stage, Stopped, bound, convert, encode,
-    levels, levels::DisplayFilter, levels::ModelLevels, simplify, strip, verify,
+    levels, levels::DisplayFilter, levels::ModelLevels, simplify, strip, verify, view_model,
 };
 
 /// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.
@@ -220,5 +220,25 @@ fn an_observer_cancels_at_each_stage_and_stops_searches() {
         let (result, stages) = run(count);
         assert!(matches!(result, Err(Error::Cancelled)));
         assert_eq!(stages, expected[..count]);
+    }
+}
+
+#[test]
+fn a_view_whose_budget_rises_again_has_the_triangles_of_a_new_view_at_once() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/models/hand.ply");
+    let model = read(&std::fs::read(path).unwrap(), Format::Ply).unwrap();
+    let built = view_model::run(model, &view_model::Options::default(), &()).unwrap();
+    let tree = Arc::new(built.model.vertex_tree().unwrap());
+    let camera = Camera::new([0.0, 0.0, 1.0], [0.0; 3]).unwrap();
+    let criteria = ViewCriteria::default().with_pixels(0.01).with_frustum(false);
+    let mut view = tree.view();
+    for budget in [1278, 7192, 15_982] {
+        let mut new = tree.view();
+        for view in [&mut view, &mut new] {
+            view.update(&camera, &criteria.with_budget(budget)).unwrap();
+        }
+        let [found, expected] = [&view, &new].map(SkipView::triangle_count);
+        assert!(found == expected && found <= budget, "{budget}: {found}, a new view has {expected}");
+        assert!(100 * found >= 98 * budget, "{budget}: {found}");
     }
 }

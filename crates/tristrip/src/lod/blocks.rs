@@ -54,7 +54,7 @@ use changed_ranges::ChangedRanges;
 use key_strips::KeyStrips;
 use live_buffer::{Change, LiveBuffer};
 pub use options::BlockOptions;
-use records::{Position, RecordList, Records, index_of};
+use records::{BlockRecords, Position, RecordList, index_of};
 use upload_order::SlotChanges;
 
 /// Strips at all levels as index buffers of some levels, and the slots that collapses rename in them.
@@ -87,7 +87,7 @@ pub struct Blocks {
     /// The index buffers of all keys. A restart is the number after the largest vertex.
     entries: Packed,
     largest: u32,
-    records: Records,
+    records: BlockRecords,
 }
 
 /// A level with strips of its own.

@@ -67,18 +67,6 @@ names! {
 }
 
 impl Filter {
-    /// Filters one simplified strip and appends its display strips.
-    ///
-    /// ```
-    /// use tristrip::{Strips, lod::Filter};
-    /// let mut strips = Strips::default();
-    /// Filter::Dtfs.strip_to(&[0, 1, 2, 2, 4, 5, 6], &mut strips);
-    /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2][..], &[2, 2, 4, 5, 6]]);
-    /// ```
-    pub fn strip_to(self, strip: &[u32], display: &mut Strips) {
-        self.scan(strip, display);
-    }
-
     /// Filters all strips of an index map and appends their display strips. A buffer that is [cleared](Strips::clear) and filled
     /// again at the next level does not allocate.
     ///
@@ -105,18 +93,6 @@ impl Filter {
         let mut display = Strips::default();
         strips.iter().for_each(|strip| self.scan(strip, &mut display));
         display
-    }
-
-    /// Returns the cost of what [`Filter::strip_to`] would send, without storing it.
-    ///
-    /// ```
-    /// use tristrip::lod::{DrawCost, Filter};
-    /// let strip = [0, 1, 2, 2, 4, 5, 6];
-    /// assert_eq!(Filter::Dtfs.sent(&strip), DrawCost { vertices: 8, strips: 2, winding_repeats: 1 });
-    /// assert_eq!(Filter::Linked.sent(&strip), DrawCost { vertices: 7, strips: 2, winding_repeats: 0 });
-    /// ```
-    pub fn sent(self, strip: &[u32]) -> DrawCost {
-        self.sent_by_map(strip)
     }
 
     /// Returns the cost of what [`Filter::map_to`] would send, without storing it.

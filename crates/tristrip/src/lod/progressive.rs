@@ -121,20 +121,18 @@ impl ProgressiveStrips {
         Ok(Self { full, records, levels, encoding, filter: Filter::default() })
     }
 
-    /// Sets the filter of the display strips; the default is [`Filter::Linked`].
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?.with_filter(Filter::None);
-    /// let mut cursor = Arc::new(model).cursor();
-    /// cursor.set_level(0)?;
-    /// assert_eq!(cursor.strips().vertices(), [0, 1, 2, 2, 2]);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_filter(mut self, filter: Filter) -> Self {
-        self.filter = filter;
-        self
+    crate::setters! {
+        /// Sets the filter of the display strips; the default is [`Filter::Linked`].
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?.with_filter(Filter::None);
+        /// let mut cursor = Arc::new(model).cursor();
+        /// cursor.set_level(0)?;
+        /// assert_eq!(cursor.strips().vertices(), [0, 1, 2, 2, 2]);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_filter(filter: Filter);
     }
 
     /// Returns what collapses write.

@@ -271,31 +271,6 @@ impl Repair {
         }
     }
 
-    /// Returns the number of triangles drawn.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let mut repair = Repair::new(sequence, &strips, RepairOptions::default())?;
-    /// repair.set_level(1)?;
-    /// assert_eq!(repair.triangle_count(), 2);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn triangle_count(&self) -> usize {
-        self.triangle_count
-    }
-
-    /// Returns the number of strips.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let mut repair = Repair::new(sequence, &strips, RepairOptions::default())?;
-    /// assert_eq!((repair.strip_count(), repair.strips().len()), (1, 1));
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn strip_count(&self) -> usize {
-        self.repaired.paths.strip_count()
-    }
-
     /// Returns the number of vertices of all strips, swaps and winding repeats included, in O(1) time.
     ///
     /// ```
@@ -360,7 +335,6 @@ impl Repair {
     /// let mut repair = Repair::new(sequence, &strips, RepairOptions::default())?;
     /// assert!(!repair.refine());
     /// assert!(repair.coarsen() && repair.refine());
-    /// assert_eq!(repair.triangle_count(), 3);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn refine(&mut self) -> bool {

@@ -63,7 +63,7 @@ use crate::ids::OptionalId;
 use crate::lod::level::level_table::LevelTable;
 use crate::mesh::{Positions, canonical_triangles, triangles_of};
 use crate::strip::Strips;
-use bounds::Bounds;
+use bounds::TreeBounds;
 pub use camera::Camera;
 pub use criteria::ViewCriteria;
 use dependencies::Dependencies;
@@ -90,7 +90,7 @@ pub use view::{SkipView, ViewGeomorphs, ViewSnapshot, ViewUpdate};
 pub struct SkipStrips {
     tree: VertexTree,
     dependencies: Dependencies,
-    bounds: Option<Bounds>,
+    bounds: Option<TreeBounds>,
     strips: OriginalStrips,
     levels: LevelTable,
     /// The ids of all collapses in order from the full mesh; none for a collapse that renames nothing.
@@ -149,7 +149,7 @@ impl SkipStrips {
         let order: Vec<OptionalId> = sequence.iter().map(|collapse| collapse_id(collapse).into()).collect();
         let dependencies = Dependencies::new(sequence, &tree, &numbers);
         let bounds =
-            positions.map(|positions| Bounds::new(positions, sequence, (&tree, &numbers), &dependencies));
+            positions.map(|positions| TreeBounds::new(positions, sequence, (&tree, &numbers), &dependencies));
         let mut dropped = vec![0; tree.len()];
         let mut many_dropped = Vec::new();
         for (collapse, collapse_id) in sequence.iter().zip(&order) {
@@ -239,7 +239,7 @@ impl SkipStrips {
         let [strips, segments] = self.strips.memory();
         let others = self.tree.memory()
             + self.dependencies.memory()
-            + self.bounds.as_ref().map_or(0, Bounds::memory)
+            + self.bounds.as_ref().map_or(0, TreeBounds::memory)
             + segments
             + self.levels.memory()
             + size_of_val(&self.order[..])

@@ -4,6 +4,7 @@ use std::mem::discriminant;
 
 use crate::error::{Error, MeshProblem};
 use crate::ids::index_out_of_range;
+use crate::text::counted;
 
 /// The values of one vertex attribute, `components` of them per vertex.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,7 +113,7 @@ impl Attribute {
         if (&self.name, self.components, self.normalized) != (&more.name, more.components, more.normalized)
             || discriminant(&self.data) != discriminant(&more.data)
         {
-            let found = format!("attribute `{}` of {} components", more.name, more.components);
+            let found = format!("attribute `{}` of {}", more.name, counted(more.components, "component"));
             return Err(Error::Parameter { name: "attributes", found, expected: "one name and type" });
         }
         match (&mut self.data, &more.data) {

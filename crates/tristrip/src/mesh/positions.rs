@@ -8,6 +8,7 @@
 
 use crate::error::{Error, MeshProblem};
 use crate::ids::check_count;
+use crate::text::counted;
 
 /// The positions of vertices, wherever they are stored.
 ///
@@ -84,13 +85,13 @@ impl<P: Copy + Into<[f32; 3]>, const N: usize> Positions for [P; N] {
 /// Positions among other values of each vertex, as a vertex buffer has them. Nothing is copied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InterleavedPositions<'a> {
-    values: Values<'a>,
+    values: FloatSource<'a>,
     stride: usize,
     offset: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Values<'a> {
+enum FloatSource<'a> {
     Floats(&'a [f32]),
     Bytes(&'a [u8]),
 }
@@ -112,7 +113,7 @@ impl<'a> InterleavedPositions<'a> {
     /// ```
     pub fn from_floats(floats: &'a [f32], stride: usize, offset: usize) -> Result<Self, Error> {
         check_stride(floats.len(), stride, offset, 3)?;
-        Ok(Self { values: Values::Floats(floats), stride, offset })
+        Ok(Self { values: FloatSource::Floats(floats), stride, offset })
     }
 
     /// Borrows positions from bytes: vertex i has three 32-bit floats, as this machine stores them, from byte `i * stride + offset` on.
@@ -134,15 +135,15 @@ impl<'a> InterleavedPositions<'a> {
     /// ```
     pub fn from_bytes(bytes: &'a [u8], stride: usize, offset: usize) -> Result<Self, Error> {
         check_stride(bytes.len(), stride, offset, 12)?;
-        Ok(Self { values: Values::Bytes(bytes), stride, offset })
+        Ok(Self { values: FloatSource::Bytes(bytes), stride, offset })
     }
 }
 
 impl Positions for InterleavedPositions<'_> {
     fn vertex_count(&self) -> usize {
         let length = match self.values {
-            Values::Floats(floats) => floats.len(),
-            Values::Bytes(bytes) => bytes.len(),
+            FloatSource::Floats(floats) => floats.len(),
+            FloatSource::Bytes(bytes) => bytes.len(),
         };
         length / self.stride
     }
@@ -150,8 +151,8 @@ impl Positions for InterleavedPositions<'_> {
     fn position(&self, vertex: usize) -> Option<[f32; 3]> {
         let start = vertex.checked_mul(self.stride)?.checked_add(self.offset)?;
         match self.values {
-            Values::Floats(floats) => floats.get(start..)?.first_chunk().copied(),
-            Values::Bytes(bytes) => {
+            FloatSource::Floats(floats) => floats.get(start..)?.first_chunk().copied(),
+            FloatSource::Bytes(bytes) => {
                 let (floats, _) = bytes.get(start..)?.as_chunks::<4>();
                 floats.first_chunk().map(|position| position.map(f32::from_ne_bytes))
             }
@@ -166,7 +167,7 @@ fn check_stride(length: usize, stride: usize, offset: usize, size: usize) -> Res
         return Err(Error::Parameter { name: "stride", found, expected: "at least the end of the position" });
     }
     if !length.is_multiple_of(stride) {
-        let found = format!("{length} values in strides of {stride}");
+        let found = format!("{} in strides of {stride}", counted(length, "value"));
         return Err(Error::Parameter { name: "positions", found, expected: "a whole number of strides" });
     }
     check_count("vertices", length / stride)

@@ -6,6 +6,7 @@ use serde::ser::{Serialize, Serializer};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::mesh::VertexWelds;
 use crate::strip::Strips;
+use crate::text::counted;
 
 /// The fields of [`Strips`].
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -79,8 +80,10 @@ impl<'de> Deserialize<'de> for CollapseSequence {
             SequenceFields::deserialize(from)?;
         let (last, count) = (ends.last().copied().unwrap_or(0), ends.len());
         if !ends.is_sorted() || last as usize != renames.len() || count != errors.len() {
-            let renames = renames.len();
-            let found = format!("{renames} renames, {count} ends up to {last}, {} errors", errors.len());
+            let [renames, ends, errors] =
+                [(renames.len(), "rename"), (count, "end"), (errors.len(), "error")]
+                    .map(|(count, noun)| counted(count, noun));
+            let found = format!("{renames}, {ends} up to {last}, {errors}");
             return Err(D::Error::custom(format!(
                 "collapses: found {found}, expected an end and an error for each"
             )));

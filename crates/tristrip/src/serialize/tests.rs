@@ -114,9 +114,9 @@ fn wrong_strips_and_collapses_are_refused() {
     assert!(serde_json::from_str::<CollapseSequence>(&sequence("4", "[[3,2]]", "[1]", "[0.5]")).is_ok());
     let wrong = [
         (sequence("3", "[[3,2]]", "[1]", "[0.5]"), "found vertex index 3"),
-        (sequence("4", "[[3,2]]", "[2]", "[0.5]"), "ends up to 2"),
+        (sequence("4", "[[3,2]]", "[2]", "[0.5]"), "1 end up to 2"),
         (sequence("4", "[[3,2]]", "[1]", "[]"), "0 errors"),
-        (sequence("4", "[[3,2],[2,0]]", "[2,1]", "[0.5,1]"), "ends up to 1"),
+        (sequence("4", "[[3,2],[2,0]]", "[2,1]", "[0.5,1]"), "2 ends up to 1"),
         (sequence("4", "[[3,3]]", "[1]", "[0.5]"), "3 renamed to 3"),
         (sequence("4", "[[3,4294967295]]", "[1]", "[0.5]"), "3 renamed to 4294967295"),
         (sequence("4", "[[3,2]]", "[1]", "[-0.5]"), "0 or more"),

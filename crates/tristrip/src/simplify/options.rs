@@ -5,6 +5,7 @@ use std::str::FromStr;
 use crate::error::Error;
 use crate::names::names;
 use crate::simplify::surface::topology::MAX_TRIANGLES;
+use crate::text::counted;
 
 /// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
 ///
@@ -151,186 +152,148 @@ pub struct SimplifyOptions {
 }
 
 impl SimplifyOptions {
-    /// Stops at this number of triangles, or one fewer: a collapse drops up to two.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let simplified = simplify(&grid, &SimplifyOptions::default().with_triangles(20))?;
-    /// assert!((19..=20).contains(&simplified.mesh.faces().face_count()));
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_triangles(mut self, triangle_count: usize) -> Self {
-        self.triangle_count = triangle_count;
-        self
-    }
+    crate::setters! {
+        /// Stops at this number of triangles, or one fewer: a collapse drops up to two.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let simplified = simplify(&grid, &SimplifyOptions::default().with_triangles(20))?;
+        /// assert!((19..=20).contains(&simplified.mesh.faces().face_count()));
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_triangles(triangle_count: usize);
 
-    /// Allows no collapse with a larger error, in mesh units; see [`Collapse::error`](crate::collapse::Collapse::error).
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let triangles = |error| {
-    ///     let simplified = simplify(&grid, &SimplifyOptions::default().with_error(error))?;
-    ///     Ok::<_, Error>(simplified.mesh.faces().face_count())
-    /// };
-    /// // The peak stays where an error of its height is not allowed.
-    /// assert!(triangles(0.5)? > triangles(2.0)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_error(mut self, error: f32) -> Self {
-        self.error = Some(error);
-        self
-    }
+        /// Allows no collapse with a larger error, in mesh units; see [`Collapse::error`](crate::collapse::Collapse::error).
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let triangles = |error| {
+        ///     let simplified = simplify(&grid, &SimplifyOptions::default().with_error(error))?;
+        ///     Ok::<_, Error>(simplified.mesh.faces().face_count())
+        /// };
+        /// // The peak stays where an error of its height is not allowed.
+        /// assert!(triangles(0.5)? > triangles(2.0)?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_error(error: f32) as Some;
 
-    /// Locks vertices, one value per vertex; vertices after the last value are not locked.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let kept = |options| simplify(&grid, &options).map(|simplified| simplified.vertices);
-    /// // The first row stays.
-    /// let locked = SimplifyOptions::default().with_locked(vec![true; 9]);
-    /// assert_eq!(kept(locked)?[..9], [0, 1, 2, 3, 4, 5, 6, 7, 8]);
-    /// assert!(kept(SimplifyOptions::default())?.len() < 9);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_locked(mut self, locked: Vec<bool>) -> Self {
-        self.locked = locked;
-        self
-    }
+        /// Locks vertices, one value per vertex; vertices after the last value are not locked.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let kept = |options| simplify(&grid, &options).map(|simplified| simplified.vertices);
+        /// // The first row stays.
+        /// let locked = SimplifyOptions::default().with_locked(vec![true; 9]);
+        /// assert_eq!(kept(locked)?[..9], [0, 1, 2, 3, 4, 5, 6, 7, 8]);
+        /// assert!(kept(SimplifyOptions::default())?.len() < 9);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_locked(locked: Vec<bool>);
 
-    /// Sets by how much errors at each vertex count when the collapses of a [batch](super::refinement_batches) are chosen, one value per vertex, such as one by the distance from the
-    /// eye: where it is small, vertices are removed earlier. 1 for vertices after the last value; errors of levels stay what they are. Other simplifications ignore it.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// use tristrip::simplify::refinement_batches;
-    /// // Errors on the left count ten times.
-    /// let factors = grid.positions().iter().map(|p| if p[0] < 4.0 { 10.0 } else { 1.0 }).collect();
-    /// let options = SimplifyOptions::default().with_error_factors(factors);
-    /// let tree = refinement_batches(&grid, grid.faces().corners().to_vec(), &options)?;
-    /// assert!(tree.sequence.len() > 40);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_error_factors(mut self, factors: Vec<f32>) -> Self {
-        self.error_factors = factors;
-        self
-    }
+        /// Sets by how much errors at each vertex count when the collapses of a [batch](super::refinement_batches) are chosen, one value per vertex, such as one by the distance from the
+        /// eye: where it is small, vertices are removed earlier. 1 for vertices after the last value; errors of levels stay what they are. Other simplifications ignore it.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// use tristrip::simplify::refinement_batches;
+        /// // Errors on the left count ten times.
+        /// let factors = grid.positions().iter().map(|p| if p[0] < 4.0 { 10.0 } else { 1.0 }).collect();
+        /// let options = SimplifyOptions::default().with_error_factors(factors);
+        /// let tree = refinement_batches(&grid, grid.faces().corners().to_vec(), &options)?;
+        /// assert!(tree.sequence.len() > 40);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_error_factors(error_factors: Vec<f32>);
 
-    /// Locks the vertices at the borders of the surface, so that the tiles of a terrain still fit together.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let options = SimplifyOptions::default().with_locked_borders(true);
-    /// let kept = simplify(&grid, &options)?.vertices;
-    /// // The first row, and the first and the last vertex of the second.
-    /// assert!((0..10).chain([17]).all(|v| kept.contains(&v)));
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_locked_borders(mut self, locked_borders: bool) -> Self {
-        self.locked_borders = locked_borders;
-        self
-    }
+        /// Locks the vertices at the borders of the surface, so that the tiles of a terrain still fit together.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let options = SimplifyOptions::default().with_locked_borders(true);
+        /// let kept = simplify(&grid, &options)?.vertices;
+        /// // The first row, and the first and the last vertex of the second.
+        /// assert!((0..10).chain([17]).all(|v| kept.contains(&v)));
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_locked_borders(locked_borders: bool);
 
-    /// Allows components to vanish: for each vertex the error of the removal of its whole component, in mesh units. Components of vertices
-    /// without a value, or with one that is no number of at least 0, keep a triangle.
-    ///
-    /// ```
-    /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
-    /// // A triangle, and a small one 0.1 above it.
-    /// let corners = vec![[0., 0., 0.], [9., 0., 0.], [0., 9., 0.], [1., 1., 0.1], [1.1, 1., 0.1], [1., 1.1, 0.1]];
-    /// let mesh = Mesh::new(corners, Faces::from_triangles(vec![0, 1, 2, 3, 4, 5])?)?;
-    /// let errors = vec![f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.1, 0.1, 0.1];
-    /// let options = SimplifyOptions::default().with_error(0.5);
-    /// assert_eq!(simplify(&mesh, &options)?.mesh.faces().face_count(), 2);
-    /// assert_eq!(simplify(&mesh, &options.with_vanishing(errors))?.vertices, [0, 1, 2]);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_vanishing(mut self, errors: Vec<f32>) -> Self {
-        self.vanishing = errors;
-        self
-    }
+        /// Allows components to vanish: for each vertex the error of the removal of its whole component, in mesh units. Components of vertices
+        /// without a value, or with one that is no number of at least 0, keep a triangle.
+        ///
+        /// ```
+        /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
+        /// // A triangle, and a small one 0.1 above it.
+        /// let corners = vec![[0., 0., 0.], [9., 0., 0.], [0., 9., 0.], [1., 1., 0.1], [1.1, 1., 0.1], [1., 1.1, 0.1]];
+        /// let mesh = Mesh::new(corners, Faces::from_triangles(vec![0, 1, 2, 3, 4, 5])?)?;
+        /// let errors = vec![f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.1, 0.1, 0.1];
+        /// let options = SimplifyOptions::default().with_error(0.5);
+        /// assert_eq!(simplify(&mesh, &options)?.mesh.faces().face_count(), 2);
+        /// assert_eq!(simplify(&mesh, &options.with_vanishing(errors))?.vertices, [0, 1, 2]);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_vanishing(vanishing: Vec<f32>);
 
-    /// Allows collapses that change the topology, or move a seam onto another: holes may close, handles vanish, textures shift at
-    /// seams. For clutter that is to become very small.
-    ///
-    /// ```
-    /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
-    /// // The sides of a prism without its top and bottom: a closed strip of six triangles.
-    /// let corners = vec![[0., 0., 0.], [4., 0., 0.], [0., 4., 0.], [0., 0., 1.], [4., 0., 1.], [0., 4., 1.]];
-    /// let sides = vec![0, 1, 3, 3, 1, 4, 1, 2, 4, 4, 2, 5, 2, 0, 5, 5, 0, 3];
-    /// let mesh = Mesh::new(corners, Faces::from_triangles(sides)?)?;
-    /// let count = |permissive| {
-    ///     let options = SimplifyOptions::default().with_permissive(permissive);
-    ///     Ok::<_, tristrip::Error>(simplify(&mesh, &options)?.mesh.faces().face_count())
-    /// };
-    /// assert!(count(true)? < count(false)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_permissive(mut self, permissive: bool) -> Self {
-        self.permissive = permissive;
-        self
-    }
+        /// Allows collapses that change the topology, or move a seam onto another: holes may close, handles vanish, textures shift at
+        /// seams. For clutter that is to become very small.
+        ///
+        /// ```
+        /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
+        /// // The sides of a prism without its top and bottom: a closed strip of six triangles.
+        /// let corners = vec![[0., 0., 0.], [4., 0., 0.], [0., 4., 0.], [0., 0., 1.], [4., 0., 1.], [0., 4., 1.]];
+        /// let sides = vec![0, 1, 3, 3, 1, 4, 1, 2, 4, 4, 2, 5, 2, 0, 5, 5, 0, 3];
+        /// let mesh = Mesh::new(corners, Faces::from_triangles(sides)?)?;
+        /// let count = |permissive| {
+        ///     let options = SimplifyOptions::default().with_permissive(permissive);
+        ///     Ok::<_, tristrip::Error>(simplify(&mesh, &options)?.mesh.faces().face_count())
+        /// };
+        /// assert!(count(true)? < count(false)?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_permissive(permissive: bool);
 
-    /// Sets how much attributes count relative to the distance between the surfaces.
-    ///
-    /// ```
-    /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
-    /// let weights = AttributeWeights { uv: 2.0, ..AttributeWeights::default() };
-    /// assert_eq!(SimplifyOptions::default().with_weights(weights).weights, weights);
-    /// ```
-    #[must_use]
-    pub fn with_weights(mut self, weights: AttributeWeights) -> Self {
-        self.weights = weights;
-        self
-    }
+        /// Sets how much attributes count relative to the distance between the surfaces.
+        ///
+        /// ```
+        /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
+        /// let weights = AttributeWeights { uv: 2.0, ..AttributeWeights::default() };
+        /// assert_eq!(SimplifyOptions::default().with_weights(weights).weights, weights);
+        /// ```
+        with_weights(weights: AttributeWeights);
 
-    /// Sets what a collapse costs.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// use tristrip::simplify::Price;
-    /// let options = SimplifyOptions::default().with_triangles(20).with_price(Price::Planes);
-    /// assert!(simplify(&grid, &options)?.mesh.faces().face_count() <= 20);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_price(mut self, price: Price) -> Self {
-        self.price = price;
-        self
-    }
+        /// Sets what a collapse costs.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// use tristrip::simplify::Price;
+        /// let options = SimplifyOptions::default().with_triangles(20).with_price(Price::Planes);
+        /// assert!(simplify(&grid, &options)?.mesh.faces().face_count() <= 20);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_price(price: Price);
 
-    /// Joins vertices at open borders that are at most this far apart, in mesh units, so that the sides of a border that scanners or CAD wrote with
-    /// small differences collapse together, as those of a seam do. Positions stay what they are; errors may be larger by the distance. 0, the
-    /// default, joins only vertices of equal position. The distance should be less than the edges are long.
-    ///
-    /// ```
-    /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
-    /// // Two flat grids of 8 × 8 squares, side by side with a gap of 0.001; the border between them is a zigzag.
-    /// let at = |i: u32| {
-    ///     let (x, y) = ((i % 9) as f32, (i / 9 % 9) as f32);
-    ///     [x + y % 2.0 / 2.0 + (i / 81) as f32 * 8.001, y, 0.0]
-    /// };
-    /// let square = |i: u32| [i, i + 1, i + 9, i + 9, i + 1, i + 10];
-    /// let grid = |first: u32| (0..64).flat_map(move |i| square(first + i / 8 * 9 + i % 8));
-    /// let mesh = Mesh::new((0..162).map(at).collect::<Vec<_>>(), Faces::from_triangles(grid(0).chain(grid(81)).collect())?)?;
-    /// let count = |weld_distance| {
-    ///     let options = SimplifyOptions::default().with_error(0.01).with_weld_distance(weld_distance);
-    ///     Ok::<_, tristrip::Error>(simplify(&mesh, &options)?.vertices.len())
-    /// };
-    /// // Joined, the border between them lies inside a flat surface: only those outside stay.
-    /// assert!(count(0.01)? <= count(0.0)? / 2);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_weld_distance(mut self, weld_distance: f32) -> Self {
-        self.weld_distance = weld_distance;
-        self
+        /// Joins vertices at open borders that are at most this far apart, in mesh units, so that the sides of a border that scanners or CAD wrote with
+        /// small differences collapse together, as those of a seam do. Positions stay what they are; errors may be larger by the distance. 0, the
+        /// default, joins only vertices of equal position. The distance should be less than the edges are long.
+        ///
+        /// ```
+        /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
+        /// // Two flat grids of 8 × 8 squares, side by side with a gap of 0.001; the border between them is a zigzag.
+        /// let at = |i: u32| {
+        ///     let (x, y) = ((i % 9) as f32, (i / 9 % 9) as f32);
+        ///     [x + y % 2.0 / 2.0 + (i / 81) as f32 * 8.001, y, 0.0]
+        /// };
+        /// let square = |i: u32| [i, i + 1, i + 9, i + 9, i + 1, i + 10];
+        /// let grid = |first: u32| (0..64).flat_map(move |i| square(first + i / 8 * 9 + i % 8));
+        /// let mesh = Mesh::new((0..162).map(at).collect::<Vec<_>>(), Faces::from_triangles(grid(0).chain(grid(81)).collect())?)?;
+        /// let count = |weld_distance| {
+        ///     let options = SimplifyOptions::default().with_error(0.01).with_weld_distance(weld_distance);
+        ///     Ok::<_, tristrip::Error>(simplify(&mesh, &options)?.vertices.len())
+        /// };
+        /// // Joined, the border between them lies inside a flat surface: only those outside stay.
+        /// assert!(count(0.01)? <= count(0.0)? / 2);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_weld_distance(weld_distance: f32);
     }
 
     /// Checks whether any collapse may change the topology.
@@ -380,7 +343,7 @@ impl SimplifyOptions {
         ];
         for (name, count) in counts {
             if count > vertex_count {
-                let found = format!("{count} values for {vertex_count} vertices");
+                let found = format!("{} for {}", counted(count, "value"), counted(vertex_count, "vertex"));
                 return Err(Error::Parameter { name, found, expected: "at most one value per vertex" });
             }
         }

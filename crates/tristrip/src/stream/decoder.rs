@@ -3,6 +3,7 @@
 use super::chunk::{ChunkHead, MAX_HEAD_BYTES, checksum};
 use super::fault::{ChunkFault, StreamError};
 use super::part::StreamPart;
+use crate::text::counted;
 
 /// What a stream may ask for at most; streams of more are refused.
 ///
@@ -245,7 +246,7 @@ impl Decoder {
         let length = head.payload_bytes as usize;
         if length > self.limits.chunk_bytes {
             let limit = self.limits.chunk_bytes;
-            let words = (format!("{length} bytes"), format!("at most {limit}"));
+            let words = (counted(length, "byte"), format!("at most {limit}"));
             return Err(ChunkFault::limit(words, "bytes of a chunk", (length as u64, limit as u64)));
         }
         if head.stream as usize >= self.limits.meshes {
@@ -271,7 +272,7 @@ impl Decoder {
         let own = self.parts[index].as_ref().map_or(0, StreamPart::triangle_count);
         let most = self.limits.triangles.saturating_sub(others - own);
         if head.triangles as usize > most {
-            let words = (format!("{} triangles", head.triangles), format!("at most {most}"));
+            let words = (counted(head.triangles, "triangle"), format!("at most {most}"));
             return Err(ChunkFault::limit(words, "triangles", (head.triangles.into(), most as u64)));
         }
         let result = match &mut self.parts[index] {

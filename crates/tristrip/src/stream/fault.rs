@@ -1,5 +1,7 @@
 //! What is wrong with a stream: the chunk and the byte, what is there, and what should be.
 
+use crate::text::counted;
+
 /// A fault of a stream.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{at}: found {found}, expected {expected}")]
@@ -51,7 +53,7 @@ impl ChunkFault {
 
     /// Describes a stream with too many corners around the vertices that it visits.
     pub(super) fn corners(found: u64, limit: u64) -> Self {
-        let words = format!("{found} corners around vertices that are visited");
+        let words = format!("{} around vertices that are visited", counted(found, "corner"));
         Self::limit(
             (words, format!("at most {limit}")),
             "corners around vertices that are visited",

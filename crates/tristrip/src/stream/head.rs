@@ -7,6 +7,7 @@ use super::places::{ESTIMATES, EstimateWeights, MAX_BITS, USUAL_WEIGHTS};
 use crate::entropy::numbers::code_small;
 use crate::entropy::range_coder::BitCoder;
 use crate::entropy::slots::Simple;
+use crate::text::counted;
 
 /// The most attributes of a mesh, and the most bytes of a name.
 const MAX_CHANNELS: u32 = 64;
@@ -129,7 +130,7 @@ impl Head {
             let is_float = matches!(value_type, AttributeType::F32 | AttributeType::F64);
             let is_vector = matches!(kind, ChannelKind::Octahedral | ChannelKind::Tangent);
             if !is_shaped || bits > 24 || normalized > 1 || is_vector && (bits == 0 || !is_float) {
-                let found = format!("{components} components of {bits} bits");
+                let found = format!("{} of {}", counted(components, "component"), counted(bits, "bit"));
                 return fault(found, "components and a type that fit the kind, and at most 24 bits");
             }
             let mut channel = Channel {

@@ -35,21 +35,20 @@ impl Default for StreamOptions {
 }
 
 impl StreamOptions {
-    /// Sets the bits of a coordinate: 4 to 16.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let encoded = |bits| {
-    ///     let options = StreamOptions::default().with_position_bits(bits);
-    ///     encode(&mesh, &batches.sequence, &batches.level_ends, 0, &options)
-    /// };
-    /// assert!(encoded(12)?.position_error > stream.position_error);
-    /// assert!(encoded(17).is_err());
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_position_bits(self, bits: u32) -> Self {
-        Self { position_bits: bits, ..self }
+    crate::setters! {
+        /// Sets the bits of a coordinate: 4 to 16.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let encoded = |bits| {
+        ///     let options = StreamOptions::default().with_position_bits(bits);
+        ///     encode(&mesh, &batches.sequence, &batches.level_ends, 0, &options)
+        /// };
+        /// assert!(encoded(12)?.position_error > stream.position_error);
+        /// assert!(encoded(17).is_err());
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_position_bits(position_bits: u32);
     }
 
     /// Checks the bits of a coordinate, as [`encode`](super::encode) does.
@@ -70,36 +69,32 @@ impl StreamOptions {
         Err(Error::Parameter { name: "position-bits", found, expected: "4 to 16" })
     }
 
-    /// Sets two corners of a box that the grid of the positions covers, besides the mesh: meshes with the same box that lie in it have the same grid, so that they meet
-    /// without a gap where their positions are equal. The corners have to be finite.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let options = StreamOptions::default().with_bounds([[0.0; 3], [1000.0; 3]]);
-    /// let coarse = encode(&mesh, &batches.sequence, &batches.level_ends, 0, &options)?;
-    /// assert!(coarse.position_error > 10.0 * stream.position_error);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_bounds(self, bounds: [[f32; 3]; 2]) -> Self {
-        Self { bounds: Some(bounds), ..self }
-    }
+    crate::setters! {
+        /// Sets two corners of a box that the grid of the positions covers, besides the mesh: meshes with the same box that lie in it have the same grid, so that they meet
+        /// without a gap where their positions are equal. The corners have to be finite.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let options = StreamOptions::default().with_bounds([[0.0; 3], [1000.0; 3]]);
+        /// let coarse = encode(&mesh, &batches.sequence, &batches.level_ends, 0, &options)?;
+        /// assert!(coarse.position_error > 10.0 * stream.position_error);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_bounds(bounds: [[f32; 3]; 2]) as Some;
 
-    /// Sets whether positions have all bits at every level, not only as many as the error of the level is worth: the mesh then meets others at every level where it meets them in
-    /// full. This takes a few more bytes before the middle levels.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// use tristrip::stream::{Decoder, StreamLimits};
-    /// let options = StreamOptions::default().with_exact_positions(true);
-    /// let exact = encode(&mesh, &batches.sequence, &batches.level_ends, 0, &options)?;
-    /// let mut decoder = Decoder::new(StreamLimits::default());
-    /// decoder.update(&exact.chunks[0].bytes)?;
-    /// assert_eq!(decoder.part(0).map(|part| part.position_bits()), Some([14, 14]));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[must_use]
-    pub fn with_exact_positions(self, exact_positions: bool) -> Self {
-        Self { exact_positions, ..self }
+        /// Sets whether positions have all bits at every level, not only as many as the error of the level is worth: the mesh then meets others at every level where it meets them in
+        /// full. This takes a few more bytes before the middle levels.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// use tristrip::stream::{Decoder, StreamLimits};
+        /// let options = StreamOptions::default().with_exact_positions(true);
+        /// let exact = encode(&mesh, &batches.sequence, &batches.level_ends, 0, &options)?;
+        /// let mut decoder = Decoder::new(StreamLimits::default());
+        /// decoder.update(&exact.chunks[0].bytes)?;
+        /// assert_eq!(decoder.part(0).map(|part| part.position_bits()), Some([14, 14]));
+        /// # Ok::<(), Box<dyn std::error::Error>>(())
+        /// ```
+        with_exact_positions(exact_positions: bool);
     }
 }

@@ -19,6 +19,7 @@ use crate::error::Error;
 use crate::lod::RepairedStrips;
 use crate::mesh::{Faces, Mesh};
 use crate::strip::Strips;
+use crate::text::counted;
 
 /// A mesh that a stream has built so far.
 #[derive(Debug, Clone)]
@@ -47,7 +48,11 @@ impl StreamPart {
             return Err(ChunkFault::new(found, "a finite number of at least 0"));
         }
         if head.base_triangles != chunk.triangles || chunk.visits != 0 || chunk.level != 0 {
-            let found = format!("a base mesh of {} triangles at level {}", head.base_triangles, chunk.level);
+            let found = format!(
+                "a base mesh of {} at level {}",
+                counted(head.base_triangles, "triangle"),
+                chunk.level
+            );
             return Err(ChunkFault::new(found, format!("{} at level 0", chunk.triangles)));
         }
         let mut coder = RangeDecoder::new(reader.bytes);
@@ -59,7 +64,7 @@ impl StreamPart {
                 ChunkFault::new("an edge of two triangles twice", "edges of at most two triangles")
             }
             BaseFault::TooShort => {
-                ChunkFault::new("the end of the chunk", format!("{} triangles", head.base_triangles))
+                ChunkFault::new("the end of the chunk", counted(head.base_triangles, "triangle"))
             }
         };
         let (opposite, _) = code_triangles(&mut coder, head.base_triangles as usize, &[]).map_err(faults)?;
@@ -125,7 +130,9 @@ impl StreamPart {
         }
         let found = (refiner.group_count, refiner.surface.triangle_count() as u32);
         if coder.is_past_end() || found != (chunk.level, chunk.triangles) {
-            let words = |(level, triangles): (u32, u32)| format!("level {level} of {triangles} triangles");
+            let words = |(level, triangles): (u32, u32)| {
+                format!("level {level} of {}", counted(triangles, "triangle"))
+            };
             return Err(ChunkFault::new(words(found), words((chunk.level, chunk.triangles))));
         }
         self.errors.push((self.error, refiner.group_count));

@@ -6,6 +6,7 @@ use super::plan::Plan;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::mesh::Mesh;
+use crate::text::counted;
 
 /// Batches with all bits of the positions, the last ones.
 const EXACT_BATCHES: usize = 2;
@@ -35,7 +36,7 @@ impl<'a> StreamSource<'a> {
     ) -> Result<Self, Error> {
         options.check()?;
         if sequence.vertex_count() != mesh.vertex_count() {
-            let found = format!("collapses over {} vertices", sequence.vertex_count());
+            let found = format!("collapses over {}", counted(sequence.vertex_count(), "vertex"));
             return Err(Error::Parameter { name: "sequence", found, expected: "the vertices of the mesh" });
         }
         let plan = Plan::new(sequence);
@@ -66,7 +67,7 @@ impl<'a> StreamSource<'a> {
             mesh.attributes().iter().map(|attribute| Channel::new(attribute, options.attribute_bits));
         let channels = channels.collect::<Result<Vec<_>, _>>()?;
         if channels.len() > 64 || channels.iter().any(|channel| channel.name.len() > 256) {
-            let found = format!("{} attributes", channels.len());
+            let found = counted(channels.len(), "attribute");
             return Err(Error::Parameter {
                 name: "attributes",
                 found,

@@ -42,7 +42,7 @@ pub(crate) fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Stri
         ahead.clear();
         // Both directions at once: a step waits for memory, and the two do not wait for each other.
         let mut walks =
-            [PathWalk { triangle: lowest, exit: first }, PathWalk { triangle: lowest, exit: second }];
+            [TriangleWalk { triangle: lowest, exit: first }, TriangleWalk { triangle: lowest, exit: second }];
         while walks.iter().any(|walk| walk.exit != OPEN) {
             let [backward, forward] = &mut walks;
             back.extend(backward.step(graph, cover, &mut seen));
@@ -115,12 +115,12 @@ impl Step {
 }
 
 /// A walk along a path: the current triangle and the edge over which it continues, `OPEN` at the path's end.
-struct PathWalk {
+struct TriangleWalk {
     triangle: u32,
     exit: u32,
 }
 
-impl PathWalk {
+impl TriangleWalk {
     /// Advances by one triangle, unless the path ends; stops if the path is closed, which a valid cover's paths are not.
     #[inline]
     fn step(&mut self, graph: &DualGraph, cover: &PathCover, seen: &mut [bool]) -> Option<Step> {

@@ -13,6 +13,7 @@ use crate::ids::vertices_of;
 use crate::index::Index;
 use crate::mesh::check_triangles;
 use crate::names::names;
+use crate::text::counted;
 
 /// Fewer equal indices than these between two changed ranges are sent with them: a transfer has a cost of its own.
 const MIN_EQUAL_RUN: usize = 16;
@@ -85,7 +86,7 @@ impl Strips {
         let count = self.index_count(layout);
         let available = out.len();
         let Some(out) = out.get_mut(..count) else {
-            let found = format!("a slice of {available} indices for {count}");
+            let found = format!("a slice of {} for {count}", counted(available, "index"));
             return Err(Error::Parameter { name: "out", found, expected: "room for the index buffer" });
         };
         let mut free = out.iter_mut();

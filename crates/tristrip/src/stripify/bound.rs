@@ -81,21 +81,7 @@ pub struct ComponentBound {
 
 impl Bound {
     /// Bounds all covers of a triangulation.
-    ///
-    /// ```
-    /// use tristrip::stripify::{bound::Bound, plan};
-    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions};
-    /// // A triangle with a neighbour at each of its edges, and one by itself.
-    /// let corners = vec![0, 1, 2, 1, 0, 3, 2, 1, 4, 0, 2, 5, 6, 7, 8];
-    /// let mesh = Mesh::new(vec![[0.0; 3]; 9], Faces::from_triangles(corners)?)?;
-    /// let prepared = PreparedFaces::new(&mesh, false);
-    /// let graph = DualGraph::new(prepared.faces());
-    /// let bound = Bound::of_triangulation(plan(&prepared, &graph, &StripifyOptions::default())?.triangulation());
-    /// assert_eq!((bound.strips, bound.vertices_sent, bound.indices_restart), (3, 11, 13));
-    /// assert_eq!(bound.components[0].strips, 2);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn of_triangulation(triangulation: &Triangulation<'_>) -> Self {
+    pub(crate) fn of_triangulation(triangulation: &Triangulation<'_>) -> Self {
         let found = strips::bound(triangulation.graph());
         let runs = runs(triangulation.graph(), &found);
         let mut repeats = 0;

@@ -155,7 +155,7 @@ impl Method {
     /// The tunnelling operator up to length 9: beyond it, every two more edges multiply the time several times.
     pub const TUNNEL: Self = Self::Tunnel { length: 9 };
     /// The enhanced tunnelling algorithm depth first, with stars on demand. Its paper names no defaults; those are [`TunnelOptions::ETA`].
-    pub const ETA: Self = Self::Eta {
+    pub(crate) const ETA: Self = Self::Eta {
         tunnels: TunnelOptions::ETA,
         acceptance: Acceptance::DepthFirst,
         localization: Localization::OnDemand,
@@ -224,127 +224,101 @@ pub struct StripifyOptions {
 const FAST_EFFORT: Option<Effort> = Effort::new(2);
 
 impl StripifyOptions {
-    /// Sets the method.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let strips = |method| stripify_indices_with(&grid, 289, &StripifyOptions::default().with_method(method));
-    /// let indices = |method| strips(method).map(|strips| strips.index_count(Layout::Restart));
-    /// assert!(indices(Method::Best)? < indices(Method::Input)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_method(mut self, method: Method) -> Self {
-        self.method = method;
-        self
-    }
+    crate::setters! {
+        /// Sets the method.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let strips = |method| stripify_indices_with(&grid, 289, &StripifyOptions::default().with_method(method));
+        /// let indices = |method| strips(method).map(|strips| strips.index_count(Layout::Restart));
+        /// assert!(indices(Method::Best)? < indices(Method::Input)?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_method(method: Method);
 
-    /// Sets whether vertices are welded whose position and attributes all have the same bits.
-    ///
-    /// ```
-    /// use tristrip::{Faces, Mesh, StripifyOptions, stripify};
-    /// // Two triangles with an edge in common, but no vertex of the array: 3 is at the place of 1, 4 at that of 2.
-    /// let places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
-    /// let positions = [0, 1, 2, 1, 2, 3].map(|place| places[place]).to_vec();
-    /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 4, 3, 5])?)?;
-    /// let sent = |weld| stripify(&mesh, &StripifyOptions::default().with_weld(weld)).map(|s| s.vertices_sent());
-    /// assert_eq!((sent(false)?, sent(true)?), (6, 4));
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_weld(mut self, weld: bool) -> Self {
-        self.weld = weld;
-        self
-    }
+        /// Sets whether vertices are welded whose position and attributes all have the same bits.
+        ///
+        /// ```
+        /// use tristrip::{Faces, Mesh, StripifyOptions, stripify};
+        /// // Two triangles with an edge in common, but no vertex of the array: 3 is at the place of 1, 4 at that of 2.
+        /// let places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        /// let positions = [0, 1, 2, 1, 2, 3].map(|place| places[place]).to_vec();
+        /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 4, 3, 5])?)?;
+        /// let sent = |weld| stripify(&mesh, &StripifyOptions::default().with_weld(weld)).map(|s| s.vertices_sent());
+        /// assert_eq!((sent(false)?, sent(true)?), (6, 4));
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_weld(weld: bool);
 
-    /// Sets the seed of randomized methods.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let method = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Random };
-    /// let options = StripifyOptions::default().with_method(method);
-    /// let strips = |seed| stripify_indices_with(&grid, 289, &options.with_seed(seed));
-    /// assert_ne!(strips(1)?, strips(2)?);
-    /// assert_eq!(strips(2)?, strips(2)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
-        self
-    }
+        /// Sets the seed of randomized methods.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let method = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Random };
+        /// let options = StripifyOptions::default().with_method(method);
+        /// let strips = |seed| stripify_indices_with(&grid, 289, &options.with_seed(seed));
+        /// assert_ne!(strips(1)?, strips(2)?);
+        /// assert_eq!(strips(2)?, strips(2)?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_seed(seed: u64);
 
-    /// Sets the cost that searches minimize.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let metrics = |cost| {
-    ///     let strips = stripify_indices_with(&grid, 289, &StripifyOptions::default().with_cost(cost));
-    ///     strips.map(|strips| Metrics::of(&strips))
-    /// };
-    /// // Where swaps are free, fewer and longer strips with more swaps are better.
-    /// let (restart, gl) = (metrics(Cost::Restart)?, metrics(Cost::Gl)?);
-    /// assert!(restart.indices_restart < gl.indices_restart && restart.gl_cost > gl.gl_cost);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_cost(mut self, cost: Cost) -> Self {
-        self.cost = cost;
-        self
-    }
+        /// Sets the cost that searches minimize.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let metrics = |cost| {
+        ///     let strips = stripify_indices_with(&grid, 289, &StripifyOptions::default().with_cost(cost));
+        ///     strips.map(|strips| Metrics::of(&strips))
+        /// };
+        /// // Where swaps are free, fewer and longer strips with more swaps are better.
+        /// let (restart, gl) = (metrics(Cost::Restart)?, metrics(Cost::Gl)?);
+        /// assert!(restart.indices_restart < gl.indices_restart && restart.gl_cost > gl.gl_cost);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_cost(cost: Cost);
 
-    /// Sets the effort of searches; the default depends on the method.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let indices = |options: &StripifyOptions| {
-    ///     stripify_indices_with(&grid, 289, options).map(|strips| strips.index_count(Layout::Restart))
-    /// };
-    /// let options = StripifyOptions::default(); // level 2
-    /// assert!(indices(&options.with_effort(Effort::MAX))? < indices(&options)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_effort(mut self, effort: Effort) -> Self {
-        self.effort = Some(effort);
-        self
-    }
+        /// Sets the effort of searches; the default depends on the method.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let indices = |options: &StripifyOptions| {
+        ///     stripify_indices_with(&grid, 289, options).map(|strips| strips.index_count(Layout::Restart))
+        /// };
+        /// let options = StripifyOptions::default(); // level 2
+        /// assert!(indices(&options.with_effort(Effort::MAX))? < indices(&options)?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_effort(effort: Effort) as Some;
 
-    /// Sets the vertex cache that [`Method::Cache`] optimizes for.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let cache = VertexCache::lru(24);
-    /// let misses = |options| {
-    ///     let strips = stripify_indices_with(&grid, 289, &options);
-    ///     strips.map(|strips| VertexCacheStatistics::of(&strips, cache, FlushPolicy::default()).misses)
-    /// };
-    /// let options = StripifyOptions::default().with_method(Method::Cache);
-    /// assert!(misses(options.with_vertex_cache(cache))? < misses(options)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_vertex_cache(mut self, vertex_cache: VertexCache) -> Self {
-        self.vertex_cache = vertex_cache;
-        self
-    }
+        /// Sets the vertex cache that [`Method::Cache`] optimizes for.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let cache = VertexCache::lru(24);
+        /// let misses = |options| {
+        ///     let strips = stripify_indices_with(&grid, 289, &options);
+        ///     strips.map(|strips| VertexCacheStatistics::of(&strips, cache, FlushPolicy::default()).misses)
+        /// };
+        /// let options = StripifyOptions::default().with_method(Method::Cache);
+        /// assert!(misses(options.with_vertex_cache(cache))? < misses(options)?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_vertex_cache(vertex_cache: VertexCache);
 
-    /// Sets how [`Method::Cache`] weighs indices against misses.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let options = StripifyOptions::default().with_method(Method::Cache);
-    /// let strips = |objective| stripify_indices_with(&grid, 289, &options.with_objective(objective));
-    /// let (indices, misses) = (strips(Objective::Indices)?, strips(Objective::Misses)?);
-    /// assert!(indices.vertices_sent() < misses.vertices_sent());
-    /// let count = |strips| VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::default()).misses;
-    /// assert!(count(&indices) > count(&misses));
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_objective(mut self, objective: Objective) -> Self {
-        self.objective = objective;
-        self
+        /// Sets how [`Method::Cache`] weighs indices against misses.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let options = StripifyOptions::default().with_method(Method::Cache);
+        /// let strips = |objective| stripify_indices_with(&grid, 289, &options.with_objective(objective));
+        /// let (indices, misses) = (strips(Objective::Indices)?, strips(Objective::Misses)?);
+        /// assert!(indices.vertices_sent() < misses.vertices_sent());
+        /// let count = |strips| VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::default()).misses;
+        /// assert!(count(&indices) > count(&misses));
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_objective(objective: Objective);
     }
 
     /// Returns the effort of searches: the one that was set, otherwise the default of the method.

@@ -85,19 +85,6 @@ impl GeneralizedCost {
         cost
     }
 
-    /// Returns the vertices transmitted per real triangle; 0 without triangles.
-    ///
-    /// ```
-    /// use tristrip::{Strips, vertex_cache::{FlushPolicy, GeneralizedCost, VertexCache}};
-    /// let strips = Strips::from_parts(vec![0, 1, 2, 3, 2, 3, 4, 5], vec![4, 8])?;
-    /// let cost = |cache| GeneralizedCost::of(&strips, cache, FlushPolicy::Keep);
-    /// assert_eq!(cost(VertexCache::fifo(2)).transmitted_per_triangle(), 1.5);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn transmitted_per_triangle(&self) -> f64 {
-        if self.triangles == 0 { 0.0 } else { self.transmitted as f64 / self.triangles as f64 }
-    }
-
     fn send(&mut self, strip: &[u32], simulator: &mut VertexCacheSimulator) {
         let (mut older, mut newer) = (None, None);
         for &vertex in strip {

@@ -1,4 +1,4 @@
-//! Vertex-cache statistics: of strips or a list with one cache or many, strip by strip, and for all sizes of an LRU cache.
+//! Vertex-cache statistics: of strips or a list with one cache or many, and for all sizes of an LRU cache.
 
 use super::distances::Distances;
 use super::fifo::Fifo;
@@ -6,7 +6,7 @@ use super::policy::{FlushPolicy, Replacement, VertexCache};
 use super::simulator::VertexCacheSimulator;
 use super::stream::VertexStream;
 use crate::error::Error;
-use crate::strip::{Strips, count_triangles};
+use crate::strip::Strips;
 
 /// FIFO caches that are simulated side by side: one vector register of stamps. Eight are not faster on bunny, and slower on dragon,
 /// whose stamps no longer fit in the processor's caches then.
@@ -188,45 +188,6 @@ impl std::iter::Sum for VertexCacheStatistics {
             triangles: a.triangles + b.triangles,
             vertices: a.vertices + b.vertices,
         })
-    }
-}
-
-/// Vertex-cache statistics of one strip.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct StripCacheStatistics {
-    /// Vertices sent, swaps and winding repeats included.
-    pub length: usize,
-    /// Real triangles drawn.
-    pub triangles: usize,
-    /// Vertices that were not in the cache when they were sent.
-    pub misses: usize,
-}
-
-impl StripCacheStatistics {
-    /// Simulates strips as [`VertexCacheStatistics::of`] does. Returns the statistics of each, in order.
-    ///
-    /// ```
-    /// use tristrip::{Strips, vertex_cache::{FlushPolicy, StripCacheStatistics, VertexCache}};
-    /// let mut strips = Strips::default();
-    /// strips.push(&[0, 1, 2, 3]);
-    /// strips.push(&[2, 3, 4]);
-    /// let each = StripCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Keep);
-    /// assert_eq!(each[1], StripCacheStatistics { length: 3, triangles: 1, misses: 1 });
-    /// ```
-    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy) -> Vec<Self> {
-        let sent = VertexStream::strips(strips);
-        let mut simulator = VertexCacheSimulator::of(cache, sent.vertex_count);
-        let mut each = Vec::with_capacity(strips.len());
-        sent.runs(FlushPolicy::Flush, |strip| {
-            if flush == FlushPolicy::Flush {
-                simulator.flush();
-            }
-            let before = simulator.misses();
-            simulator.receive_all(strip);
-            let misses = simulator.misses() - before;
-            each.push(Self { length: strip.len(), triangles: count_triangles(strip), misses });
-        });
-        each
     }
 }
 

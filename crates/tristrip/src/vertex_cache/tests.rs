@@ -185,17 +185,6 @@ proptest! {
     }
 
     #[test]
-    fn statistics_of_single_strips_add_up(strips in any_strips(), cache in any_cache()) {
-        for flush in BOTH {
-            let each = StripCacheStatistics::of(&strips, cache, flush);
-            prop_assert!(each.iter().map(|one| one.length).eq(strips.iter().map(<[u32]>::len)));
-            let used = VertexCacheStatistics::of(&strips, cache, flush);
-            prop_assert_eq!(each.iter().map(|one| one.misses).sum::<usize>(), used.misses);
-            prop_assert_eq!(each.iter().map(|one| one.triangles).sum::<usize>(), used.triangles);
-        }
-    }
-
-    #[test]
     fn a_generalized_mesh_costs_the_same_as_with_a_queue(strips in any_turning_strips(), cache in any_cache()) {
         for flush in BOTH {
             let cost = GeneralizedCost::of(&strips, cache, flush);
@@ -329,7 +318,6 @@ fn any_vertex_is_simulated_and_wrong_arguments_are_refused() {
                 (4, 2, if cache.entries < 2 { 5 } else { 4 })
             );
             assert_eq!(VertexCacheStatistics::of_each(&strips, &[cache; 9], flush), [used; 9]);
-            assert_eq!(StripCacheStatistics::of(&strips, cache, flush)[0].misses, used.misses);
             assert_eq!(GeneralizedCost::of(&strips, cache, flush).triangles, 2);
         }
         assert_eq!(VertexCacheStatistics::of_list(&[[u32::MAX, 0, 7]], cache).vertices, 3);

@@ -1,6 +1,7 @@
 //! Accessors: the byte ranges of their values in the buffers, checked once, and decoded into arrays within a budget.
 
 use tristrip::AttributeData;
+use tristrip::text::counted;
 
 use crate::error::Error;
 use crate::gltf::document::budget::DecodeBudget;
@@ -78,8 +79,8 @@ impl<'a> AccessorResolver<'a> {
             Some(bytes) => Ok(BufferView { bytes, start: (owner, offset), stride }),
             None => Err(Error::format(
                 view.at.clone(),
-                format!("{length} bytes from byte {offset}"),
-                format!("a range within the {} bytes of buffers[{buffer}]", bytes.len()),
+                format!("{} from byte {offset}", counted(length, "byte")),
+                format!("a range within the {} of buffers[{buffer}]", counted(bytes.len(), "byte")),
             )),
         }
     }
@@ -159,8 +160,8 @@ impl<'a> AccessorResolver<'a> {
             Some(bytes) if bytes.len() as u64 >= length => Ok((bytes, stride)),
             _ => Err(Error::format(
                 accessor.at.clone(),
-                format!("{count} values: {length} bytes from byte {offset}"),
-                format!("a range within the {} bytes of {}", view.bytes.len(), view_at.at),
+                format!("{}: {} from byte {offset}", counted(count, "value"), counted(length, "byte")),
+                format!("a range within the {} of {}", counted(view.bytes.len(), "byte"), view_at.at),
             )),
         }
     }
@@ -290,7 +291,7 @@ impl AccessorValues<'_> {
         budget: &mut DecodeBudget,
     ) -> Result<Vec<[f32; 3]>, Error> {
         if self.components != 3 {
-            let found = format!("{} components", self.components);
+            let found = counted(self.components, "component");
             return Err(Error::format(format!("{}.type", self.at), found, "VEC3 for POSITION"));
         }
         let integer = matches!(
@@ -369,7 +370,7 @@ impl AccessorValues<'_> {
         if self.components != 1 || !unsigned {
             return Err(Error::format(
                 self.at.clone(),
-                format!("{} components of type {}", self.components, self.component.code()),
+                format!("{} of type {}", counted(self.components, "component"), self.component.code()),
                 "SCALAR of 5121, 5123 or 5125 for indices",
             ));
         }

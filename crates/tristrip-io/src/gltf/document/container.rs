@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::error::Error;
 use crate::gltf::document::Document;
 use crate::gltf::document::byte_ranges::SharedBytes;
+use tristrip::text::counted;
 
 const MAGIC: &[u8; 4] = b"glTF";
 const JSON_CHUNK: u32 = 0x4E4F_534A;
@@ -127,7 +128,7 @@ pub(in crate::gltf) fn open(file: Arc<Vec<u8>>, notes: &mut Vec<String>) -> Resu
     }
     let header = |at: usize, what: &str| {
         word(&file, at).ok_or_else(|| {
-            let found = format!("the end of the file after {} bytes", file.len());
+            let found = format!("the end of the file after {}", counted(file.len(), "byte"));
             Error::format(format!("byte {at}"), found, what)
         })
     };
@@ -136,7 +137,9 @@ pub(in crate::gltf) fn open(file: Arc<Vec<u8>>, notes: &mut Vec<String>) -> Resu
     let least = HEADER_BYTES + CHUNK_HEADER_BYTES;
     if length > file.len() || length < least {
         let expected = match file.len() {
-            n if n < least => format!("at least {least}, two headers, in a file of {n} bytes"),
+            n if n < least => {
+                format!("at least {least}, two headers, in a file of {}", counted(n, "byte"))
+            }
             n => format!("{least} to {n}, the length of the file"),
         };
         return Err(Error::format("byte 8", format!("length {length}"), expected));
@@ -187,11 +190,7 @@ fn chunk(file: &[u8], at: usize, end: usize) -> Result<(u32, Range<usize>), Erro
     let left = end - at;
     let (Some(length), Some(kind), true) = (word(file, at), word(file, at + 4), left >= CHUNK_HEADER_BYTES)
     else {
-        return Err(Error::format(
-            format!("byte {at}"),
-            format!("{left} bytes"),
-            "8 bytes of a chunk header",
-        ));
+        return Err(Error::format(format!("byte {at}"), counted(left, "byte"), "8 bytes of a chunk header"));
     };
     let body = at + CHUNK_HEADER_BYTES;
     if length as usize > end - body {

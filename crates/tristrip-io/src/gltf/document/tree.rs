@@ -3,6 +3,7 @@
 
 use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::json::{self, JsonContent, Members, Value};
+use tristrip::text::counted;
 
 use crate::error::Error;
 
@@ -172,7 +173,7 @@ impl<'a> Located<'a> {
     pub(in crate::gltf) fn numbers<const N: usize>(&self) -> Result<[f64; N], Error> {
         let items = self.items()?.map(|item| item.number()).collect::<Result<Vec<_>, _>>()?;
         let found = items.len();
-        let wrong = |_| Error::format(self.at.clone(), format!("{found} numbers"), format!("{N}"));
+        let wrong = |_| Error::format(self.at.clone(), counted(found, "number"), format!("{N}"));
         items.try_into().map_err(wrong)
     }
 

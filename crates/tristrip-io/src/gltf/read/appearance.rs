@@ -426,7 +426,7 @@ mod tests {
                 "samplers[0].wrapS: found 1, expected 10497",
             ),
             (r#""nodes":[{"mesh":2}],"textures":[{}]"#, "nodes[0].mesh: found 2, expected less than 1"),
-            (r#""nodes":[{"matrix":[1]}],"textures":[{}]"#, "nodes[0].matrix: found 1 numbers, expected 16"),
+            (r#""nodes":[{"matrix":[1]}],"textures":[{}]"#, "nodes[0].matrix: found 1 number, expected 16"),
             (
                 r#""scenes":[{"nodes":[0,1]}],"nodes":[{"children":[1]},{}],"textures":[{}]"#,
                 "nodes[1]: found a node with two parents, expected a tree",

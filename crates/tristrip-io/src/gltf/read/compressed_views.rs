@@ -35,6 +35,7 @@ use std::ops::Range;
 
 use draco_gltf::meshopt::{MeshoptFilter, MeshoptMode, decode_buffer_view};
 use tristrip::AttributeData;
+use tristrip::text::counted;
 
 use crate::error::Error;
 use crate::gltf::document::accessor::AccessorResolver;
@@ -270,13 +271,15 @@ impl<'a> CompressedView<'a> {
         // The bytes pay for the count: nothing is allocated for one that they cannot hold.
         let least = least_bytes(mode, bytes, count, stride);
         if least > bytes.len() as u64 {
-            let expected =
-                format!("a count that {} bytes can hold; this one takes {least} or more", bytes.len());
+            let held = counted(bytes.len(), "byte");
+            let expected = format!("a count that {held} can hold; this one takes {least} or more");
             return Err(count_at.wrong(expected));
         }
         let length_at = view.need("byteLength")?;
         if Some(length_at.size()?) != count.checked_mul(stride) {
-            let expected = format!("{}, {count} elements of {stride} bytes", count.saturating_mul(stride));
+            let elements = counted(count, "element");
+            let expected =
+                format!("{}, {elements} of {}", count.saturating_mul(stride), counted(stride, "byte"));
             return Err(length_at.wrong(expected));
         }
         Ok(Self { at: extension.at.clone(), buffer, bytes, mode, filter, count, stride })
@@ -291,8 +294,9 @@ impl<'a> CompressedView<'a> {
         decode_buffer_view(&mut out[start..], bytes, mode, filter, count, stride).map_err(|error| {
             let words = error.to_string();
             let why = words.rsplit(": ").next().unwrap_or(&words).to_owned();
-            let found = format!("{} bytes that cannot be decoded ({why})", bytes.len());
-            Error::format(self.at.clone(), found, format!("{count} elements of {stride} bytes"))
+            let found = format!("{} that cannot be decoded ({why})", counted(bytes.len(), "byte"));
+            let expected = format!("{} of {}", counted(count, "element"), counted(stride, "byte"));
+            Error::format(self.at.clone(), found, expected)
         })?;
         Ok(start)
     }
@@ -310,8 +314,8 @@ fn compressed_bytes<'a>(
     };
     let (offset, length) = (extension.size_or("byteOffset", 0)?, extension.need("byteLength")?.size()?);
     let bytes = offset.checked_add(length).and_then(|end| all.get(offset..end)).ok_or_else(|| {
-        let found = format!("{length} bytes from byte {offset}");
-        let expected = format!("a range within the {} bytes of buffers[{buffer}]", all.len());
+        let found = format!("{} from byte {offset}", counted(length, "byte"));
+        let expected = format!("a range within the {} of buffers[{buffer}]", counted(all.len(), "byte"));
         Error::format(extension.at.clone(), found, expected)
     })?;
     Ok((buffer, bytes))

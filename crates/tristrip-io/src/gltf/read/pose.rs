@@ -14,6 +14,7 @@
 use std::collections::HashMap;
 
 use tristrip::AttributeData;
+use tristrip::text::counted;
 
 use crate::error::Error;
 use crate::gltf::document::accessor::AccessorResolver;
@@ -195,7 +196,7 @@ impl MorphReader<'_> {
             let sum = sum.get_or_insert_with(|| vec![[0.0; 3]; values.len()]);
             if sum.len() != values.len() {
                 let expected = format!("{}, as in the other targets", sum.len());
-                return Err(Error::format(accessor.at, format!("{} values", values.len()), expected));
+                return Err(Error::format(accessor.at, counted(values.len(), "value"), expected));
             }
             for (sum, value) in sum.iter_mut().zip(values) {
                 *sum = [0, 1, 2].map(|axis| sum[axis] + weight * value[axis]);

@@ -12,6 +12,7 @@
 use std::path::Path;
 
 use tristrip::stream::{Decoder, StreamLimits, StreamPart};
+use tristrip::text::counted;
 
 use crate::error::Error;
 use crate::gltf::document::container::json_end;
@@ -256,14 +257,20 @@ impl ArrivingGlb {
         }
         let expected = match &self.stage {
             ArrivalStage::Json { .. } => "the header and the JSON of a GLB".into(),
-            ArrivalStage::Base(range) => format!("{} bytes before the stream", range.bytes().start),
+            ArrivalStage::Base(range) => {
+                format!("{} before the stream", counted(range.bytes().start, "byte"))
+            }
             ArrivalStage::Chunks { range, decoder } => {
                 let length = range.bytes().end - range.bytes().start;
-                format!("{length} bytes of chunks, of which {} are complete", decoder.offset())
+                format!("{} of chunks; complete: {}", counted(length, "byte"), decoder.offset())
             }
-            ArrivalStage::Plain { end } => format!("{end} bytes"),
+            ArrivalStage::Plain { end } => counted(end, "byte"),
         };
-        Err(Error::format("file", format!("the end of the file after {} bytes", self.offset), expected))
+        Err(Error::format(
+            "file",
+            format!("the end of the file after {}", counted(self.offset, "byte")),
+            expected,
+        ))
     }
 
     /// Returns whether all that is drawn has arrived: all chunks, or all bytes of a file without a stream.

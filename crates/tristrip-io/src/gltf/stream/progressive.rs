@@ -18,6 +18,7 @@ use std::sync::Arc;
 use serde_json::json;
 use tristrip::Layout;
 use tristrip::stream::StreamLimits;
+use tristrip::text::counted;
 
 use crate::error::Error;
 use crate::gltf::document::container::{self, CHUNK_HEADER_BYTES, GlbContainer, GlbContent};
@@ -190,7 +191,7 @@ impl ChunkRange {
     pub fn find(start: impl Into<Vec<u8>>) -> Result<Option<Self>, Error> {
         let file = Arc::new(start.into());
         let Some(container) = container::open_start(Arc::clone(&file)) else {
-            let found = format!("the end of the file after {} bytes", file.len());
+            let found = format!("the end of the file after {}", counted(file.len(), "byte"));
             return Err(Error::format("GLB", found, "a header and JSON"));
         };
         let document = Document::parse(container.json_bytes())?;
@@ -261,11 +262,11 @@ impl ProgressiveGlb {
         let Some((stream, offset, length)) = stream_in_bin(&document.root)? else { return Ok(None) };
         let view = Located::entry(&document.root, "bufferViews", stream.view)?;
         let Some(bin) = container.bin.clone().filter(|bin| bin.len() >= offset) else {
-            let found = format!("the end of the file after {} bytes", file.len());
+            let found = format!("the end of the file after {}", counted(file.len(), "byte"));
             return Err(Error::format(
                 view.at,
                 found,
-                format!("{offset} bytes of base meshes before the stream"),
+                format!("{} of base meshes before the stream", counted(offset, "byte")),
             ));
         };
         let start = bin.start + offset;

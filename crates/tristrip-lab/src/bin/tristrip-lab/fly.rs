@@ -238,8 +238,9 @@ fn page(
     let [columns, height] = task.lens.image;
     let pixels = criteria.pixels;
     let budget = criteria.budget.map(|budget| format!(" At most {}.", counted(budget, "triangle")));
-    let steps =
-        criteria.steps.map(|steps| format!(" At most {} collapses and splits per frame.", count(steps)));
+    let steps = criteria
+        .steps
+        .map(|steps| format!(" At most {} per frame, collapses or splits.", counted(steps, "step")));
     let foveation = criteria.foveation.map(|foveation| {
         let [x, y] = foveation.attention();
         format!(" growing by {} per degree from {x}, {y} of the image,", foveation.growth())

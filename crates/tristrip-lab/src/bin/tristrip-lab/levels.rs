@@ -8,7 +8,7 @@ use tristrip_lab::recovery::{self, ModelRecovery, Sweep};
 use tristrip_lab::traffic::{
     self, FilterTotal, LevelRow, TrafficModel, measure_levels, totals, totals_as_text,
 };
-use tristrip_pipeline::text::{count, counted};
+use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{MethodDescription, levels, levels::ModelLevels};
 
 use crate::args::LevelsArgs;
@@ -144,7 +144,7 @@ fn tables(
         let sweeps: Vec<Sweep> = Sweep::ALL.into_iter().filter(|sweep| args.sweep.contains(sweep)).collect();
         let (measured, seconds) = timed(|| recovery::measure(levels, &sweeps, ROUNDS));
         let measured = measured?;
-        console.stage("recovery", &format!("{} models", count(measured.len())), Some(seconds));
+        console.stage("recovery", &counted(measured.len(), "model"), Some(seconds));
         report.recovery = Some(measured);
     }
     Ok(())

@@ -2,11 +2,12 @@
 //! error at its offset.
 
 use super::super::layout::{HEADER_BYTES, Header, POSITION_BYTES, is_entry, number};
-use super::{Decoder, Next, references};
+use super::{Next, WireDecoder, references};
 use tristrip::Error;
 use tristrip::lod::RESTART;
+use tristrip::text::counted;
 
-impl Decoder {
+impl WireDecoder {
     /// Reads all items that end in some bytes.
     pub(super) fn read(&mut self, mut bytes: &[u8]) -> Result<(), Error> {
         while !bytes.is_empty() {
@@ -149,7 +150,7 @@ impl Decoder {
     fn end_split(&mut self) -> Result<(), Error> {
         let (left, splits) = self.left();
         if splits == 1 && left > 0 {
-            let found = format!("the last split, {left} vertices before the last one");
+            let found = format!("the last split, {} before the last one", counted(left, "vertex"));
             return Err(self.wrong(found, "another record of the split"));
         }
         self.split.record_ends.push(self.split.slots.len());

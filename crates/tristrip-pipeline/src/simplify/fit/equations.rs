@@ -42,7 +42,7 @@ pub(super) struct Equations<'a> {
     /// A block for each pair of corners of each triangle.
     blocks: Vec<[Block; 6]>,
     right: Vec<Point>,
-    /// How heavy each position is: see [`Surface::masses`](super::surface::Surface::masses).
+    /// How heavy each position is: see [`FitSurface::masses`](super::surface::FitSurface::masses).
     mass: Vec<f64>,
 }
 

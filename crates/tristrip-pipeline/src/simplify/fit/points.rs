@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use tristrip::random::Random;
 
 use super::equations::{Equations, Pull};
-use super::surface::{Point, Spot, Surface, unit};
+use super::surface::{FitSurface, Point, Spot, unit};
 use crate::surface_change::{Facet, dot, sub};
 
 /// The points per triangle of the simplified surface, on each surface.
@@ -41,7 +41,7 @@ impl Points {
     /// Spreads points over both surfaces and searches the nearest of each; `starts` has the triangle of the simplified surface at which
     /// the searches for the points of a triangle of the original begin. None are in vanished components, which have no such triangle.
     /// The first positions of the original are those of the simplified surface.
-    pub(super) fn new(original: &Surface, simplified: &Surface, starts: &[Option<u32>]) -> Self {
+    pub(super) fn new(original: &FitSurface, simplified: &FitSurface, starts: &[Option<u32>]) -> Self {
         let mut random = Random::new(0);
         // 1. The original. What the collapses brought to one triangle has the points of that triangle.
         let (original_side, simplified_side) = (original.side(), simplified.side());
@@ -120,15 +120,15 @@ impl Points {
     }
 
     /// Searches the nearest points again near where they were, after some triangles of the simplified surface have moved.
-    pub(super) fn search(&mut self, original: &Surface, simplified: &Surface, has_moved: &[bool]) {
+    pub(super) fn search(&mut self, original: &FitSurface, simplified: &FitSurface, has_moved: &[bool]) {
         self.search_simplified(original, simplified, has_moved, true);
         self.search_original(original, simplified, has_moved, true);
     }
 
     fn search_simplified(
         &mut self,
-        original: &Surface,
-        simplified: &Surface,
+        original: &FitSurface,
+        simplified: &FitSurface,
         has_moved: &[bool],
         stays: bool,
     ) {
@@ -138,7 +138,13 @@ impl Points {
         });
     }
 
-    fn search_original(&mut self, original: &Surface, simplified: &Surface, has_moved: &[bool], stays: bool) {
+    fn search_original(
+        &mut self,
+        original: &FitSurface,
+        simplified: &FitSurface,
+        has_moved: &[bool],
+        stays: bool,
+    ) {
         Pair::of(&mut self.of_simplified, has_moved).for_each(|pair| {
             let point = simplified.point(&pair.simplified);
             pair.original = original.nearest(point, pair.original.triangle, stays);
@@ -146,7 +152,13 @@ impl Points {
     }
 
     /// Searches more widely for points beyond a squared distance: the search from triangle to neighbour may have ended too early.
-    fn search_beyond(&mut self, original: &Surface, simplified: &Surface, has_moved: &[bool], limit: f64) {
+    fn search_beyond(
+        &mut self,
+        original: &FitSurface,
+        simplified: &FitSurface,
+        has_moved: &[bool],
+        limit: f64,
+    ) {
         let is_far = |pair: &Pair| pair.square(original, simplified) > limit;
         Pair::of(&mut self.of_original, has_moved).filter(|pair| is_far(pair)).for_each(|pair| {
             let point = original.point(&pair.original);
@@ -159,7 +171,7 @@ impl Points {
     }
 
     /// Returns the sum of the mean squared distances in both directions.
-    pub(super) fn mean_squares(&self, original: &Surface, simplified: &Surface) -> f64 {
+    pub(super) fn mean_squares(&self, original: &FitSurface, simplified: &FitSurface) -> f64 {
         let mean = |pairs: &[Pair]| {
             pairs.iter().map(|pair| pair.weight * pair.square(original, simplified)).sum::<f64>()
         };
@@ -167,7 +179,7 @@ impl Points {
     }
 
     /// Returns the largest squared distance, or a negligible one if it is larger.
-    pub(super) fn largest_square(&self, original: &Surface, simplified: &Surface) -> f64 {
+    pub(super) fn largest_square(&self, original: &FitSurface, simplified: &FitSurface) -> f64 {
         let largest = |pairs: &[Pair]| {
             let squares = pairs.par_iter().map(|pair| pair.square(original, simplified));
             squares.reduce(|| 0.0, f64::max)
@@ -178,8 +190,8 @@ impl Points {
     /// Returns the triangles of the simplified surface, among those that have moved, with points beyond a squared distance.
     pub(super) fn beyond(
         &mut self,
-        original: &Surface,
-        simplified: &Surface,
+        original: &FitSurface,
+        simplified: &FitSurface,
         has_moved: &[bool],
         limit: f64,
     ) -> Vec<u32> {
@@ -194,7 +206,7 @@ impl Points {
     }
 
     /// Returns the equations of all points.
-    pub(super) fn equations<'a>(&self, original: &Surface, simplified: &'a Surface) -> Equations<'a> {
+    pub(super) fn equations<'a>(&self, original: &FitSurface, simplified: &'a FitSurface) -> Equations<'a> {
         let mut equations = Equations::new(&simplified.triangles, simplified.masses());
         for (pairs, is_of_original) in [(&self.of_original, true), (&self.of_simplified, false)] {
             for pair in pairs.iter().filter(|pair| pair.weight > 0.0) {
@@ -242,11 +254,11 @@ impl Pair {
     }
 
     /// Returns the vector from the simplified surface to the original.
-    fn rest(&self, original: &Surface, simplified: &Surface) -> Point {
+    fn rest(&self, original: &FitSurface, simplified: &FitSurface) -> Point {
         sub(original.point(&self.original), simplified.point(&self.simplified))
     }
 
-    fn square(&self, original: &Surface, simplified: &Surface) -> f64 {
+    fn square(&self, original: &FitSurface, simplified: &FitSurface) -> f64 {
         let rest = self.rest(original, simplified);
         dot(rest, rest)
     }

@@ -17,7 +17,7 @@ const MAX_AROUND: usize = 32;
 const MAX_WIDE: usize = 256;
 
 /// Triangles over positions, with the triangles around each position.
-pub(super) struct Surface {
+pub(super) struct FitSurface {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) at: Vec<Point>,
     /// The end of the triangles around each position.
@@ -39,7 +39,7 @@ impl Spot {
     }
 }
 
-impl Surface {
+impl FitSurface {
     /// Builds the surface of triangles over numbered positions.
     pub(super) fn new(faces: &Faces, at: Vec<Point>) -> Self {
         let triangles = faces.corners().as_chunks().0.to_vec();
@@ -113,13 +113,17 @@ impl Surface {
         Side::of((0..self.triangles.len() as u32).map(|triangle| self.facet(triangle)))
     }
 
+    /// Returns the squared distance of a point from a triangle, and the nearest point in it.
+    fn nearest_in(&self, point: Point, triangle: u32) -> (f64, Spot) {
+        #[cfg(test)]
+        tests::LOOKED_AT.set(tests::LOOKED_AT.get() + 1);
+        let (square, shares) = self.facet(triangle).nearest(point);
+        (square, Spot { triangle, shares })
+    }
+
     /// Searches the nearest point among the triangles around a spot, those near the point first: farther ones may lie nearer again.
     pub(super) fn nearest_around(&self, point: Point, spot: Spot) -> Spot {
-        let at = |triangle: u32| {
-            let (square, shares) = self.facet(triangle).nearest(point);
-            (square, Spot { triangle, shares })
-        };
-        let mut best = at(spot.triangle);
+        let mut best = self.nearest_in(point, spot.triangle);
         // The squares are not negative, so that their bits are in the order of the numbers.
         let mut queue = BinaryHeap::from([Reverse((best.0.to_bits(), spot.triangle))]);
         let mut seen = HashSet::from([spot.triangle]);
@@ -130,7 +134,7 @@ impl Surface {
                         return best.1;
                     }
                     if seen.insert(near) {
-                        let found = at(near);
+                        let found = self.nearest_in(point, near);
                         queue.push(Reverse((found.0.to_bits(), near)));
                         if found.0 < best.0 {
                             best = found;
@@ -144,8 +148,7 @@ impl Surface {
 
     /// Searches the nearest point from a triangle on. One inside of that triangle is taken if the search is to stay near it.
     pub(super) fn nearest(&self, point: Point, start: u32, stays: bool) -> Spot {
-        let (mut least, shares) = self.facet(start).nearest(point);
-        let mut spot = Spot { triangle: start, shares };
+        let (mut least, mut spot) = self.nearest_in(point, start);
         // A corner of many triangles is looked around from once, and not near the start.
         let mut known = None;
         for _ in 0..MAX_STEPS {
@@ -164,9 +167,9 @@ impl Surface {
                     known = Some(v);
                 }
                 for &near in around.iter().step_by(step).filter(|&&near| near != from) {
-                    let (square, shares) = self.facet(near).nearest(point);
-                    if square < least {
-                        (least, spot) = (square, Spot { triangle: near, shares });
+                    let found = self.nearest_in(point, near);
+                    if found.0 < least {
+                        (least, spot) = found;
                     }
                 }
             }
@@ -185,12 +188,19 @@ pub(super) fn unit(vector: Point) -> Point {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use std::cell::Cell;
+
     use super::*;
     use tristrip::random::Random;
 
+    thread_local! {
+        /// The triangles that the searches of this thread have looked at.
+        pub(in crate::simplify::fit) static LOOKED_AT: Cell<usize> = const { Cell::new(0) };
+    }
+
     /// A strip of triangles in the shape of a U: from one end to the other the way is far, and the distance rises before it falls.
-    fn bent(length: usize) -> Surface {
+    fn bent(length: usize) -> FitSurface {
         let at: Vec<Point> = (0..2 * length)
             .map(|v| {
                 let along = std::f64::consts::PI * 1.8 * (v / 2) as f64 / (length - 1) as f64;
@@ -198,7 +208,7 @@ mod tests {
             })
             .collect();
         let corners: Vec<u32> = (0..2 * length as u32 - 2).flat_map(|v| [v, v + 1, v + 2]).collect();
-        Surface::new(&Faces::from_triangles(corners).unwrap(), at)
+        FitSurface::new(&Faces::from_triangles(corners).unwrap(), at)
     }
 
     #[test]

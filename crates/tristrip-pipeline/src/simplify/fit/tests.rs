@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::surface::tests::LOOKED_AT;
 use super::*;
 use crate::{Amount, Goal, Ratio, simplify};
 use tristrip::random::Random;
@@ -131,13 +132,40 @@ fn scenes_are_fitted_and_written() {
     }
 }
 
-/// A ball over a floor of two triangles with most of the area: the ball is fitted as well as alone.
-#[test]
-fn large_triangles_take_no_points_from_small_ones() {
-    let mut model = ball(24, 40, false);
+/// A ball over a floor of two triangles with most of the area.
+fn ball_over_floor(rows: usize, columns: usize) -> Model {
+    let mut model = ball(rows, columns, false);
     let floor = "v -900 -900 -2\nv 900 -900 -2\nv 900 900 -2\nv -900 900 -2\nf 1 2 3\nf 1 3 4\n";
     let floor = read(floor.as_bytes(), Format::Obj).unwrap();
     model.parts.extend(floor.parts);
+    model
+}
+
+/// Returns how many triangles the searches of a fit look at. All run on one thread.
+fn looked_at(model: &Model, ratio: f64) -> usize {
+    let amount = Ratio::new(ratio).map(Amount::Ratio);
+    let goal = Goal { amount, deviation: crate::Deviation::Percent(100.0) };
+    let options = simplify::Options::default().with_goal(goal).with_fit(true).with_measure(false);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| {
+        LOOKED_AT.set(0);
+        assert!(simplify::run(model, &options, &()).unwrap().moved_positions > Some(100));
+        LOOKED_AT.get()
+    })
+}
+
+#[test]
+fn searches_beside_huge_triangles_look_at_few_triangles() {
+    let alone = looked_at(&ball(24, 40, false), 0.2);
+    let [small, large] = [1, 2].map(|k| looked_at(&ball_over_floor(24 * k, 40 * k), 0.2));
+    assert!(10 * small < 12 * alone, "{small} with a floor, {alone} without");
+    assert!(large < 6 * small, "4 times the triangles take {large}, not {small}");
+}
+
+/// The ball is fitted as well as alone.
+#[test]
+fn large_triangles_take_no_points_from_small_ones() {
+    let model = ball_over_floor(24, 40);
     let goal =
         Goal { amount: Ratio::new(0.2).map(Amount::Ratio), deviation: crate::Deviation::Percent(100.0) };
     let done =
@@ -151,10 +179,8 @@ fn large_triangles_take_no_points_from_small_ones() {
     }
 }
 
-/// A column of many sides, whose ends are fans around one corner each: no search visits all of a fan.
-#[test]
-fn fans_of_many_triangles_take_little_time() {
-    let sides = 3000;
+/// A column of many sides, whose ends are fans around one corner each.
+fn column(sides: i32) -> Model {
     let mut text = String::from("v 0 0 0\nv 0 0 4\n");
     for row in 0..5 {
         for side in 0..sides {
@@ -172,15 +198,13 @@ fn fans_of_many_triangles_take_little_time() {
         text +=
             &format!("f 1 {} {}\nf 2 {} {}\n", at(0, side + 1), at(0, side), at(4, side), at(4, side + 1));
     }
-    let model = read(text.as_bytes(), Format::Obj).unwrap();
-    let goal = Goal { amount: Ratio::new(0.5).map(Amount::Ratio), ..Goal::default() };
-    let done = simplify::run(
-        &model,
-        &simplify::Options::default().with_goal(goal).with_fit(true).with_measure(false),
-        &(),
-    )
-    .unwrap();
-    assert!(done.moved_positions.is_some());
+    read(text.as_bytes(), Format::Obj).unwrap()
+}
+
+#[test]
+fn no_search_looks_at_all_triangles_of_a_fan() {
+    let [few, many] = [1000, 4000].map(|sides| looked_at(&column(sides), 0.5));
+    assert!(many < 6 * few, "4 times the triangles take {many}, not {few}");
 }
 
 /// Whatever the moves are, no triangle turns by more than it may.
@@ -191,7 +215,7 @@ fn no_step_turns_a_triangle() {
     let mesh = ball(12, 20, false).parts.remove(0).mesh;
     let at: Vec<Point> = mesh.positions().iter().map(|p| p.map(f64::from)).collect();
     for size in [0.01, 0.1, 0.5, 3.0] {
-        let mut surface = Surface::new(mesh.faces(), at.clone());
+        let mut surface = FitSurface::new(mesh.faces(), at.clone());
         let normals: Vec<Point> = surface.triangles.iter().map(|t| unit_normal(&at, t)).collect();
         let moves = at.iter().map(|_| [size * number(), size * number(), size * number()]).collect();
         step(&mut surface, moves, &normals);

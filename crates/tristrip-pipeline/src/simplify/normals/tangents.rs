@@ -28,7 +28,7 @@ pub(super) fn tangents(mesh: &Mesh, triangles: &[u32], normals: &[[f32; 3]]) -> 
     let mut tangents: Vec<[f32; 4]> = triangles.iter().zip(normals).map(copied).collect();
     if let Some(uv) = named("TEXCOORD_0", 2).filter(|uv| is_computable(mesh, uv, triangles)) {
         let is_small = most_corners(mesh, triangles)? <= MAX_CORNERS;
-        let mut corners = Corners { mesh, uv, triangles, normals, tangents };
+        let mut corners = TangentCorners { mesh, uv, triangles, normals, tangents };
         if is_small && generate_tangents(&mut corners).is_err() {
             return Err(Error::unproven("tangents could not be computed"));
         }
@@ -95,7 +95,7 @@ impl Ops for SameEverywhere {
 }
 
 /// The corners of triangles, with normals and the tangents that are found.
-struct Corners<'a> {
+struct TangentCorners<'a> {
     mesh: &'a Mesh,
     uv: &'a Attribute,
     triangles: &'a [u32],
@@ -103,7 +103,7 @@ struct Corners<'a> {
     tangents: Vec<[f32; 4]>,
 }
 
-impl Geometry<SameEverywhere> for Corners<'_> {
+impl Geometry<SameEverywhere> for TangentCorners<'_> {
     fn num_faces(&self) -> usize {
         self.triangles.len() / 3
     }

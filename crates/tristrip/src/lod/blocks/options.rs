@@ -45,40 +45,33 @@ impl Default for BlockOptions {
 }
 
 impl BlockOptions {
-    /// Sets how the strips of the keys are repaired.
-    ///
-    /// ```
-    /// # use tristrip::lod::{BlockOptions, RepairOptions};
-    /// let options = BlockOptions::default().with_repair(RepairOptions::default().with_seed(3));
-    /// assert_eq!(options.repair.seed, 3);
-    /// ```
-    #[must_use]
-    pub fn with_repair(self, repair: RepairOptions) -> Self {
-        Self { repair, ..self }
-    }
+    crate::setters! {
+        /// Sets how the strips of the keys are repaired.
+        ///
+        /// ```
+        /// # use tristrip::lod::{BlockOptions, RepairOptions};
+        /// let options = BlockOptions::default().with_repair(RepairOptions::default().with_seed(3));
+        /// assert_eq!(options.repair.seed, 3);
+        /// ```
+        with_repair(repair: RepairOptions);
 
-    /// Sets about how many bytes per triangle of the full mesh the model takes, up to 256: with more bytes there are more keys, and fewer vertices are
-    /// sent. Below about 12, which the collapses take, there are few keys.
-    ///
-    /// ```
-    /// # use tristrip::lod::BlockOptions;
-    /// assert_eq!(BlockOptions::default().with_memory(30).memory, 30);
-    /// ```
-    #[must_use]
-    pub fn with_memory(self, bytes_per_triangle: u32) -> Self {
-        Self { memory: bytes_per_triangle, ..self }
-    }
+        /// Sets about how many bytes per triangle of the full mesh the model takes, up to 256: with more bytes there are more keys, and fewer vertices are
+        /// sent. Below about 12, which the collapses take, there are few keys.
+        ///
+        /// ```
+        /// # use tristrip::lod::BlockOptions;
+        /// assert_eq!(BlockOptions::default().with_memory(30).memory, 30);
+        /// ```
+        with_memory(memory: u32);
 
-    /// Cuts the strips so that a move by a percent of the levels uploads a small part of the buffer in few ranges, instead of slots all over it. About a
-    /// quarter more vertices are sent: for buffers that are expensive to upload.
-    ///
-    /// ```
-    /// # use tristrip::lod::BlockOptions;
-    /// assert!(BlockOptions::default().with_small_uploads(true).small_uploads);
-    /// ```
-    #[must_use]
-    pub fn with_small_uploads(self, small_uploads: bool) -> Self {
-        Self { small_uploads, ..self }
+        /// Cuts the strips so that a move by a percent of the levels uploads a small part of the buffer in few ranges, instead of slots all over it. About a
+        /// quarter more vertices are sent: for buffers that are expensive to upload.
+        ///
+        /// ```
+        /// # use tristrip::lod::BlockOptions;
+        /// assert!(BlockOptions::default().with_small_uploads(true).small_uploads);
+        /// ```
+        with_small_uploads(small_uploads: bool);
     }
 
     /// Returns the levels of the keys over strips of the full mesh, from the full mesh on.

@@ -86,24 +86,24 @@ impl RecordList {
     }
 
     /// Packs the words into as few bits as the largest one needs.
-    pub(super) fn pack(self) -> Records {
+    pub(super) fn pack(self) -> BlockRecords {
         let word_bits = bits_for(self.words.iter().copied().max().unwrap_or(0));
         let mut words = Packed::default();
         self.words.iter().for_each(|&word| words.push(word, word_bits));
-        Records { words, word_bits, vertices: self.vertices, restart: self.restart }
+        BlockRecords { words, word_bits, vertices: self.vertices, restart: self.restart }
     }
 }
 
 /// The records of all collapses, from the full mesh on.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Records {
+pub(super) struct BlockRecords {
     words: Packed,
     word_bits: u32,
     vertices: Packed,
     restart: u32,
 }
 
-impl Records {
+impl BlockRecords {
     #[inline]
     fn word(&self, i: usize) -> u32 {
         self.words.get(i * self.word_bits as usize, self.word_bits)

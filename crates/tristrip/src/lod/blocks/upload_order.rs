@@ -130,7 +130,7 @@ pub(super) fn ordered(entries: &[u32], changes: &SlotChanges) -> Vec<u32> {
 
 /// A label of a triangle, and what the strip costs up to it.
 #[derive(Debug, Clone, Copy)]
-struct Choice {
+struct LabelChoice {
     label: Label,
     cost: f32,
     /// The choice of the triangle before it.
@@ -139,7 +139,7 @@ struct Choice {
 
 /// Returns for each triangle of a strip the label with which the strip costs the least.
 fn cheapest(labels: &[Label]) -> Vec<Label> {
-    let mut choices: Vec<Vec<Choice>> = Vec::with_capacity(labels.len());
+    let mut choices: Vec<Vec<LabelChoice>> = Vec::with_capacity(labels.len());
     for (i, &label) in labels.iter().enumerate() {
         // 1. The labels that contain the changes of the triangle.
         let mut allowed: Vec<Label> = containing(label).collect();
@@ -157,14 +157,14 @@ fn cheapest(labels: &[Label]) -> Vec<Label> {
         let of_triangle = allowed.into_iter().map(|label| {
             let price = label.map_or(0.0, |interval| UPLOAD / (1_u32 << interval.depth) as f32);
             let Some(all_before) = choices.last() else {
-                return Choice { label, cost: price, before: 0 };
+                return LabelChoice { label, cost: price, before: 0 };
             };
             let costs = all_before.iter().zip(0..).map(|(choice, before)| {
                 let cut = if choice.label == label { 0.0 } else { CUT };
                 (choice.cost + cut, before)
             });
             let (cost, before) = costs.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
-            Choice { label, cost: cost + price, before }
+            LabelChoice { label, cost: cost + price, before }
         });
         let of_triangle = of_triangle.collect();
         choices.push(of_triangle);

@@ -13,7 +13,7 @@ const FIGURE_8: [u32; 26] = [
 
 fn filtered(filter: Filter, strip: &[u32]) -> Strips {
     let mut display = Strips::default();
-    filter.strip_to(strip, &mut display);
+    filter.map_to(strip, &mut display);
     display
 }
 
@@ -37,7 +37,7 @@ fn figure_8() {
     let dtfs = filtered(Filter::Dtfs, &FIGURE_8);
     let strips: Vec<&[u32]> = dtfs.iter().collect();
     assert_eq!(strips, [&[502, 615, 206, 620][..], &[620, 620, 580, 66, 761]]);
-    let sent = Filter::Dtfs.sent(&FIGURE_8);
+    let sent = Filter::Dtfs.sent_by_map(&FIGURE_8);
     // The figure shows the strips without the repeat.
     assert_eq!(sent.vertices - sent.winding_repeats, 8);
     let linked = filtered(Filter::Linked, &FIGURE_8);
@@ -71,14 +71,14 @@ fn triangles_of_one_sense_at_an_edge_are_not_linked() {
 fn what_has_no_triangle_sends_nothing() {
     for strip in [&[][..], &[1], &[1, 2], &[1, 1, 1], &[1, 2, 1, 2]] {
         for filter in [Filter::Dtfs, Filter::Linked] {
-            assert_eq!(filter.sent(strip), DrawCost::default());
+            assert_eq!(filter.sent_by_map(strip), DrawCost::default());
         }
     }
     assert_eq!(filtered(Filter::Stss, &[1, 2, 1, 2, 1, 3, 4, 5, 4, 5]).vertices(), [1, 2, 1, 3, 4, 5]);
     // A run that begins within a pair is not found.
     assert_eq!(filtered(Filter::Stss, &[3, 1, 2, 1, 2, 4]).vertices(), [3, 1, 2, 1, 2, 4]);
-    assert_eq!(Filter::Stss.sent(&[4; 9]), DrawCost { vertices: 3, strips: 1, winding_repeats: 0 });
-    assert_eq!(Filter::None.sent(&[]), DrawCost::default());
+    assert_eq!(Filter::Stss.sent_by_map(&[4; 9]), DrawCost { vertices: 3, strips: 1, winding_repeats: 0 });
+    assert_eq!(Filter::None.sent_by_map(&[]), DrawCost::default());
 }
 
 #[test]
@@ -170,7 +170,7 @@ proptest! {
             for filter in Filter::ALL {
                 let display = filtered(filter, &strip);
                 prop_assert!(draws_the_same(&display, &strip), "{:?} {:?}", filter, display);
-                let sent = filter.sent(&strip);
+                let sent = filter.sent_by_map(&strip);
                 prop_assert_eq!((sent.vertices, sent.strips), (display.vertices_sent(), display.len()));
                 let triangles = strip_triangles(&strip).count();
                 if matches!(filter, Filter::Dtfs | Filter::Linked) {
@@ -179,7 +179,7 @@ proptest! {
                     prop_assert!(display.iter().all(|strip| strip.len() >= 3));
                 }
             }
-            let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| filter.sent(&strip));
+            let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| filter.sent_by_map(&strip));
             prop_assert!(stss.vertices <= none.vertices);
             // Otherwise a triangle may be drawn twice in a row, and the edge that links two triangles may be needed later.
             prop_assert!(!is_surface || linked.vertices <= dtfs.vertices && linked.strips <= dtfs.strips);
@@ -191,7 +191,7 @@ proptest! {
     fn linked_is_the_cheapest_in_its_order(strip in simplified()) {
         let strip = &strip[..strip.len().min(9)];
         let triangles: Vec<[u32; 3]> = strip_triangles(strip).collect();
-        prop_assert_eq!(Filter::Linked.sent(strip).vertices, cheapest(&triangles));
+        prop_assert_eq!(Filter::Linked.sent_by_map(strip).vertices, cheapest(&triangles));
     }
 
     #[test]
@@ -203,7 +203,7 @@ proptest! {
             let mut display = Strips::default();
             filter.map_to(&map, &mut display);
             prop_assert_eq!(&display, &filter.strips(&all));
-            prop_assert_eq!(filter.sent_by_map(&map), strips.iter().map(|strip| filter.sent(strip)).sum());
+            prop_assert_eq!(filter.sent_by_map(&map), strips.iter().map(|strip| filter.sent_by_map(strip)).sum());
         }
     }
 }

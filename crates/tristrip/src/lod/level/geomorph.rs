@@ -15,6 +15,7 @@
 
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
+use crate::text::counted;
 
 /// A vertex between two levels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,7 +111,11 @@ impl Geomorph {
         }
         for (name, len) in [("values", values.len()), ("drawn", drawn.len())] {
             if Some(len) != self.vertex_count.checked_mul(components) {
-                let found = format!("{len} numbers for {} vertices of {components}", self.vertex_count);
+                let found = format!(
+                    "{} for {} of {components}",
+                    counted(len, "number"),
+                    counted(self.vertex_count, "vertex")
+                );
                 return Err(Error::Parameter { name, found, expected: "as many numbers per vertex" });
             }
         }

@@ -37,14 +37,14 @@ use crate::strip::Strips;
 /// ```
 /// use std::sync::Arc;
 /// use tristrip::{CollapseSequence, Rename};
-/// use tristrip::lod::ProgressiveMesh;
+/// use tristrip::lod::{LevelCursor, ProgressiveMesh};
 /// let rename = [Rename { removed: 3, kept: 2 }];
 /// let sequence = CollapseSequence::from_collapses(4, vec![2, 1, 3, 0, 1, 2], [(&rename[..], 0.5)])?;
 /// let model = Arc::new(ProgressiveMesh::new(&sequence)?);
 /// let mut cursor = model.cursor();
 /// assert_eq!(cursor.corners(), [0, 1, 2, 2, 1, 3]);
 /// assert_eq!(model.splits(0).unwrap().next().map(|split| split.wings), Some([None, Some(1)]));
-/// cursor.coarsen();
+/// cursor.set_level(0)?;
 /// assert_eq!(cursor.corners(), [0, 1, 2]);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
@@ -184,51 +184,6 @@ pub struct ProgressiveMeshCursor {
 }
 
 impl ProgressiveMeshCursor {
-    /// Returns the model.
-    ///
-    /// ```
-    #[doc = include_str!("../example.txt")]
-    /// let cursor = Arc::new(ProgressiveMesh::new(&sequence)?).cursor();
-    /// assert_eq!(cursor.model().levels().error(0)?, 0.5);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn model(&self) -> &Arc<ProgressiveMesh> {
-        &self.model
-    }
-
-    /// Splits a vertex: one level up. Returns `false` at the full mesh.
-    ///
-    /// ```
-    #[doc = include_str!("../example.txt")]
-    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).cursor();
-    /// assert!(!cursor.refine());
-    /// cursor.set_level(0)?;
-    /// assert!(cursor.refine());
-    /// assert_eq!(cursor.corners(), [0, 1, 2, 2, 1, 3]);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn refine(&mut self) -> bool {
-        self.is_current = false;
-        self.replay.refine(&self.model.records)
-    }
-
-    /// Collapses a vertex: one level down. Returns `false` at the base mesh.
-    ///
-    /// ```
-    #[doc = include_str!("../example.txt")]
-    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).cursor();
-    /// let mut sent = vec![cursor.corners().len()];
-    /// while cursor.coarsen() {
-    ///     sent.push(cursor.corners().len());
-    /// }
-    /// assert_eq!(sent, [9, 6, 3]);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn coarsen(&mut self) -> bool {
-        self.is_current = false;
-        self.replay.coarsen(&self.model.records)
-    }
-
     /// Returns the triangles at the level, three vertices each, those of coarser levels first.
     ///
     /// ```

@@ -55,16 +55,7 @@ impl RepairedStrips {
     }
 
     /// Returns a cursor at the level of the full mesh.
-    ///
-    /// ```
-    #[doc = include_str!("../example.txt")]
-    /// let model = RepairedStrips::new(sequence, strips, RepairOptions::default())?;
-    /// let (mut near, mut far) = (model.cursor(), model.cursor());
-    /// far.set_level(0)?;
-    /// assert_eq!((near.strips().vertices_sent(), far.strips().vertices_sent()), (5, 3));
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn cursor(&self) -> Repair {
+    pub(crate) fn cursor(&self) -> Repair {
         self.full.clone()
     }
 }

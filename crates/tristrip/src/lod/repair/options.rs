@@ -50,48 +50,38 @@ impl Default for RepairOptions {
 }
 
 impl RepairOptions {
-    /// Sets how much to search next to each change. At effort 0 strips that are computed directly for a level are not searched.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let sent = |effort| repaired(RepairOptions::default().with_effort(effort)).map(|strips| strips.vertices_sent());
-    /// assert!(sent(Effort::MAX)? < sent(Effort::new(0).unwrap())?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_effort(mut self, effort: Effort) -> Self {
-        self.effort = effort;
-        self
-    }
+    crate::setters! {
+        /// Sets how much to search next to each change. At effort 0 strips that are computed directly for a level are not searched.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let sent = |effort| repaired(RepairOptions::default().with_effort(effort)).map(|strips| strips.vertices_sent());
+        /// assert!(sent(Effort::MAX)? < sent(Effort::new(0).unwrap())?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_effort(effort: Effort);
 
-    /// Sets the seed of the random choices.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let strips = |seed| repaired(RepairOptions::default().with_seed(seed));
-    /// assert_ne!(strips(1)?, strips(2)?);
-    /// assert_eq!(strips(2)?, strips(2)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
-        self
-    }
+        /// Sets the seed of the random choices.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let strips = |seed| repaired(RepairOptions::default().with_seed(seed));
+        /// assert_ne!(strips(1)?, strips(2)?);
+        /// assert_eq!(strips(2)?, strips(2)?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_seed(seed: u64);
 
-    /// Sets what is minimized: the vertices sent, or with [`Cost::Restart`] and [`Cost::Degenerate`] also an index between strips.
-    /// [`Cost::Gl`] counts as the vertices sent.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let count = |cost| repaired(RepairOptions::default().with_cost(cost)).map(|strips| strips.len());
-    /// // Where an index stands between strips, fewer strips with more swaps are better.
-    /// assert!(count(Cost::Restart)? < count(Cost::OpenGl)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_cost(mut self, cost: Cost) -> Self {
-        self.cost = cost;
-        self
+        /// Sets what is minimized: the vertices sent, or with [`Cost::Restart`] and [`Cost::Degenerate`] also an index between strips.
+        /// [`Cost::Gl`] counts as the vertices sent.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let count = |cost| repaired(RepairOptions::default().with_cost(cost)).map(|strips| strips.len());
+        /// // Where an index stands between strips, fewer strips with more swaps are better.
+        /// assert!(count(Cost::Restart)? < count(Cost::OpenGl)?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_cost(cost: Cost);
     }
 }

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::lod::level::level_mesh::LevelMesh;
 use crate::mesh::canonical_triangle;
 use crate::strip::{Strips, strip_triangles};
+use crate::text::counted;
 
 /// Checks that corners and vertices fit one numbering of 32 bits.
 pub(super) fn check_size(sequence: &CollapseSequence) -> Result<(), Error> {
@@ -46,7 +47,7 @@ pub(super) fn order_of(strips: &Strips, mesh: &LevelMesh) -> Result<Vec<StripTri
     if !known.iter().map(|known| known.0).eq(drawn.iter().map(|drawn| drawn.0)) {
         return Err(Error::Parameter {
             name: "strips",
-            found: format!("{} triangles, not all of the full mesh", drawn.len()),
+            found: format!("{}, not all of the full mesh", counted(drawn.len(), "triangle")),
             expected: "strips that draw the full mesh",
         });
     }

@@ -93,7 +93,7 @@ fn paired_from_scratch(repair: &Repair, before: &[Option<u32>]) -> Vec<Option<u3
 fn check(repair: &Repair) -> Result<(), TestCaseError> {
     let level = repair.level();
     let drawn = repair.sequence.drawn(level).unwrap();
-    prop_assert_eq!(repair.triangle_count(), drawn.len());
+    prop_assert_eq!(repair.triangle_count, drawn.len());
     check_twins(repair)?;
     for t in 0..repair.repaired.paths.len() as u32 {
         let is_end = repair.mesh.is_drawn(t) && repair.repaired.paths.degree(t) < 2;
@@ -120,7 +120,7 @@ fn check(repair: &Repair) -> Result<(), TestCaseError> {
     prop_assert_eq!(repair.vertices_sent(), costs);
 
     let strips = repair.emit();
-    prop_assert_eq!((strips.len(), strips.vertices_sent()), (repair.strip_count(), costs));
+    prop_assert_eq!((strips.len(), strips.vertices_sent()), (repair.repaired.paths.strip_count(), costs));
     let faces = Faces::from_triangles(drawn.concat()).unwrap();
     prop_assert!(verify_drawing(&faces, &strips.triangles().collect::<Vec<_>>()).is_ok());
     Ok(())
@@ -239,9 +239,9 @@ fn a_path_is_led_over_what_is_dropped_and_back() {
     let mut repair = Repair::new(sequence.clone(), &strips, options(0)).unwrap();
     repair.work.near = 0;
     assert!(repair.coarsen());
-    assert_eq!((repair.triangle_count(), repair.strip_count()), (5, 1));
+    assert_eq!((repair.triangle_count, repair.repaired.paths.strip_count()), (5, 1));
     assert!(repair.refine());
-    assert_eq!((repair.triangle_count(), repair.strip_count()), (6, 1));
+    assert_eq!((repair.triangle_count, repair.repaired.paths.strip_count()), (6, 1));
 }
 
 #[test]
@@ -251,7 +251,7 @@ fn the_search_holds_the_cost_down_at_every_level() {
         let mut repair = Repair::new(sequence.clone(), &strips, options(effort)).unwrap();
         let mut sum = [0, 0];
         while repair.coarsen() {
-            sum = [sum[0] + repair.vertices_sent(), sum[1] + 3 * repair.triangle_count()];
+            sum = [sum[0] + repair.vertices_sent(), sum[1] + 3 * repair.triangle_count];
         }
         sum[0] as f64 / sum[1] as f64
     };

@@ -198,7 +198,7 @@ impl<L: SuccessorLists> StripGraphs<L> {
     }
 
     /// Writes the vertices of a strip at a state, and returns their number. `walk` is memory.
-    pub fn recover(
+    pub(crate) fn recover(
         &self,
         strip: usize,
         state: u32,

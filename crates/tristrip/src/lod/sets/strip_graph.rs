@@ -32,7 +32,7 @@ pub struct StripGraph {
 
 impl StripGraph {
     /// Starts with a strip at the full mesh: all its nodes and slots are changed.
-    pub fn start(&mut self, strip: &[u32]) {
+    pub(crate) fn start(&mut self, strip: &[u32]) {
         self.state.start(strip);
         self.number_of.clear();
         self.vertices.clear();
@@ -50,7 +50,7 @@ impl StripGraph {
     }
 
     /// Moves to the next state by the edits of one step.
-    pub fn step(&mut self, edits: &[SlotEdit]) {
+    pub(crate) fn step(&mut self, edits: &[SlotEdit]) {
         self.changed.clear();
         self.changed_slots.clear();
         for &edit in edits {
@@ -111,7 +111,7 @@ impl StripGraph {
     }
 
     /// Returns the first node, or [`NONE`] if the strip is empty.
-    pub fn first(&self) -> u32 {
+    pub(crate) fn first(&self) -> u32 {
         match self.state.first() {
             NONE => NONE,
             slot => self.node_of_slot[slot as usize],
@@ -135,7 +135,7 @@ impl StripGraph {
     }
 
     /// Replaces `successors` by the nodes that follow the visits of a node in their order, [`NONE`] at the end.
-    pub fn successors_to(&self, node: u32, successors: &mut Vec<u32>) {
+    pub(crate) fn successors_to(&self, node: u32, successors: &mut Vec<u32>) {
         successors.clear();
         successors.extend_from_slice(&self.slots[node as usize]);
         successors.sort_unstable();

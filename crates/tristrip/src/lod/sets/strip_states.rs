@@ -45,17 +45,17 @@ impl StripState {
     }
 
     /// Returns the slot of the first vertex, or [`NONE`].
-    pub fn first(&self) -> u32 {
+    pub(crate) fn first(&self) -> u32 {
         self.first
     }
 
     /// Returns the slot after a slot, or [`NONE`].
-    pub fn next(&self, slot: u32) -> u32 {
+    pub(crate) fn next(&self, slot: u32) -> u32 {
         self.next[slot as usize]
     }
 
     /// Returns the nearest slot before another one, removed or not, that is not removed, or [`NONE`].
-    pub fn before(&self, slot: u32) -> u32 {
+    pub(crate) fn before(&self, slot: u32) -> u32 {
         let mut slot = self.previous[slot as usize];
         while slot != NONE && self.vertices[slot as usize] == NONE {
             slot = self.previous[slot as usize];

@@ -14,11 +14,12 @@ use super::vertex_tree::{NodeNumbers, VertexTree};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::mesh::{Positions, check_positions, triangles_of};
+use crate::text::counted;
 use crate::vector::{Point, dot, normal_of, sub};
 
 /// The bounds of all collapses, by node.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Bounds {
+pub(super) struct TreeBounds {
     pub(super) nodes: Vec<NodeBounds>,
     /// The center of the bounding box.
     pub(super) center: Point,
@@ -35,7 +36,7 @@ pub(super) struct NodeBounds {
     pub(super) cone: Cone,
 }
 
-impl Bounds {
+impl TreeBounds {
     /// Bounds the collapses of a tree.
     ///
     /// # Errors
@@ -48,7 +49,8 @@ impl Bounds {
     ) -> Result<Self, Error> {
         let triangles = sequence.triangles();
         if positions.vertex_count() < sequence.vertex_count() {
-            let found = format!("{} for {} vertices", positions.vertex_count(), sequence.vertex_count());
+            let found =
+                format!("{} for {}", positions.vertex_count(), counted(sequence.vertex_count(), "vertex"));
             return Err(Error::Parameter { name: "positions", found, expected: "one per vertex" });
         }
         check_positions(triangles, positions)?;

@@ -89,132 +89,98 @@ impl Default for ViewCriteria {
 }
 
 impl ViewCriteria {
-    /// Sets the allowed error in pixels, at least 0.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let camera = Camera::new([4.0, 3.0, 12.0], [4.0, 0.0, 4.0])?.with_image(100, 100)?;
-    /// let update = |pixels| model.view().update(&camera, &ViewCriteria::default().with_pixels(pixels));
-    /// assert!(update(0.2)?.splits > update(2.0)?.splits);
-    /// assert!(update(f32::NAN).is_err());
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_pixels(mut self, pixels: f32) -> Self {
-        self.pixels = pixels;
-        self
-    }
+    crate::setters! {
+        /// Sets the allowed error in pixels, at least 0.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let camera = Camera::new([4.0, 3.0, 12.0], [4.0, 0.0, 4.0])?.with_image(100, 100)?;
+        /// let update = |pixels| model.view().update(&camera, &ViewCriteria::default().with_pixels(pixels));
+        /// assert!(update(0.2)?.splits > update(2.0)?.splits);
+        /// assert!(update(f32::NAN).is_err());
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_pixels(pixels: f32);
 
-    /// Sets whether everything outside of the view frustum is as coarse as possible.
-    ///
-    /// ```
-    /// use tristrip::lod::ViewCriteria;
-    /// assert_ne!(ViewCriteria::default().with_frustum(false), ViewCriteria::default());
-    /// ```
-    #[must_use]
-    pub fn with_frustum(mut self, frustum: bool) -> Self {
-        self.frustum = frustum;
-        self
-    }
+        /// Sets whether everything outside of the view frustum is as coarse as possible.
+        ///
+        /// ```
+        /// use tristrip::lod::ViewCriteria;
+        /// assert_ne!(ViewCriteria::default().with_frustum(false), ViewCriteria::default());
+        /// ```
+        with_frustum(frustum: bool);
 
-    /// Sets whether surfaces that face away from the eye may have four times the error.
-    ///
-    /// ```
-    /// use tristrip::lod::ViewCriteria;
-    /// assert_ne!(ViewCriteria::default().with_back_faces(false), ViewCriteria::default());
-    /// ```
-    #[must_use]
-    pub fn with_back_faces(mut self, back_faces: bool) -> Self {
-        self.back_faces = back_faces;
-        self
-    }
+        /// Sets whether surfaces that face away from the eye may have four times the error.
+        ///
+        /// ```
+        /// use tristrip::lod::ViewCriteria;
+        /// assert_ne!(ViewCriteria::default().with_back_faces(false), ViewCriteria::default());
+        /// ```
+        with_back_faces(back_faces: bool);
 
-    /// Sets whether silhouettes may have only half of the error.
-    ///
-    /// ```
-    /// use tristrip::lod::ViewCriteria;
-    /// assert_ne!(ViewCriteria::default().with_silhouettes(false), ViewCriteria::default());
-    /// ```
-    #[must_use]
-    pub fn with_silhouettes(mut self, silhouettes: bool) -> Self {
-        self.silhouettes = silhouettes;
-        self
-    }
+        /// Sets whether silhouettes may have only half of the error.
+        ///
+        /// ```
+        /// use tristrip::lod::ViewCriteria;
+        /// assert_ne!(ViewCriteria::default().with_silhouettes(false), ViewCriteria::default());
+        /// ```
+        with_silhouettes(silhouettes: bool);
 
-    /// Sets the direction to a light, of any length: surfaces that face away from it may have twice the error.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let camera = Camera::new([4.0, 3.0, 12.0], [4.0, 0.0, 4.0])?.with_image(100, 100)?;
-    /// let update = |light| model.view().update(&camera, &ViewCriteria::default().with_light(light));
-    /// assert!(update([0.0, 1.0, 0.0]).is_ok() && update([0.0; 3]).is_err());
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_light(mut self, direction: [f32; 3]) -> Self {
-        self.light = Some(direction);
-        self
-    }
+        /// Sets the direction to a light, of any length: surfaces that face away from it may have twice the error.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let camera = Camera::new([4.0, 3.0, 12.0], [4.0, 0.0, 4.0])?.with_image(100, 100)?;
+        /// let update = |light| model.view().update(&camera, &ViewCriteria::default().with_light(light));
+        /// assert!(update([0.0, 1.0, 0.0]).is_ok() && update([0.0; 3]).is_err());
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_light(light: [f32; 3]) as Some;
 
-    /// Sets how the allowed error grows away from the point of the image at which somebody looks. There is none by default.
-    ///
-    /// The point may move from frame to frame: that counts as if the camera turned. With another growth everything is looked at again.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let camera = Camera::new([4.0, 3.0, 12.0], [4.0, 0.0, 4.0])?.with_image(100, 100)?;
-    /// let triangles = |criteria: ViewCriteria| {
-    ///     let mut view = model.view();
-    ///     view.update(&camera, &criteria)?;
-    ///     Ok::<_, tristrip::Error>(view.triangle_count())
-    /// };
-    /// let criteria = ViewCriteria::default().with_pixels(0.2);
-    /// assert!(triangles(criteria.with_foveation(Foveation::new(0.5)?))? < triangles(criteria)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_foveation(mut self, foveation: Foveation) -> Self {
-        self.foveation = Some(foveation);
-        self
-    }
+        /// Sets how the allowed error grows away from the point of the image at which somebody looks. There is none by default.
+        ///
+        /// The point may move from frame to frame: that counts as if the camera turned. With another growth everything is looked at again.
+        ///
+        /// ```
+        #[doc = include_str!("example.txt")]
+        /// let camera = Camera::new([4.0, 3.0, 12.0], [4.0, 0.0, 4.0])?.with_image(100, 100)?;
+        /// let triangles = |criteria: ViewCriteria| {
+        ///     let mut view = model.view();
+        ///     view.update(&camera, &criteria)?;
+        ///     Ok::<_, tristrip::Error>(view.triangle_count())
+        /// };
+        /// let criteria = ViewCriteria::default().with_pixels(0.2);
+        /// assert!(triangles(criteria.with_foveation(Foveation::new(0.5)?))? < triangles(criteria)?);
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_foveation(foveation: Foveation) as Some;
 
-    /// Sets the most triangles of a view. If the error needs more, the collapses with the largest errors in pixels are split first, and
-    /// the base mesh may have more.
-    ///
-    /// ```
-    /// use tristrip::lod::ViewCriteria;
-    /// assert_eq!(ViewCriteria::default().with_budget(1000).budget, Some(1000));
-    /// ```
-    #[must_use]
-    pub fn with_budget(mut self, triangle_count: usize) -> Self {
-        self.budget = Some(triangle_count);
-        self
-    }
+        /// Sets the most triangles of a view. If the error needs more, the collapses with the largest errors in pixels are split first, and
+        /// the base mesh may have more.
+        ///
+        /// ```
+        /// use tristrip::lod::ViewCriteria;
+        /// assert_eq!(ViewCriteria::default().with_budget(1000).budget, Some(1000));
+        /// ```
+        with_budget(budget: usize) as Some;
 
-    /// Sets the most collapses and splits of an update. What is left is done by the next one; the mesh in between is a valid one.
-    ///
-    /// ```
-    /// use tristrip::lod::ViewCriteria;
-    /// assert_eq!(ViewCriteria::default().with_steps(500).steps, Some(500));
-    /// ```
-    #[must_use]
-    pub fn with_steps(mut self, steps: usize) -> Self {
-        self.steps = Some(steps);
-        self
-    }
+        /// Sets the most collapses and splits of an update. What is left is done by the next one; the mesh in between is a valid one.
+        ///
+        /// ```
+        /// use tristrip::lod::ViewCriteria;
+        /// assert_eq!(ViewCriteria::default().with_steps(500).steps, Some(500));
+        /// ```
+        with_steps(steps: usize) as Some;
 
-    /// Sets the share of the allowed error that a collapse may have.
-    ///
-    /// ```
-    /// use tristrip::lod::{Hysteresis, ViewCriteria};
-    /// let criteria = ViewCriteria::default().with_hysteresis(Hysteresis::new(0.5)?);
-    /// assert_ne!(criteria, ViewCriteria::default());
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_hysteresis(mut self, hysteresis: Hysteresis) -> Self {
-        self.hysteresis = hysteresis;
-        self
+        /// Sets the share of the allowed error that a collapse may have.
+        ///
+        /// ```
+        /// use tristrip::lod::{Hysteresis, ViewCriteria};
+        /// let criteria = ViewCriteria::default().with_hysteresis(Hysteresis::new(0.5)?);
+        /// assert_ne!(criteria, ViewCriteria::default());
+        /// # Ok::<(), tristrip::Error>(())
+        /// ```
+        with_hysteresis(hysteresis: Hysteresis);
     }
 
     /// Checks the allowed error and the direction to the light, as [`SkipView::update`](super::view::SkipView::update) does.
@@ -264,7 +230,7 @@ pub(super) struct Criteria {
 
 /// Whether a collapse has to change.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Choice {
+pub(super) enum CollapseChoice {
     /// It is to be split, or done; with the error in shares of what is allowed.
     Change { ratio: f64 },
     /// It stays as it is for some travel.
@@ -317,7 +283,7 @@ impl Criteria {
     }
 
     /// Returns whether a collapse, done or not, has to change, or for how long it stays.
-    pub(super) fn choose(&self, node: &NodeBounds, is_collapsed: bool) -> Choice {
+    pub(super) fn choose(&self, node: &NodeBounds, is_collapsed: bool) -> CollapseChoice {
         let away = sub(node.position.map(f64::from), self.frame.eye);
         let distance = dot(away, away).sqrt();
         let radius = f64::from(node.radius);
@@ -336,18 +302,18 @@ impl Criteria {
         }
         // If all tolerances inside of the frustum lead to the same choice for long, that is known without the normals.
         let sure = match state.choice(self.tolerances[usize::from(!is_collapsed)], inside) {
-            Choice::Stay { travel } => travel,
-            Choice::Change { .. } => 0.0,
+            CollapseChoice::Stay { travel } => travel,
+            CollapseChoice::Change { .. } => 0.0,
         };
         if sure > SURE_SHARE * state.near {
-            return Choice::Stay { travel: sure };
+            return CollapseChoice::Stay { travel: sure };
         }
         let (tolerance, stays) = self.tolerance(node, away, distance, radius);
         let blur = self.gaze.map_or(Blur::NONE, |gaze| gaze.at(away, distance, radius));
         let state = Looked { blur, ..state };
         match state.choice(tolerance, inside.min(stays)) {
-            Choice::Stay { travel } => Choice::Stay { travel: travel.max(sure) },
-            change @ Choice::Change { .. } => change,
+            CollapseChoice::Stay { travel } => CollapseChoice::Stay { travel: travel.max(sure) },
+            change @ CollapseChoice::Change { .. } => change,
         }
     }
 
@@ -426,19 +392,19 @@ struct Looked {
 
 impl Looked {
     /// Returns the choice at a tolerance that stays for some travel.
-    fn choice(&self, tolerance: f64, stays: f64) -> Choice {
+    fn choice(&self, tolerance: f64, stays: f64) -> CollapseChoice {
         let needed = if tolerance == f64::INFINITY { 0.0 } else { self.needed / tolerance };
         let seen = self.near * self.blur.factor;
         let is_allowed = seen >= needed;
         if is_allowed != self.is_collapsed {
-            return Choice::Change { ratio: needed / seen };
+            return CollapseChoice::Change { ratio: needed / seen };
         }
         // What travel changes in distance, errors that are allowed change in proportion to the distance needed.
         let slack = (seen - needed).abs();
         let travel = self.blur.travel(slack, self.near);
         let travel = if needed > self.far { travel.min(slack * (self.far / needed)) } else { travel };
         let travel = 0.999 * travel.min(stays);
-        Choice::Stay { travel: if travel > 0.0 { travel } else { 0.0 } }
+        CollapseChoice::Stay { travel: if travel > 0.0 { travel } else { 0.0 } }
     }
 }
 

@@ -53,7 +53,7 @@ impl Dependencies {
     /// Replays the collapses of a tree.
     pub(super) fn new(sequence: &CollapseSequence, tree: &VertexTree, numbers: &NodeNumbers) -> Self {
         let mut mesh = LevelMesh::new(sequence);
-        let mut replay = Replay::new(tree.len(), sequence.len());
+        let mut replay = TreeReplay::new(tree.len(), sequence.len());
         let mut collapse_ids = Vec::with_capacity(sequence.len());
         for collapse in sequence.iter() {
             let Some(first) = collapse.renames.first() else { continue };
@@ -141,7 +141,7 @@ fn is_apart(mesh: &LevelMesh, vertex: u32, renames: &[Rename]) -> bool {
 }
 
 /// The collapses of a replay, by their numbers from the full mesh, and what each needs.
-struct Replay {
+struct TreeReplay {
     /// The nodes around the next collapse, some of them repeated.
     around: Vec<u32>,
     /// The last collapse into each node.
@@ -154,7 +154,7 @@ struct Replay {
     marks: Vec<u32>,
 }
 
-impl Replay {
+impl TreeReplay {
     fn new(node_count: usize, collapse_count: usize) -> Self {
         Self {
             around: Vec::new(),

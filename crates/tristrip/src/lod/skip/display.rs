@@ -15,7 +15,7 @@
 
 use std::ops::Range;
 
-use super::original_strips::{AHEAD, Chunk, OriginalStrips};
+use super::original_strips::{AHEAD, EntryRange, OriginalStrips};
 use crate::lod::filter::{BLOCK, Dtfs, Filter, Gatherer, Linked, Scanner, Sink, Stss};
 use crate::lod::filter::{replace_last_triangle, replace_last_vertex, reverse_but_for_start};
 use crate::lod::level::index_map::RESTART;
@@ -141,7 +141,7 @@ impl StripBuffer {
     fn new(strips: &OriginalStrips) -> Self {
         let count = strips.segment_count();
         let mut start = 0;
-        let region = |chunk: &Chunk| {
+        let region = |chunk: &EntryRange| {
             // The filters send hardly more than the strips have, unless they split at every second triangle.
             let len = chunk.end - chunk.start;
             let capacity = len + len / 4 + 16;
@@ -248,7 +248,7 @@ impl<S: Scanner> Scanned<S> {
     fn rebuild_chunk(
         &mut self,
         strips: &OriginalStrips,
-        (number, chunk): (usize, &Chunk),
+        (number, chunk): (usize, &EntryRange),
         from: usize,
         scan: &mut SegmentScan,
         names: &[u32],

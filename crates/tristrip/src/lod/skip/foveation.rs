@@ -29,9 +29,8 @@ const LN_8_7: f64 = 0.133_531_5;
 ///
 /// ```
 /// use tristrip::lod::{Foveation, ViewCriteria};
-/// // Ten degrees from the middle of the image three times the error is allowed.
+/// // Ten degrees from the middle of the image, 1 + 0.2 × 10 = 3 times the error is allowed.
 /// let foveation = Foveation::new(0.2)?;
-/// assert!((foveation.factor(10.0) - 3.0).abs() < 1e-6);
 /// // Somebody looks at the upper left.
 /// let criteria = ViewCriteria::default().with_pixels(1.0).with_foveation(foveation.with_attention([0.25, 0.25])?);
 /// assert_eq!(criteria.foveation.map(|foveation| foveation.attention()), Some([0.25, 0.25]));
@@ -102,17 +101,6 @@ impl Foveation {
     /// ```
     pub fn attention(&self) -> [f32; 2] {
         self.attention
-    }
-
-    /// Returns the factor of the allowed error at an angle from the attention, in degrees from 0 to 180.
-    ///
-    /// ```
-    /// let foveation = tristrip::lod::Foveation::new(0.25)?;
-    /// assert_eq!([0.0, 4.0, 180.0].map(|degrees| foveation.factor(degrees)), [1.0, 2.0, 46.0]);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn factor(&self, degrees: f64) -> f64 {
-        1.0 + f64::from(self.growth) * degrees
     }
 }
 

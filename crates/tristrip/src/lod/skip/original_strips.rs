@@ -31,14 +31,14 @@ pub(super) const AHEAD: usize = 4;
 pub(super) struct OriginalStrips {
     /// All strips, with [`RESTART`] after each.
     entries: Vec<u32>,
-    chunks: Vec<Chunk>,
+    chunks: Vec<EntryRange>,
     /// The segments in which the names of each node matter.
     segments_of: PackedRows,
 }
 
 /// A range of entries that has a region of the index buffer of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Chunk {
+pub(super) struct EntryRange {
     pub(super) start: u32,
     pub(super) end: u32,
     /// Its first segment, counted over all chunks.
@@ -47,7 +47,7 @@ pub(super) struct Chunk {
     pub(super) ahead: u32,
 }
 
-impl Chunk {
+impl EntryRange {
     /// Counts the segments of a chunk.
     pub(super) fn segment_count(&self) -> usize {
         ((self.end - self.start + self.ahead) as usize).div_ceil(BLOCK)
@@ -95,7 +95,7 @@ impl OriginalStrips {
         Self { entries, chunks, segments_of }
     }
 
-    pub(super) fn chunks(&self) -> &[Chunk] {
+    pub(super) fn chunks(&self) -> &[EntryRange] {
         &self.chunks
     }
 
@@ -104,7 +104,7 @@ impl OriginalStrips {
     }
 
     /// Returns the nodes of a chunk, with those that complete its last triangles.
-    pub(super) fn entries(&self, chunk: &Chunk) -> &[u32] {
+    pub(super) fn entries(&self, chunk: &EntryRange) -> &[u32] {
         &self.entries[chunk.start as usize..(chunk.end + chunk.ahead) as usize]
     }
 
@@ -147,12 +147,12 @@ impl ChunkList {
     }
 
     /// Returns the chunks of this many entries.
-    fn finish(self, entry_count: usize) -> Vec<Chunk> {
+    fn finish(self, entry_count: usize) -> Vec<EntryRange> {
         let mut segment = 0;
         let ends = self.starts[1.min(self.starts.len())..].iter().copied();
         let ends = ends.chain([(entry_count as u32, false)]);
         let chunk = |(&(start, _), (end, goes_on)): (&(u32, bool), (u32, bool))| {
-            let chunk = Chunk { start, end, first_segment: segment, ahead: if goes_on { 2 } else { 0 } };
+            let chunk = EntryRange { start, end, first_segment: segment, ahead: if goes_on { 2 } else { 0 } };
             segment += chunk.segment_count() as u32;
             chunk
         };

@@ -16,6 +16,7 @@ use crate::error::Error;
 use crate::lod::level::level_model::LevelCursor;
 use crate::lod::repair::{Repair, RepairOptions};
 use crate::strip::Strips;
+use crate::text::counted;
 
 /// A view of a model with repaired strips.
 ///
@@ -62,7 +63,7 @@ impl RepairedView {
                 == collapse.renames.first().map(|r| r.removed)
         };
         if order.len() != sequence.len() || !order.iter().zip(sequence.iter()).all(is_same) {
-            let found = format!("{} other collapses", sequence.len());
+            let found = counted(sequence.len(), "other collapse");
             return Err(Error::Parameter { name: "sequence", found, expected: "that of the model" });
         }
         let mut levels = vec![0; model.tree.len()];

@@ -35,19 +35,7 @@ pub struct JoinedSimplification {
     pub stopped: Option<Stopped>,
 }
 
-impl JoinedSimplification {
-    /// Counts the collapses of the joined surface.
-    ///
-    /// ```
-    #[doc = include_str!("../example.txt")]
-    /// let joined = simplify_joined(&[(&grid, grid.faces().corners())], &SimplifyOptions::default().with_triangles(126))?;
-    /// assert_eq!(joined.step_count(), joined.steps[0].len());
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn step_count(&self) -> usize {
-        self.costs.len()
-    }
-}
+impl JoinedSimplification {}
 
 /// Simplifies several meshes, each with triangles over its vertices, as one surface. The limits of the options are those of all
 /// meshes together; vertices are locked by their numbers if those of all meshes are counted one after the other.
@@ -351,7 +339,7 @@ mod tests {
         let together = joined.steps[0].iter().filter(|step| joined.steps[1].contains(step)).count();
         assert!(together > 3, "{together}");
         let mut lengths = Vec::new();
-        for step in 0..=joined.step_count() as u32 {
+        for step in 0..=joined.costs.len() as u32 {
             let edges = [0, 1].map(|i| {
                 joined.sequences[i].check().unwrap();
                 let done = joined.steps[i].partition_point(|&s| s < step);
@@ -395,10 +383,10 @@ mod tests {
         let joined = simplify_joined(&[(&mesh, &triangles)], &options).unwrap();
         let alone = crate::simplify::simplify_triangles(&mesh, triangles, &options).unwrap();
         assert_eq!((&joined.sequences[0], joined.stopped), (&alone.sequence, alone.stopped));
-        assert_eq!(joined.step_count(), alone.sequence.len());
+        assert_eq!(joined.costs.len(), alone.sequence.len());
         assert!(simplify_joined(&[(&mesh, &[0, 1])], &options).is_err());
         let other = grid(8..9, true).0;
         assert!(simplify_joined(&[(&mesh, &[0, 1, 2]), (&other, &[0, 1, 200])], &options).is_err());
-        assert_eq!(simplify_joined(&[], &options).unwrap().step_count(), 0);
+        assert_eq!(simplify_joined(&[], &options).unwrap().costs.len(), 0);
     }
 }

@@ -1,5 +1,6 @@
 //! The reasons for which a simplification ended above its target.
 
+use crate::text::counted;
 use std::fmt;
 
 /// The reasons for which a simplification could not continue, as numbers of remaining points. A point counts by the first reason
@@ -25,8 +26,7 @@ pub struct Stopped {
 
 impl fmt::Display for Stopped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let plural = if self.triangle_count == 1 { "" } else { "s" };
-        write!(f, "stopped at {} triangle{plural}", self.triangle_count)?;
+        write!(f, "stopped at {}", counted(self.triangle_count, "triangle"))?;
         let reasons = [
             (self.locked, "locked"),
             (self.non_manifold, "not manifold"),
@@ -37,10 +37,10 @@ impl fmt::Display for Stopped {
         ];
         let mut is_first = true;
         for (count, reason) in reasons.iter().filter(|(count, _)| *count > 0) {
-            match (is_first, count) {
-                (true, 1) => write!(f, ": 1 vertex {reason}")?,
-                (true, _) => write!(f, ": {count} vertices {reason}")?,
-                (false, _) => write!(f, ", {count} {reason}")?,
+            if is_first {
+                write!(f, ": {} {reason}", counted(count, "vertex"))?;
+            } else {
+                write!(f, ", {count} {reason}")?;
             }
             is_first = false;
         }

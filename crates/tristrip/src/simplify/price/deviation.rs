@@ -23,7 +23,7 @@ use crate::vector::Point;
 
 /// The deviation of each triangle, and the full mesh.
 #[derive(Debug)]
-pub(crate) struct Deviations {
+pub(crate) struct TriangleDeviations {
     /// Those of the triangles, in units of the frame.
     of_triangles: Vec<f32>,
     /// The triangles of the full mesh.
@@ -33,14 +33,14 @@ pub(crate) struct Deviations {
     after: f32,
 }
 
-impl Deviations {
+impl TriangleDeviations {
     /// Of a full mesh.
     pub(crate) fn new(triangles: &[[u32; 3]]) -> Self {
         Self { of_triangles: vec![0.0; triangles.len()], full: triangles.to_vec(), tree: None, after: 0.0 }
     }
 
     /// Checks whether the new triangles of a collapse, of the point of a neighbourhood to another, are within a distance of the full mesh. If
-    /// so, it keeps their deviation for [`Deviations::collapse`].
+    /// so, it keeps their deviation for [`TriangleDeviations::collapse`].
     pub(crate) fn allow(
         &mut self,
         topology: &Topology,

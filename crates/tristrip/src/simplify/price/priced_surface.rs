@@ -5,7 +5,7 @@
 
 use super::attribute_quadrics::AttributeQuadrics;
 use super::attributes::PricedAttributes;
-use super::deviation::Deviations;
+use super::deviation::TriangleDeviations;
 use super::frame::{frame, fundamental_quadrics, quadrics};
 use super::neighbourhood::Neighbourhood;
 use super::quadric::Quadric;
@@ -29,7 +29,7 @@ pub(crate) struct PricedSurface {
     /// The removed points, if the price needs them.
     pub(crate) removed: Option<RemovedPoints>,
     /// How far the triangles are from the full mesh, if there is an error limit and the price knows distances.
-    deviations: Option<Deviations>,
+    deviations: Option<TriangleDeviations>,
     /// The error of the removal of each point's component, in units of the frame; empty if all components stay.
     vanishing: Vec<f32>,
     /// What a collapse costs.
@@ -70,7 +70,7 @@ impl PricedSurface {
             removed.with_samples(&topology, 2.0 * error_limit)
         });
         let is_limited = by_distance && error_limit.is_finite();
-        let deviations = is_limited.then(|| Deviations::new(&topology.triangles));
+        let deviations = is_limited.then(|| TriangleDeviations::new(&topology.triangles));
         Self {
             topology,
             positions: framed,

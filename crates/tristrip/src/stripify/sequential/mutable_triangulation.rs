@@ -176,7 +176,7 @@ impl<'a> PolygonTriangulation<'a> {
 
     /// Returns the edges of a quadrilateral over which a path enters and leaves two neighbouring triangles of it, if these edges
     /// are opposite.
-    fn crossing(&self, step: Step, then: Step) -> Option<EdgeCrossing> {
+    fn crossing(&self, step: Step, then: Step) -> Option<QuadCrossing> {
         let face = self.face_of[step.triangle as usize];
         let range = self.faces.range(face as usize);
         if range.len() != 4 || self.face_of[then.triangle as usize] != face {
@@ -184,11 +184,11 @@ impl<'a> PolygonTriangulation<'a> {
         }
         let entry = self.face_edge(face as usize, 3 * step.triangle + step.entry)?;
         let exit = self.face_edge(face as usize, 3 * then.triangle + then.exit)?;
-        (entry ^ exit == 2).then_some(EdgeCrossing { face, entry, exit })
+        (entry ^ exit == 2).then_some(QuadCrossing { face, entry, exit })
     }
 
     /// Sets the diagonal of a crossed quadrilateral so that the path first turns as given, then the other way.
-    fn set_diagonal(&mut self, cover: &mut PathCover, crossing: EdgeCrossing, first_turn: bool) {
+    fn set_diagonal(&mut self, cover: &mut PathCover, crossing: QuadCrossing, first_turn: bool) {
         let first = self.first_triangle(crossing.face as usize);
         self.triangulate(crossing.face as usize, crossing.entry, first_turn);
         let exit_corner = self.faces.range(crossing.face as usize).start as u32 + crossing.exit;
@@ -201,7 +201,7 @@ impl<'a> PolygonTriangulation<'a> {
 
 /// A quadrilateral that a path crosses, and the two edges, counted within it.
 #[derive(Debug, Clone, Copy)]
-struct EdgeCrossing {
+struct QuadCrossing {
     face: u32,
     entry: u32,
     exit: u32,
@@ -211,7 +211,7 @@ struct EdgeCrossing {
 #[derive(Debug, Clone, Copy)]
 enum Passage {
     Fixed(bool),
-    Free(EdgeCrossing),
+    Free(QuadCrossing),
 }
 
 impl MutableTriangulation for PolygonTriangulation<'_> {
@@ -344,7 +344,7 @@ mod tests {
     proptest! {
         #[test]
         fn turns_are_as_cheap_as_by_exhaustive_search(kinds in prop::collection::vec(0..3_u8, 0..10)) {
-            let crossing = EdgeCrossing { face: 0, entry: 0, exit: 2 };
+            let crossing = QuadCrossing { face: 0, entry: 0, exit: 2 };
             let passage = |&kind| if kind == 2 { Passage::Free(crossing) } else { Passage::Fixed(kind == 1) };
             let passages: Vec<Passage> = kinds.iter().map(passage).collect();
             let all = (0..1_usize << passages.len())

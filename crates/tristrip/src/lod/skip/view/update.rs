@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use super::{MAX_SCALE, SkipView, ViewUpdate};
 use crate::csr::Csr;
-use crate::lod::skip::bounds::{Bounds, NodeBounds};
+use crate::lod::skip::bounds::{NodeBounds, TreeBounds};
 use crate::lod::skip::camera::CameraFrame;
-use crate::lod::skip::criteria::{Choice, Criteria, ViewCriteria};
+use crate::lod::skip::criteria::{CollapseChoice, Criteria, ViewCriteria};
 use crate::lod::skip::schedule::Schedule;
 
 /// The largest factor by which a frame raises the allowed error to keep a budget.
@@ -109,7 +109,7 @@ impl SkipView {
     }
 
     /// Looks at collapses whose entry expired: those that change are listed, the others are scheduled again.
-    fn look_at(&mut self, expired: &[u32], bounds: &Bounds, frame: &mut Frame, update: &mut ViewUpdate) {
+    fn look_at(&mut self, expired: &[u32], bounds: &TreeBounds, frame: &mut Frame, update: &mut ViewUpdate) {
         update.looked_at += expired.len();
         // Reading all of a block first lets the reads overlap.
         let mut block = [(NodeBounds::default(), false); LOOKED_AT_ONCE];
@@ -126,16 +126,16 @@ impl SkipView {
     /// Chooses for a collapse, which is then listed to change or scheduled.
     fn choose(&mut self, collapse_id: u32, node: &NodeBounds, is_collapsed: bool, frame: &mut Frame) {
         match frame.criteria.choose(node, is_collapsed) {
-            Choice::Stay { travel } => frame.schedule.wait(collapse_id, travel),
-            Choice::Change { ratio } if is_collapsed => {
+            CollapseChoice::Stay { travel } => frame.schedule.wait(collapse_id, travel),
+            CollapseChoice::Change { ratio } if is_collapsed => {
                 frame.splits.push(PendingSplit { ratio, collapse_id })
             }
-            Choice::Change { .. } => self.to_collapse.push(collapse_id),
+            CollapseChoice::Change { .. } => self.to_collapse.push(collapse_id),
         }
     }
 
     /// Does the listed changes: collapses first, then splits, those with the largest errors first.
-    fn process(&mut self, bounds: &Bounds, frame: &mut Frame, update: &mut ViewUpdate) {
+    fn process(&mut self, bounds: &TreeBounds, frame: &mut Frame, update: &mut ViewUpdate) {
         let model = Arc::clone(&self.model);
         let (tree, dependencies) = (&model.tree, &model.dependencies);
         let steps = frame.view_criteria.steps.unwrap_or(usize::MAX);
@@ -210,7 +210,7 @@ impl SkipView {
     fn look_at_candidate(
         &mut self,
         collapse_id: u32,
-        bounds: &Bounds,
+        bounds: &TreeBounds,
         frame: &mut Frame,
         update: &mut ViewUpdate,
     ) {
