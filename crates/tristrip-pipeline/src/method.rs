@@ -165,7 +165,7 @@ mod tests {
             ),
             (
                 "stripe:patches=some",
-                "parameter `patches`: found `some` in `stripe:patches=some`, expected one of: rows full",
+                "parameter `patches`: found `some` in `stripe:patches=some`, expected one of: rows, full",
             ),
             ("stripe:cutoff=0", "found `0` in `stripe:cutoff=0`, expected an integer of at least 1"),
             ("best:effort=10", "found `10` in `best:effort=10`, expected an integer from 0 to 9"),

@@ -51,10 +51,17 @@ macro_rules! names {
                 value.ok_or_else(|| $crate::error::Error::Parameter {
                     name: $what,
                     found: format!("`{name}`"),
-                    expected: concat!("one of:" $(, " ", $name)+),
+                    expected: $crate::names::one_of!($($name)+),
                 })
             }
         }
     };
 }
-pub(crate) use names;
+
+/// Lists names as the command line does: `one of: a, b, c`.
+macro_rules! one_of {
+    ($first:literal $($name:literal)*) => {
+        concat!("one of: ", $first $(, ", ", $name)*)
+    };
+}
+pub(crate) use {names, one_of};

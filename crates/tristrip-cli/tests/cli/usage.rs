@@ -51,7 +51,7 @@ fn parameters_belong_to_their_methods() {
             "stripe:cutoff=0",
             "parameter `cutoff`: found `0` in `stripe:cutoff=0`, expected an integer of at least 1",
         ),
-        ("stripe:patches=all", "found `all` in `stripe:patches=all`, expected one of: rows full"),
+        ("stripe:patches=all", "found `all` in `stripe:patches=all`, expected one of: rows, full"),
         ("best:effort=10", "found `10` in `best:effort=10`, expected an integer from 0 to 9"),
         ("cache:vertex-cache=fifo:0", "`fifo:N` or `lru:N`, N from 1 to 65536"),
         ("best:cost", "found `cost` in `best:cost`, expected PARAMETER=VALUE"),
