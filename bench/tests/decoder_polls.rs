@@ -19,7 +19,7 @@ fn a_poll_of_an_incomplete_chunk_formats_no_message() {
     let bytes = stream.bytes();
     let mut decoder = Decoder::new(StreamLimits::default());
     decoder.update(&bytes[..bytes.len() - 1]).unwrap();
-    let (_, bytes) =
+    let ((), bytes) =
         extra_bytes(|| drop(format!("chunk {} at byte {}", decoder.chunk_count(), decoder.offset())));
     assert!(bytes > Some(0), "the allocator does not count");
     // The thread of the harness may allocate during some polls, but not during all of them.
