@@ -157,6 +157,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 4))]
+
         /// An index buffer gets the strips of the mesh that has its triangles.
         #[test]
         fn indices_get_the_strips_of_their_mesh(polygons in generated_meshes::polygons(true, 1..4)) {

@@ -96,6 +96,8 @@ fn distances(graph: &DualGraph, from: u32) -> Vec<u32> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 4))]
+
     #[test]
     fn leaves_no_tunnel_without_loops((graph, cover) in graph_and_cover(), half in 0..4_u32, seed in any::<u64>()) {
         let length = 2 * half + 1;

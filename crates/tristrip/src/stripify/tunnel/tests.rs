@@ -105,6 +105,8 @@ fn is_tunnel(graph: &DualGraph, cover: &PathCover, from: u32, steps: &[TunnelSte
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 4))]
+
     #[test]
     fn finds_a_tunnel_wherever_the_brute_force_does((graph, mut cover) in graph_and_cover(), length in 0..5_u32) {
         let length = 2 * length + 1;
