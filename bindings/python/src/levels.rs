@@ -10,7 +10,7 @@ use serde::Serialize;
 use tristrip::Layout;
 use tristrip::lod::{ModelKind, View};
 use tristrip_pipeline::{
-    Error, Ratio, Stopped, levels, levels::LevelGoal, levels::ModelCursor, levels::ModelLevels, rounded,
+    Error, Ratio, SearchStop, levels, levels::LevelGoal, levels::ModelCursor, levels::ModelLevels, rounded,
 };
 
 use crate::arguments::Arguments;
@@ -67,7 +67,7 @@ use crate::strips::{Strips, index_bits, layout_of};
 pub(crate) struct Levels {
     built: Arc<ModelLevels>,
     /// Why the search for the strips was stopped, if it was.
-    stopped: Option<Stopped>,
+    stopped: Option<SearchStop>,
     notes: Vec<String>,
     scene: Arc<SceneData>,
     kind: ModelKind,
@@ -280,7 +280,7 @@ impl Levels {
     /// Why the search for the strips was stopped: "budget", "interrupt", or None.
     #[getter]
     fn stopped(&self) -> Option<&'static str> {
-        self.stopped.map(|stopped| if stopped == Stopped::Budget { "budget" } else { "interrupt" })
+        self.stopped.map(|stopped| if stopped == SearchStop::Budget { "budget" } else { "interrupt" })
     }
 
     /// Return the positions of a part, which are the same at all levels: float32 of shape (n, 3).

@@ -12,7 +12,7 @@ use tristrip::text::counted;
 use tristrip::verify::{verify, verify_drawing};
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{DualGraph, Layout, Mesh, PreparedFaces, StripifyOptions, stripify_indices_watched};
-use tristrip_pipeline::{MethodDescription, Stopped, StripMetrics};
+use tristrip_pipeline::{MethodDescription, SearchStop, StripMetrics};
 
 use crate::arrays::{GivenFaces, indices_of, indices_to_array, positions};
 use crate::errors::Failure;
@@ -36,7 +36,7 @@ use crate::work::{Watcher, Watching};
 pub(crate) struct Strips {
     inner: Arc<tristrip::Strips>,
     options: Option<StripifyOptions>,
-    stopped: Option<Stopped>,
+    stopped: Option<SearchStop>,
     notes: Vec<String>,
     is_proven: bool,
 }
@@ -56,7 +56,7 @@ impl Strips {
     pub(crate) fn new(
         strips: tristrip::Strips,
         options: Option<StripifyOptions>,
-        stopped: Option<Stopped>,
+        stopped: Option<SearchStop>,
     ) -> Self {
         let notes = stopped.iter().map(|stopped| stopped.note().into()).collect();
         Self { inner: Arc::new(strips), options, stopped, notes, is_proven: false }
@@ -141,7 +141,7 @@ impl Strips {
     /// Why the search was stopped before its end: "budget", "interrupt", or None.
     #[getter]
     fn stopped(&self) -> Option<&'static str> {
-        self.stopped.map(|stopped| if stopped == Stopped::Budget { "budget" } else { "interrupt" })
+        self.stopped.map(|stopped| if stopped == SearchStop::Budget { "budget" } else { "interrupt" })
     }
 
     /// Notes on what was dropped or is unusual.
@@ -325,7 +325,7 @@ impl Strips {
         let pickled = Pickled {
             strips: (*this.inner).clone(),
             options: this.options,
-            stopped: this.stopped.map(|stopped| stopped == Stopped::Budget),
+            stopped: this.stopped.map(|stopped| stopped == SearchStop::Budget),
             notes: this.notes.clone(),
             is_proven: this.is_proven,
         };
@@ -339,7 +339,7 @@ impl Strips {
         let pickled: Pickled =
             serde_json::from_slice(bytes).map_err(|error| Failure::Parameter(format!("pickle: {error}")))?;
         let Pickled { strips, options, stopped, notes, is_proven } = pickled;
-        let stopped = stopped.map(|budget| if budget { Stopped::Budget } else { Stopped::Interrupt });
+        let stopped = stopped.map(|budget| if budget { SearchStop::Budget } else { SearchStop::Interrupt });
         Ok(Self { inner: Arc::new(strips), options, stopped, notes, is_proven })
     }
 }

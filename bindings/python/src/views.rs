@@ -16,7 +16,7 @@ use tristrip_io::Model;
 use tristrip_io::tlod::{self, TlodLimits};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::view_model::{self, prove_view};
-use tristrip_pipeline::{MethodDescription, Stopped, levels::DisplayFilter};
+use tristrip_pipeline::{MethodDescription, SearchStop, levels::DisplayFilter};
 use tristrip_render::images::{RenderOptions, strips_seen, triangles_seen};
 
 use crate::arguments::{Arguments, Keywords};
@@ -70,7 +70,7 @@ struct Built {
     parts: Option<usize>,
     /// The levels of the merge tree.
     levels: Option<usize>,
-    stopped: Option<Stopped>,
+    stopped: Option<SearchStop>,
     notes: Vec<String>,
 }
 

@@ -19,7 +19,7 @@ use pyo3::prelude::*;
 use pyo3::pyclass_init::PyClassInitializer;
 use tristrip::StripifyOptions;
 use tristrip::stripify::{Progress, Watch};
-use tristrip_pipeline::{Observer, Search, SimplifyProgress, Stage, Stopped};
+use tristrip_pipeline::{Observer, Search, SearchStop, SimplifyProgress, Stage};
 
 use crate::errors::{Failure, with_best};
 use crate::pool::threads;
@@ -207,7 +207,7 @@ impl Watch for Watcher {
 
 impl Watcher {
     /// Returns why a search was stopped, if it was.
-    pub(crate) fn stopped(&self) -> Option<Stopped> {
+    pub(crate) fn stopped(&self) -> Option<SearchStop> {
         self.why_stopped(&self.is_over_budget)
     }
 
@@ -216,11 +216,11 @@ impl Watcher {
         self.is_stopped.load(Ordering::Relaxed)
     }
 
-    fn why_stopped(&self, is_over_budget: &AtomicBool) -> Option<Stopped> {
+    fn why_stopped(&self, is_over_budget: &AtomicBool) -> Option<SearchStop> {
         if self.is_interrupted() {
-            Some(Stopped::Interrupt)
+            Some(SearchStop::Interrupt)
         } else {
-            is_over_budget.load(Ordering::Relaxed).then_some(Stopped::Budget)
+            is_over_budget.load(Ordering::Relaxed).then_some(SearchStop::Budget)
         }
     }
 
@@ -252,7 +252,7 @@ impl Watch for Searches<'_> {
 }
 
 impl Search for Searches<'_> {
-    fn stopped(&self) -> Option<Stopped> {
+    fn stopped(&self) -> Option<SearchStop> {
         self.watcher.why_stopped(&self.is_over_budget)
     }
 }

@@ -98,7 +98,7 @@ struct Writer<'a> {
 impl Writer<'_> {
     /// Writes all levels as one GLB.
     fn write_scene(&mut self, target: &Output, outcome: &mut chain::Outcome) -> Result<(), Failure> {
-        let (options, writing) = (self.options(target), self.clock.fresh());
+        let (options, writing) = (self.options(target), self.clock.part());
         let file =
             output::encode(target, &writing, |observer| self.chain.encode(self.model, &options, observer))?;
         self.write(&file.encoded, target, &writing, &mut outcome.notes)?;
@@ -112,7 +112,7 @@ impl Writer<'_> {
     fn write_levels(&mut self, target: &Output, outcome: &mut chain::Outcome) -> Result<(), Failure> {
         for level in &mut outcome.levels {
             let target = target.of_level(level.number);
-            let (options, writing) = (self.options(&target), self.clock.fresh());
+            let (options, writing) = (self.options(&target), self.clock.part());
             let encoded = output::encode(&target, &writing, |observer| {
                 self.chain.encode_level(self.model, level.number, &options, observer)
             })?;
@@ -127,7 +127,7 @@ impl Writer<'_> {
         options.with_list(self.task.list).with_verify(self.task.options.verify)
     }
 
-    /// Writes a file, and adds the times; returns its size.
+    /// Writes a file; returns its size.
     fn write(
         &mut self,
         encoded: &encode::Outcome,
@@ -135,14 +135,12 @@ impl Writer<'_> {
         writing: &StageClock,
         notes: &mut Vec<String>,
     ) -> Result<usize, Failure> {
-        let size = output::write(target, target.layout.name(), encoded, notes, writing, self.console)?;
-        self.clock.add(writing);
-        Ok(size)
+        output::write(target, target.layout.name(), encoded, notes, writing, self.console)
     }
 }
 
 /// Returns the row of a level in the table.
-fn row(level: &chain::Level) -> Vec<String> {
+fn row(level: &chain::ChainLevel) -> Vec<String> {
     vec![
         format!("  level {}", level.number),
         count(level.triangles),

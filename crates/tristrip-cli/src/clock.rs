@@ -2,6 +2,7 @@
 //! line when a stage ends, shows the progress and watches searches.
 
 use std::collections::BTreeMap;
+use std::ops::Deref;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -111,10 +112,15 @@ impl StageClock {
         Self { lines: console.lines(), budget, state: Mutex::default() }
     }
 
-    /// Creates a clock without times, for a part of the work that is reported by itself;
-    /// [`StageClock::add`] takes its times over.
-    pub(crate) fn fresh(&self) -> Self {
+    /// Creates a clock without times, for work that is reported by itself.
+    pub(crate) fn without_times(&self) -> Self {
         Self { lines: self.lines.clone(), budget: self.budget, state: Mutex::default() }
+    }
+
+    /// Creates a clock for a part of the work. Its times are added to this clock when it is dropped,
+    /// also where the part fails.
+    pub(crate) fn part(&self) -> PartClock<'_> {
+        PartClock { clock: self.without_times(), whole: self }
     }
 
     /// Calls an operation with this observer, and ends its last stage.
@@ -186,6 +192,27 @@ impl StageClock {
     }
 }
 
+/// The clock of a part of the work: see [`StageClock::part`].
+pub(crate) struct PartClock<'a> {
+    clock: StageClock,
+    whole: &'a StageClock,
+}
+
+impl Deref for PartClock<'_> {
+    type Target = StageClock;
+
+    fn deref(&self) -> &StageClock {
+        &self.clock
+    }
+}
+
+impl Drop for PartClock<'_> {
+    fn drop(&mut self) {
+        self.clock.end();
+        self.whole.add(&self.clock);
+    }
+}
+
 impl Observer for StageClock {
     fn stage(&self, stage: Stage) {
         // Before the line of the last stage, below which the progress display is drawn again.
@@ -212,10 +239,13 @@ mod tests {
         for (stage, seconds) in [(Stage::Load, 1.0), (Stage::Encode, 2.0), (Stage::Write, 4.0)] {
             clock.add_seconds(stage, seconds);
         }
-        let file = clock.fresh();
+        // A part that fails is dropped with its last stage running.
+        let file = clock.part();
         file.add_seconds(Stage::Write, 8.0);
-        clock.add(&file);
+        file.stage(Stage::ReadBack);
+        drop(file);
         assert_eq!(clock.seconds(&[Stage::Write]), Some(12.0));
+        assert!(clock.seconds(&[Stage::ReadBack]).is_some());
         assert_eq!(clock.seconds(&[Stage::Fit, Stage::Stripify]), None);
         let seconds = serde_json::to_value(clock.into_seconds(STRIP_SECONDS)).unwrap();
         let keys: Vec<_> = seconds.as_object().unwrap().keys().collect();

@@ -110,7 +110,7 @@ impl Observer for MethodClocks<'_> {
         if stage == Stage::Stripify {
             clocks.last().inspect(|before| before.end());
             self.clock.end();
-            clocks.push(self.clock.fresh());
+            clocks.push(self.clock.without_times());
             self.console.step();
         }
         clocks.last().unwrap_or(self.clock).stage(stage);

@@ -65,7 +65,7 @@ impl From<tristrip_pipeline::Error> for Failure {
             Error::Format(error) => Self::writing(&error),
             Error::Level { found, last } => {
                 let (found, last) = (count(found), count(last));
-                Self::Input(format!("level: found {found}, expected at most {last}, the full mesh"))
+                Self::Input(format!("level: found {found}, expected at most {last}"))
             }
             other => Self::Input(other.to_string()),
         }

@@ -13,7 +13,7 @@ use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures;
-use crate::job::Job;
+use crate::job::{Job, Output};
 use crate::output;
 use crate::report::{self, Batch};
 use crate::search::interrupted;
@@ -117,7 +117,7 @@ impl Drawing<'_> {
             filter: task.filter.to_string(),
             filter_effort: task.filter_effort.level(),
             drawn,
-            output: target.map(super::job::Output::name),
+            output: target.map(Output::name),
             layout: target.map(|target| target.layout.name()),
         })
     }
@@ -140,18 +140,17 @@ impl Drawing<'_> {
         } else {
             console.stage("verify", "skipped", None);
         }
-        self.clock.add(drawing);
     }
 
     /// Returns the level that the task selects.
     fn level(&self, outcome: &mut levels::Outcome, console: &Console) -> Result<usize, Failure> {
         let level = outcome.model.level_of(self.task.goal)?;
         let triangles = outcome.model.triangle_count(level)?;
-        if let LevelGoal::Triangles(wanted) = self.task.goal
-            && triangles > wanted
+        if let LevelGoal::Triangles(requested) = self.task.goal
+            && triangles > requested
         {
-            let (wanted, found) = (counted(wanted, "triangle"), count(triangles));
-            let note = format!("{wanted} asked for: the base mesh has {found}");
+            let (requested, found) = (counted(requested, "triangle"), count(triangles));
+            let note = format!("{requested} requested: the base mesh has {found}");
             console.note(&note);
             outcome.notes.push(note);
         }
@@ -166,7 +165,7 @@ impl Drawing<'_> {
         console: &mut Console,
     ) -> Result<Drawn, Failure> {
         let level = self.level(outcome, console)?;
-        let (levels, task, drawing) = (&outcome.model, self.task, self.clock.fresh());
+        let (levels, task, drawing) = (&outcome.model, self.task, self.clock.part());
         let displayed = drawing.observe(|observer| match task.model {
             ModelKind::Progressive | ModelKind::Naive => {
                 levels.display(level, task.filter, task.repair(), observer)
@@ -175,7 +174,7 @@ impl Drawing<'_> {
         })?;
         let how = format!("model {}, filter {}", task.model, task.filter);
         let name = format!("level {}", count(level));
-        self.show_drawn(&displayed.figures, (&name, &how), &drawing, console);
+        self.show_drawn(&displayed.metrics, (&name, &how), &drawing, console);
         let pixels = task.view.map(|view| f64::from(view.pixels_of(displayed.surface_error)));
         if let Some(pixels) = pixels {
             console.stage("error", &format!("{pixels:.3} pixels of the view"), None);
@@ -190,7 +189,7 @@ impl Drawing<'_> {
             surface_error: Some(displayed.surface_error),
             surface_error_percent: Some(displayed.surface_error_percent),
             pixels: pixels.map(rounded),
-            metrics: displayed.figures,
+            metrics: displayed.metrics,
         })
     }
 
@@ -202,10 +201,10 @@ impl Drawing<'_> {
         (camera, criteria): &(Camera, ViewCriteria),
         console: &mut Console,
     ) -> Result<Drawn, Failure> {
-        let (levels, drawing) = (&outcome.model, self.clock.fresh());
+        let (levels, drawing) = (&outcome.model, self.clock.part());
         let view = drawing.observe(|observer| levels.view(model, camera, criteria, observer))?;
         let how = format!("model {}", self.task.model);
-        self.show_drawn(&view.figures, ("view", &how), &drawing, console);
+        self.show_drawn(&view.metrics, ("view", &how), &drawing, console);
         view.notes.iter().for_each(|note| console.note(note));
         outcome.notes.extend_from_slice(&view.notes);
         let encode = |options: &encode::Options, observer: &dyn Observer| {
@@ -218,7 +217,7 @@ impl Drawing<'_> {
             surface_error: None,
             surface_error_percent: None,
             pixels: None,
-            metrics: view.figures,
+            metrics: view.metrics,
         })
     }
 
@@ -232,11 +231,10 @@ impl Drawing<'_> {
     ) -> Result<(), Failure> {
         let Some(target) = &self.job.output else { return Ok(()) };
         let options = encode::Options::new(target.format).with_layout(target.layout);
-        let (options, writing) = (options.with_verify(self.task.verify), self.clock.fresh());
+        let (options, writing) = (options.with_verify(self.task.verify), self.clock.part());
         let encoded = output::encode(target, &writing, |observer| encode(&options, observer))?;
         let how = output::drawn_as(target, has_strips);
         output::write(target, how, &encoded, notes, &writing, console)?;
-        self.clock.add(&writing);
         Ok(())
     }
 }

@@ -11,7 +11,7 @@ use indicatif::ProgressBar;
 use tristrip::stripify::{Objective, Progress, Watch};
 use tristrip::{Method, StripifyOptions};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Search, Stopped};
+use tristrip_pipeline::{Search, SearchStop};
 
 /// The exit code of a command that was ended by Ctrl-C, as shells define it.
 const INTERRUPTED_CODE: i32 = 130;
@@ -105,11 +105,11 @@ impl Watch for SearchWatch {
 }
 
 impl Search for SearchWatch {
-    fn stopped(&self) -> Option<Stopped> {
+    fn stopped(&self) -> Option<SearchStop> {
         if interrupted() {
-            Some(Stopped::Interrupt)
+            Some(SearchStop::Interrupt)
         } else {
-            self.over_budget.load(Ordering::Relaxed).then_some(Stopped::Budget)
+            self.over_budget.load(Ordering::Relaxed).then_some(SearchStop::Budget)
         }
     }
 }

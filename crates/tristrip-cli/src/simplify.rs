@@ -13,7 +13,7 @@ use tristrip_render::text::table;
 use crate::clock::{SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::job::Job;
+use crate::job::{Job, Output};
 use crate::output::{self, drawn_as};
 use crate::report::{self, Batch};
 use crate::stage::{load_job, show_mesh, show_proof_of_collapses, timed};
@@ -71,16 +71,15 @@ fn simplify(
         picture = Some(path.display().to_string());
     }
     if let Some(target) = &job.output {
-        let writing = clock.fresh();
+        let writing = clock.part();
         let encoded = output::encode(target, &writing, |observer| {
             outcome.encode(format, task.options.verify, observer)
         })?;
         output::write(target, drawn_as(target, false), &encoded, &mut outcome.notes, &writing, console)?;
-        clock.add(&writing);
     }
     // The report does not need the model.
     outcome.redrawn.model = Model::default();
-    Ok(Simplified { outcome, output: job.output.as_ref().map(super::job::Output::name), picture })
+    Ok(Simplified { outcome, output: job.output.as_ref().map(Output::name), picture })
 }
 
 /// Draws the model before and after, and writes the picture.

@@ -129,7 +129,7 @@ fn write(
 ) -> Result<(), Failure> {
     let options = encode::Options::new(target.format).with_layout(target.layout).with_list(task.list);
     let options = options.with_reorder(task.reorder).with_verify(task.verify);
-    let writing = clock.fresh();
+    let writing = clock.part();
     let strip::File { encoded, drawn, mut before, mut after, .. } =
         output::encode(target, &writing, |observer| stripped.strips.encode(model, &options, observer))?;
     before.bytes = file_bytes(&job.input);
@@ -138,7 +138,6 @@ fn write(
     stripped.vertex_order = encoded.groups.as_ref().map(|groups| groups.iter().map(GroupOrder::of).collect());
     let how = drawn_as(target, drawn.found + drawn.stored > 0);
     output::write(target, how, &encoded, &mut stripped.strips.notes, &writing, console)?;
-    clock.add(&writing);
     (stripped.drawn, stripped.before, stripped.after) = (Some(drawn), Some(before), Some(after));
     (stripped.output, stripped.layout) = (Some(target.name()), Some(target.layout.name()));
     Ok(())

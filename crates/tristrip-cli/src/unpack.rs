@@ -94,12 +94,11 @@ fn unpack(task: &UnpackTask, console: &mut Console, clock: &StageClock) -> Resul
     }
     let options = encode::Options::new(target.format).with_verify(*verify);
     let drawings = vec![Drawing::Faces; model.parts.len()];
-    let writing = clock.fresh();
+    let writing = clock.part();
     let encoded =
         output::encode(target, &writing, |observer| encode::run(&model, &drawings, &options, observer))?;
     let how = output::drawn_as(target, false);
     output::write(target, how, &encoded, &mut outcome.notes, &writing, console)?;
-    clock.add(&writing);
     Ok(Unpacked { proven: verify.then_some(true), outcome, output: Some(target.name()) })
 }
 

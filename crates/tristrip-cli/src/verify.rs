@@ -5,12 +5,15 @@ use tristrip_io::Model;
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Stage, verify};
 
-use crate::clock::{STRIP_SECONDS, Seconds, StageClock};
+use crate::clock::{Seconds, SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::input::load;
 use crate::job::Input;
 use crate::stage::show_loaded;
 use crate::task::VerifyTask;
+
+/// The keys of `seconds`.
+const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("verify", &[Stage::Prove])];
 
 /// The report of both files; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
@@ -51,7 +54,7 @@ pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
         }
     }
     let proven = outcome.as_ref().is_some_and(|outcome| outcome.proven);
-    let seconds = clock.into_seconds(STRIP_SECONDS);
+    let seconds = clock.into_seconds(SECONDS);
     console.json(&[Verified { source, result, seconds, outcome, notes, error }], false);
     proven
 }
@@ -80,10 +83,9 @@ fn compare(
 
 /// Reads a file, and prints what it holds.
 fn load_named(input: &Input, console: &Console, clock: &StageClock) -> Result<Model, String> {
-    let (name, loading) = (input.name(), clock.fresh());
+    let (name, loading) = (input.name(), clock.part());
     let loaded = loading.timed(Stage::Load, || load(input));
     let model = loaded.map_err(|failure| format!("{name}: {failure}"))?;
     show_loaded(&model, &format!("{name}: "), console, &loading);
-    clock.add(&loading);
     Ok(model)
 }

@@ -1,5 +1,5 @@
-//! Measurements around triangle strips: reproductions of the papers, charts of methods and of
-//! levels of detail, flights.
+//! Measurements: reproductions of the papers, charts of methods and of levels of detail, camera
+//! flights.
 //!
 //! ```text
 //! PreparedModel ─▶ pareto: every method, indices against misses   ─▶ chart (SVG)
@@ -7,6 +7,8 @@
 //! ModelLevels   ─▶ recovery: time and memory of every level model ─▶ table, chart
 //! models, papers ─▶ repro: published beside measured              ─▶ pages, charts
 //! SkipStrips, cameras ─▶ flight: what each frame of a view draws  ─▶ page, chart
+//! ProgressiveStrips ─▶ wire: the transmission of paper 001         ─▶ bytes
+//! baselines: level models that are needed only for comparison
 //! ```
 //! All texts and charts have the same bytes on every machine, except the times of `recovery` and
 //! `flight`.

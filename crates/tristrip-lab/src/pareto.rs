@@ -19,7 +19,7 @@ use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Method, StripifyOptions, Strips};
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{
-    Error as PipelineError, MethodDescription, Observer, PreparedModel, PreparedPart, Stopped, rounded,
+    Error as PipelineError, MethodDescription, Observer, PreparedModel, PreparedPart, SearchStop, rounded,
 };
 
 use crate::error::Error;
@@ -62,7 +62,7 @@ pub struct ParetoPoint {
     /// Whether no other method has at most as many of both and fewer of one.
     pub optimal: bool,
     /// Why the search was stopped early, if it was.
-    pub stopped: Option<Stopped>,
+    pub stopped: Option<SearchStop>,
     /// Whether the point is the file's own order: no strips were searched for.
     #[serde(skip)]
     is_file_order: bool,

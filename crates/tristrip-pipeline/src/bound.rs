@@ -40,7 +40,7 @@ pub struct Outcome {
     /// For each part whether one strip without swaps draws it completely.
     pub sequential: Vec<bool>,
     /// The bounds of all components, part by part.
-    pub components: Vec<ComponentBound>,
+    pub components: Vec<Component>,
     /// Notes of the reader, and on what was dropped, changed or unusual.
     pub notes: Vec<String>,
 }
@@ -48,7 +48,7 @@ pub struct Outcome {
 /// The bound of a component of a part; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
-pub struct ComponentBound {
+pub struct Component {
     /// The number of the part.
     pub part: usize,
     /// The triangles of the component.
@@ -96,7 +96,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     });
     let parts = parts.into_iter().collect::<Result<Vec<(Bound, bool)>, Error>>()?;
     let of_part = |(part, (bound, _)): (usize, &(Bound, bool))| {
-        let component = move |component: &tristrip::stripify::bound::ComponentBound| ComponentBound {
+        let component = move |component: &tristrip::stripify::bound::ComponentBound| Component {
             part,
             triangles: component.triangles,
             strips: component.strips,

@@ -103,7 +103,7 @@ impl Options {
 /// A level of a chain; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
-pub struct Level {
+pub struct ChainLevel {
     /// The number of the level; 0 is the finest.
     #[serde(rename = "level")]
     pub number: usize,
@@ -168,7 +168,7 @@ pub struct Outcome {
     pub diagonal: f64,
     /// The levels, the finest first.
     #[serde(rename = "chain")]
-    pub levels: Vec<Level>,
+    pub levels: Vec<ChainLevel>,
     /// The number of vertices that were kept because they touch parts in other places of the scene.
     pub locked_vertices: usize,
     /// The number of parts.
@@ -237,7 +237,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
             let surface_error = extents.iter().map(|extent| extent.errors[number]).fold(0.0, f32::max);
             let surface_error_percent = percent_of(surface_error.into(), collapses.diagonal);
             let vertices = leveled.vertex_count(number)?;
-            Ok(Level {
+            Ok(ChainLevel {
                 number,
                 ratio,
                 target_triangles,
@@ -251,7 +251,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
                 output: None,
             })
         });
-    let levels = levels.collect::<Result<Vec<Level>, Error>>()?;
+    let levels = levels.collect::<Result<Vec<ChainLevel>, Error>>()?;
     let expected = of_parts.into_iter().map(|parts| parts.into_iter().map(|part| part.triangles).collect());
     let expected = expected.collect();
     let options = Options { stripify: surveyed.options, ..options.clone() };

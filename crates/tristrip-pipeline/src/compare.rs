@@ -11,13 +11,12 @@ use crate::error::Error;
 use crate::figures::MeshProperties;
 use crate::method::MethodDescription;
 use crate::metrics::StripMetrics;
-use crate::observer::{Observer, Stage, Stopped, begin};
+use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::prepared::{PreparedModel, Survey};
 
 /// Which methods are compared.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
-#[derive(Default)]
 pub struct Options {
     /// The options that all methods share, such as the seed. The method is not used.
     pub stripify: StripifyOptions,
@@ -91,7 +90,7 @@ pub struct Row {
     #[serde(flatten)]
     pub metrics: Option<StripMetrics>,
     /// Why the search was stopped, if it was.
-    pub stopped: Option<Stopped>,
+    pub stopped: Option<SearchStop>,
     /// Why there is no result.
     pub error: Option<String>,
 }
@@ -124,7 +123,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     let mut methods = Vec::new();
     for stripify in options.methods() {
         let row = row(&prepared, &stripify.with_weld(adapted.weld), observer)?;
-        let is_interrupted = row.stopped == Some(Stopped::Interrupt);
+        let is_interrupted = row.stopped == Some(SearchStop::Interrupt);
         methods.push(row);
         if is_interrupted {
             break;
@@ -142,14 +141,15 @@ fn row(
     begin(observer, Stage::Stripify)?;
     let watch = observer.search(options);
     let measured = prepared.find_strips(options, &*watch).and_then(|strips| {
-        observer.stage(Stage::Prove);
+        begin(observer, Stage::Prove)?;
         prepared.prove(&strips)?;
-        observer.stage(Stage::Measure);
+        begin(observer, Stage::Measure)?;
         prepared.metrics(&strips, options)
     });
     let stopped = watch.stopped();
     let (metrics, error) = match measured {
         Ok(metrics) => (Some(metrics), None),
+        Err(Error::Cancelled) => return Err(Error::Cancelled),
         Err(error) => (None, Some(error.to_string())),
     };
     let (method, seconds) = (MethodDescription::of(options), MethodSeconds::default());

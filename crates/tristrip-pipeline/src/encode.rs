@@ -105,7 +105,17 @@ impl Outcome {
     ///
     /// # Errors
     /// The file is not a GLB, or the separate files are not proven.
-    pub(crate) fn separate(&self, file_name: &str) -> Result<SeparateFiles, Error> {
+    ///
+    /// ```
+    /// use tristrip_io::{Drawing, Format, read};
+    /// use tristrip_pipeline::encode;
+    /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+    /// let glb = encode::run(&model, &[Drawing::Faces], &encode::Options::new(Format::Glb), &())?;
+    /// let files = glb.separate("model.bin")?;
+    /// assert!(files.json.starts_with(b"{") && !files.buffer.is_empty());
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn separate(&self, file_name: &str) -> Result<SeparateFiles, Error> {
         let files = tristrip_io::gltf::separate(self.bytes.clone(), file_name)?;
         if self.faces.is_some() {
             let unproven = |error: tristrip_io::Error| Error::unproven(error.to_string());

@@ -25,7 +25,7 @@ pub enum Error {
         metrics: Option<Box<UnprovenMetrics>>,
     },
     /// The requested level of detail does not exist.
-    #[error("level: found {found}, expected at most {last}, the full mesh")]
+    #[error("level: found {found}, expected at most {last}")]
     Level {
         /// The level requested.
         found: usize,

@@ -38,7 +38,7 @@ impl StripMetrics {
         Ok(Self::with_parts(parts, options)?.0)
     }
 
-    /// Does the same, and returns the figures of each part too.
+    /// Measures strips as [`StripMetrics::of`] does; returns the metrics of each part, too.
     pub(crate) fn with_parts(
         parts: &[(&Strips, usize)],
         options: &StripifyOptions,

@@ -22,12 +22,12 @@ use tristrip::{CollapseSequence, Mesh, Strips};
 use tristrip_io::Model;
 
 use crate::collapses::{Collapses, percent_of};
-use crate::error::Error;
+use crate::error::{Error, UnprovenMetrics};
 use crate::figures::MeshProperties;
 use crate::goal::Amount;
 use crate::method::MethodDescription;
 use crate::metrics::StripMetrics;
-use crate::observer::{Observer, Stage, Stopped, begin};
+use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::parts::{check_vertices, map};
 use crate::prepared::{PreparedModel, Survey};
 use crate::simplify::{
@@ -51,7 +51,8 @@ pub struct ModelLevels {
     pub order: Arc<LevelOrder>,
     /// The collapses to the base mesh.
     pub collapses: Collapses,
-    /// Notes on locked vertices, and on parts that stopped before the base mesh.
+    /// Notes on locked vertices, and on parts that stopped before the base mesh. [`run`] moves them to
+    /// [`Outcome::notes`].
     pub notes: Vec<String>,
     options: Options,
 }
@@ -81,7 +82,7 @@ pub struct Outcome {
     /// The diagonal of the bounding box of all triangles in the scene.
     pub diagonal: f64,
     /// Why the search for strips was stopped early, if it was.
-    pub stopped: Option<Stopped>,
+    pub stopped: Option<SearchStop>,
     /// The number of parts.
     pub parts: usize,
     /// Notes of the reader, on what was dropped, changed or unusual, on a search that was stopped, on locked vertices, and on parts that
@@ -100,7 +101,7 @@ pub struct DisplayedLevel {
     /// The display strips of each part, over the vertices of its collapses; see [`LevelPart::outward`].
     pub strips: Vec<Strips>,
     /// The metrics of the display strips.
-    pub figures: StripMetrics,
+    pub metrics: StripMetrics,
     /// The greatest error of the collapses of the level, in mesh units.
     pub surface_error: f32,
     /// The same in percent of the diagonal of the model.
@@ -122,7 +123,7 @@ pub struct DisplayedLevel {
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
 /// let base = levels.display(0, DisplayFilter::Repair, RepairOptions::default(), &())?;
-/// assert_eq!((base.figures.triangles, base.proven), (1, true));
+/// assert_eq!((base.metrics.triangles, base.proven), (1, true));
 /// let half = levels.display(levels.collapse_count() / 2, DisplayFilter::Linked, RepairOptions::default(), &())?;
 /// let file = levels.encode(&model, &half, &encode::Options::new(Format::Glb), &())?;
 /// assert_eq!(file.faces, Some(half.figures.triangles));
@@ -321,7 +322,7 @@ impl ModelLevels {
         self.displayed(level, of_parts, strips, observer)
     }
 
-    /// Does the same with the strips that a level model has at the level.
+    /// Draws a level with the strips that a level model has at it.
     ///
     /// # Errors
     /// There is no such level, a part is too large for the model, the strips are not proven, or the observer cancelled.
@@ -334,7 +335,7 @@ impl ModelLevels {
     /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
     /// let levels = levels::run(&model, &levels::Options::default(), &())?.model;
     /// let base = levels.display_of(ModelKind::Sets, 0, &())?;
-    /// assert_eq!((base.figures.triangles, base.proven), (1, true));
+    /// assert_eq!((base.metrics.triangles, base.proven), (1, true));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     pub fn display_of(
@@ -406,7 +407,7 @@ impl ModelLevels {
         begin(observer, Stage::Measure)?;
         let vertex_counts = self.parts.iter().map(LevelPart::vertex_count);
         let measured: Vec<_> = strips.iter().zip(vertex_counts).collect();
-        let figures = StripMetrics::of(&measured, &self.options.stripify)?;
+        let metrics = StripMetrics::of(&measured, &self.options.stripify)?;
         let errors = self.parts.iter().zip(&of_parts).map(|(part, &level)| part.sequence().error(level));
         let errors = errors.collect::<Result<Vec<f32>, _>>()?;
         let surface_error = errors.into_iter().fold(0.0, f32::max);
@@ -414,13 +415,14 @@ impl ModelLevels {
             begin(observer, Stage::Prove)?;
             let all: Vec<_> = self.parts.iter().zip(&of_parts).zip(&strips).collect();
             let proofs = map(&all, |((part, level), strips)| part.prove(**level, strips));
-            proofs.into_iter().collect::<Result<(), Error>>()?;
+            let proven = proofs.into_iter().collect::<Result<(), Error>>();
+            proven.map_err(|error| error.with_metrics(|| UnprovenMetrics::Strips(metrics.clone())))?;
         }
         Ok(DisplayedLevel {
             level,
             of_parts,
             strips,
-            figures,
+            metrics,
             surface_error,
             surface_error_percent: percent_of(surface_error.into(), self.collapses.diagonal),
             proven: self.options.verify,

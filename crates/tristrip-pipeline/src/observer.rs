@@ -78,18 +78,18 @@ impl fmt::Display for Stage {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
-pub enum Stopped {
+pub enum SearchStop {
     /// A time budget ended.
     Budget,
     /// The user interrupted.
     Interrupt,
 }
 
-impl Stopped {
+impl SearchStop {
     /// Returns a note for a report.
     ///
     /// ```
-    /// assert!(tristrip_pipeline::Stopped::Budget.note().contains("budget"));
+    /// assert!(tristrip_pipeline::SearchStop::Budget.note().contains("budget"));
     /// ```
     pub fn note(self) -> &'static str {
         match self {
@@ -102,12 +102,12 @@ impl Stopped {
 /// Watches the searches of all parts of a model, which may run at the same time. Dropped when they end.
 pub trait Search: Watch {
     /// Returns why the searches were stopped, if they were.
-    fn stopped(&self) -> Option<Stopped>;
+    fn stopped(&self) -> Option<SearchStop>;
 }
 
 /// Never stops a search.
 impl Search for () {
-    fn stopped(&self) -> Option<Stopped> {
+    fn stopped(&self) -> Option<SearchStop> {
         None
     }
 }

@@ -16,12 +16,13 @@
 //! 6. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
 //!
 //! # Complexity
-//! As of `tristrip::stream::encode`, for each group.
+//! That of `tristrip::stream::encode` for each group.
 
 mod eye;
 mod group;
 mod order;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -47,7 +48,7 @@ use crate::text::counted;
 
 /// The share of a stream that what is drawn before it may take, and the triangles that it may have in any case.
 const BASE_PERCENT: usize = 2;
-const FEWEST_BASE_TRIANGLES: usize = 256;
+const MIN_BASE_TRIANGLES: usize = 256;
 /// The triangles of a mesh up to which such a simplification measures distances.
 const MAX_BY_DISTANCE: usize = 200_000;
 
@@ -143,9 +144,13 @@ fn is_some_or_null<S: Serializer>(number: &Option<usize>, serializer: S) -> Resu
 pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
     begin(observer, Stage::Simplify)?;
     let losses = tristrip_io::losses(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb);
-    let model = &*with_scene(model)?;
-    let places = Places::of(model);
     let mut notes = model.notes.clone();
+    let model = with_scene(model)?;
+    if let Cow::Owned(built) = &model {
+        notes.extend_from_slice(&built.notes);
+    }
+    let model = &*model;
+    let places = Places::of(model);
     notes.extend(places.note());
     let (groups, whole) = groups(model, &places, &mut notes)?;
     let locked = touching_vertices(&groups, (model, &whole), &places);
@@ -322,7 +327,7 @@ fn drawn_base(group: &Group, streamed: &StreamedMesh, locked: &[bool]) -> Result
     let chunk_bytes: usize = streamed.stream.chunks.iter().map(|chunk| chunk.bytes.len()).sum();
     // About a vertex for two triangles, and three bytes of strips for each.
     let most = chunk_bytes * BASE_PERCENT / 100 / (group.vertex_bytes() / 2 + 3);
-    let most = most.max(FEWEST_BASE_TRIANGLES);
+    let most = most.max(MIN_BASE_TRIANGLES);
     if base.len() / 3 <= most {
         return Ok(base.clone());
     }

@@ -11,7 +11,7 @@ use tristrip_io::Model;
 use crate::error::Error;
 use crate::figures::{MeshProperties, PartMetrics};
 use crate::metrics::StripMetrics;
-use crate::observer::{Observer, Stage, Stopped, begin};
+use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::parts::{PreparedPart, map, meshes};
 use crate::places::Places;
 
@@ -82,7 +82,7 @@ impl<'a> PreparedModel<'a> {
         &self,
         options: &StripifyOptions,
         observer: &dyn Observer,
-    ) -> Result<(Vec<Strips>, Option<Stopped>), Error> {
+    ) -> Result<(Vec<Strips>, Option<SearchStop>), Error> {
         begin(observer, Stage::Stripify)?;
         let watch = observer.search(options);
         let strips = self.find_strips(options, &*watch)?;
@@ -99,7 +99,7 @@ impl<'a> PreparedModel<'a> {
         Ok(self.metrics_with_parts(strips, options)?.0)
     }
 
-    /// Does the same, and returns the figures of each part too.
+    /// Measures strips as [`PreparedModel::metrics`] does; returns the metrics of each part, too.
     pub(crate) fn metrics_with_parts(
         &self,
         strips: &[Strips],
@@ -140,7 +140,7 @@ fn prove_part(part: &PreparedPart<'_>, strips: &Strips) -> Result<(), String> {
 /// A prepared model with the report on its mesh: the first stages of every function of this crate that builds or bounds strips.
 #[derive(Debug)]
 #[non_exhaustive]
-pub struct Survey<'a> {
+pub(crate) struct Survey<'a> {
     /// The prepared model.
     pub prepared: PreparedModel<'a>,
     /// The options, adapted to the model: it is not welded if vertices may differ in values that were not read.

@@ -24,7 +24,7 @@ use crate::error::{Error, UnprovenMetrics};
 use crate::figures::MeshProperties;
 use crate::goal::Goal;
 use crate::metrics::rounded;
-use crate::observer::{Observer, SimplifyProgress, Stage, Stopped, begin};
+use crate::observer::{Observer, SearchStop, SimplifyProgress, Stage, begin};
 use crate::parts::map;
 use crate::prepared::{PreparedModel, Survey};
 use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
@@ -349,7 +349,7 @@ fn simplify_to<'a>(
         measured = Some(Deviations::of(change, collapses.diagonal));
     }
     if interrupted {
-        notes.push(Stopped::Interrupt.note().into());
+        notes.push(SearchStop::Interrupt.note().into());
     }
     Ok(Outcome {
         proven: options.verify,

@@ -12,7 +12,7 @@ use crate::error::{Error, UnprovenMetrics};
 use crate::figures::{MeshProperties, PartMetrics};
 use crate::method::MethodDescription;
 use crate::metrics::StripMetrics;
-use crate::observer::{Observer, Stage, Stopped, begin};
+use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::prepared::Survey;
 
 /// How strips are built. The default is [`Method::Best`], proven.
@@ -61,7 +61,7 @@ pub struct Outcome {
     #[serde(flatten)]
     pub metrics: StripMetrics,
     /// Why the search was stopped early, if it was.
-    pub stopped: Option<Stopped>,
+    pub stopped: Option<SearchStop>,
     /// The gap between the result of `fewest`, or of `best` above its default effort, and its lower bound. `None` for other methods: they
     /// take no longer than the bound does.
     pub bound: Option<BoundGap>,
@@ -181,7 +181,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
 pub fn of_strips(
     model: &Model,
     strips: Vec<Strips>,
-    stopped: Option<Stopped>,
+    stopped: Option<SearchStop>,
     options: &Options,
     observer: &dyn Observer,
 ) -> Result<Outcome, Error> {
@@ -199,7 +199,7 @@ pub fn of_strips(
 fn measured(
     survey: Survey<'_>,
     strips: Vec<Strips>,
-    stopped: Option<Stopped>,
+    stopped: Option<SearchStop>,
     verify: bool,
     observer: &dyn Observer,
 ) -> Result<Outcome, Error> {

@@ -26,7 +26,7 @@ pub(crate) use side::{Facet, Side, dot, sub};
 /// The number of boxes of triangles that the searches on one surface may visit, by estimate.
 pub(crate) const MAX_VISITS: f64 = 2e7;
 /// The boxes that a search visits at least, by estimate.
-const FEWEST_VISITS: f64 = 100.0;
+const MIN_VISITS: f64 = 100.0;
 
 /// A surface before and after a change: triangles over the vertices of one mesh.
 #[derive(Debug, Clone, Copy)]
@@ -186,7 +186,7 @@ fn compare(surface: &ChangedSurface<'_>, sides: &[Side; 2], points: [f64; 2], se
 
 /// Returns the number of points to search where so many boxes contain each.
 fn affordable(points: f64, crowd: f64) -> f64 {
-    points.min(MAX_VISITS / (FEWEST_VISITS + crowd))
+    points.min(MAX_VISITS / (MIN_VISITS + crowd))
 }
 
 #[expect(clippy::cast_sign_loss, reason = "at least 1")]

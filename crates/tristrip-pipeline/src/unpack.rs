@@ -5,7 +5,7 @@
 //! exact, although only whole chunks are decoded. Levels of several meshes are counted together, in the order of the chunks.
 //!
 //! # Complexity
-//! As of the decoder, for the chunks up to the goal.
+//! That of the decoder for the chunks up to the goal.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;

@@ -23,7 +23,7 @@ use crate::error::Error;
 use crate::figures::MeshProperties;
 use crate::join::{Joined, join};
 use crate::method::MethodDescription;
-use crate::observer::{Observer, Stage, Stopped, begin};
+use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::prepared::Survey;
 
 /// How a model of views is built.
@@ -98,7 +98,7 @@ pub struct Outcome {
     /// The number of levels of the merge tree.
     pub levels: usize,
     /// Why the search for strips was stopped early, if it was.
-    pub stopped: Option<Stopped>,
+    pub stopped: Option<SearchStop>,
     /// The number of parts of the source.
     pub parts: usize,
     /// Notes of the reader, on what was dropped, changed or unusual, and on a search that was stopped.

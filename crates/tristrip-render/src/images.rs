@@ -10,7 +10,7 @@
 //! 1. A camera projects the vertices: without perspective, scaled to fill the picture, for strips; with perspective, from the eight corners
 //!    of the bounding box, for textured models; or as the camera of a view of detail sees them, without what is behind it.
 //! 2. A corner has the normal of the file, or the mean normal of the triangles around its position, unless the surface has a crease there.
-//! 3. Each strip gets the colour of a palette that its neighbours do not have (`colours.rs`). A textured model shows its base colour, its
+//! 3. Each strip gets the colour of a palette that its neighbours do not have. A textured model shows its base colour, its
 //!    normals or its texture coordinates, as the [`Mode`] says.
 //! 4. Bands of rows are drawn in parallel, with 4 × 4 samples per pixel. The nearest triangle of each sample is found first; then the shader
 //!    gives its colour there, with values that are corrected for perspective and textures that are mixed from four pixels.
@@ -105,7 +105,7 @@ pub fn strips_seen(
 /// Draws triangles, three indices each, in one colour. A part is its positions and its triangles. Returns the bytes of a PNG file.
 ///
 /// # Errors
-/// As of [`strips`].
+/// A size is 0 or too large, the view has no direction, a coordinate is not finite, or a triangle names a vertex without a position.
 ///
 /// ```
 /// use tristrip_render::images::{RenderOptions, triangles};
@@ -122,7 +122,7 @@ pub fn triangles(parts: &[(&[[f32; 3]], &[u32])], options: &RenderOptions) -> Re
 /// Draws triangles as [`triangles`] does, as a camera with perspective sees them. Nothing behind the camera is drawn.
 ///
 /// # Errors
-/// As of [`strips_seen`].
+/// A size is 0 or too large, a coordinate is not finite, or a triangle names a vertex without a position.
 ///
 /// ```
 /// use tristrip::lod::Camera;

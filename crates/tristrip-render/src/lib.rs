@@ -3,7 +3,7 @@
 //! ```text
 //! positions, strips ─▶ images: one colour per strip             ─▶ PNG
 //! model             ─▶ images: base colours, textures           ─▶ PNG
-//! Analysis          ─▶ analysis: misses by cache size, lengths  ─▶ chart
+//! analyze::Outcome  ─▶ analysis: misses by cache size, lengths  ─▶ chart
 //! chunks            ─▶ rate: error against bytes                ─▶ chart
 //! rows              ─▶ text: aligned and Markdown tables
 //! ```

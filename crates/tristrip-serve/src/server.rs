@@ -154,7 +154,7 @@ impl Server {
     /// Answers until the server is stopped, or the process gets an interrupt (Ctrl-C) or SIGTERM. A second one ends it at once.
     ///
     /// # Errors
-    /// As of [`run`](Self::run), and the system refuses handlers of signals.
+    /// The system refuses threads, timers or handlers of signals.
     pub fn run_until_signal(self) -> Result<(), Error> {
         self.run_on_runtime(true)
     }

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyMapping, PyTuple, PyType};
 use tristrip::StripifyOptions;
 use tristrip_io::VertexGroup;
-use tristrip_pipeline::{Stopped, encode, strip};
+use tristrip_pipeline::{SearchStop, encode, strip};
 
 use super::class::Scene;
 use super::data::SceneData;
@@ -85,7 +85,7 @@ impl StrippedScene {
     #[getter]
     fn stopped(&self) -> Option<&'static str> {
         let stopped = self.stripped.stopped?;
-        Some(if stopped == Stopped::Budget { "budget" } else { "interrupt" })
+        Some(if stopped == SearchStop::Budget { "budget" } else { "interrupt" })
     }
 
     /// Whether the strips are proven to draw every face of the scene exactly once, with its original winding.
@@ -245,7 +245,8 @@ impl StrippedScene {
         let wrong = |error: serde_json::Error| Failure::Parameter(format!("pickle: {error}"));
         let stripify: StripifyOptions = serde_json::from_slice(options).map_err(wrong)?;
         let options = strip::Options::default().with_stripify(stripify).with_verify(proven);
-        let stopped = stopped.map(|why| if why == "budget" { Stopped::Budget } else { Stopped::Interrupt });
+        let stopped =
+            stopped.map(|why| if why == "budget" { SearchStop::Budget } else { SearchStop::Interrupt });
         let strips: Vec<_> = parts.iter().map(|strips| (**strips.get().inner()).clone()).collect();
         let scene = Arc::clone(&scene.get().data);
         let again =

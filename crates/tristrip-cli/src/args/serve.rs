@@ -9,6 +9,17 @@ use clap::{Args, ValueEnum};
 use super::groups::FromArgs;
 use crate::values::{BitRate, ByteCount};
 
+/// The examples of `serve` in every build.
+macro_rules! examples {
+    () => {
+        "Examples:
+  tristrip serve models/                            http://127.0.0.1:8080/
+  tristrip serve models/ --pack-on-demand           also OBJ, PLY, STL, OFF and glTF
+  tristrip serve models/ --bandwidth 5M             simulate a slow network
+  curl -H 'Range: bytes=0-9999' http://127.0.0.1:8080/files/bunny.glb | tristrip unpack - -o first.ply"
+    };
+}
+
 /// Serve the models of a directory over HTTP, with a gallery and a viewer
 ///
 /// The gallery shows all models of the directory and its subdirectories; the viewer refines a
@@ -17,12 +28,9 @@ use crate::values::{BitRate, ByteCount};
 /// after the responses in progress. `tristrip help server` explains addresses, packing, the cache
 /// and limits.
 #[derive(Debug, Args)]
-#[command(after_long_help = "Examples:
-  tristrip serve models/                            http://127.0.0.1:8080/
-  tristrip serve models/ --pack-on-demand           also OBJ, PLY, STL, OFF and glTF
-  tristrip serve models/ --bandwidth 5M             simulate a slow network
-  tristrip serve models/ --address 0.0.0.0 --tls-certificate cert.pem --tls-key key.pem
-  curl -H 'Range: bytes=0-9999' http://127.0.0.1:8080/files/bunny.glb | tristrip unpack - -o first.ply")]
+#[cfg_attr(feature = "tls", command(after_long_help = concat!(examples!(), "
+  tristrip serve models/ --address 0.0.0.0 --tls-certificate cert.pem --tls-key key.pem")))]
+#[cfg_attr(not(feature = "tls"), command(after_long_help = examples!()))]
 pub(crate) struct ServeArgs {
     /// The directory of the models
     #[arg(value_name = "DIRECTORY")]

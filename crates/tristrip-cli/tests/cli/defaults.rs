@@ -22,7 +22,8 @@ fn source(path: &str) -> String {
 fn help_of(subcommand: &str, flag: &str) -> String {
     let output = tristrip().env_remove("COLUMNS").args([subcommand, "--help"]).assert().success();
     let help = String::from_utf8(output.get_output().stdout.clone()).unwrap();
-    let is_flag = |line: &str| line.trim_start().starts_with('-') && line.starts_with(' ');
+    // Flags are indented by 2 or 6 columns, their texts by 10.
+    let is_flag = |line: &str| line.trim_start().starts_with('-') && !line.starts_with("          ");
     let names = |line: &str| line.split([' ', ',', '=']).any(|word| word == flag);
     let mut lines = help.lines().skip_while(|line| !(is_flag(line) && names(line)));
     let first = lines.next().unwrap_or_else(|| panic!("{subcommand} has no {flag}"));
@@ -202,4 +203,28 @@ fn streams_have_one_default() {
     assert_eq!(in_javascript("triangles"), limits.triangles as u64);
     assert_eq!(in_javascript("chunkBytes"), limits.chunk_bytes as u64);
     assert_eq!(in_javascript("corners"), limits.corners);
+}
+
+#[cfg(feature = "serve")]
+#[test]
+fn the_server_has_one_default() {
+    let options = tristrip_serve::ServerOptions::default();
+    let (limits, packing) = (&options.limits, &options.packing);
+    let time = |time| humantime::format_duration(time).to_string();
+    for (flag, default) in [
+        ("--address", options.address.to_string()),
+        ("--port", options.port.to_string()),
+        ("--largest-input", format!("{}M", packing.largest_input_bytes >> 20)),
+        ("--cache-bytes", format!("{}G", packing.cache_bytes >> 30)),
+        ("--connections", limits.connections.to_string()),
+        ("--connections-per-client", limits.connections_per_client.to_string()),
+        ("--header-bytes", format!("{}K", limits.header_bytes >> 10)),
+        ("--header-time", time(limits.header_time)),
+        ("--stall-time", time(limits.stall_time)),
+        ("--idle-time", time(limits.idle_time)),
+        ("--wait-time", time(packing.wait_time)),
+        ("--grace-time", time(limits.grace_time)),
+    ] {
+        assert_eq!(of_command("serve", flag), Some(default), "{flag}");
+    }
 }

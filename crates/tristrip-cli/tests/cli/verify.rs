@@ -16,6 +16,7 @@ fn the_same_faces_in_another_order_are_proven() {
     let expected =
         ["source", "result", "seconds", "proven", "faces", "triangles", "difference", "notes", "error"];
     assert_eq!(keys(&report), expected);
+    assert_eq!(keys(&report["seconds"]), ["load", "verify"]);
     assert_eq!((&report["proven"], &report["faces"]), (&Value::from(true), &Value::from(2)));
     tristrip()
         .arg("verify")

@@ -69,7 +69,7 @@ impl FlightPath {
     /// the distance by the same factor.
     ///
     /// # Errors
-    /// As of [`FlightPath::orbit`].
+    /// There are no positions, or one is not finite.
     ///
     /// ```
     /// use tristrip_lab::flight::{Axis, FlightPath, Lens};
@@ -86,7 +86,7 @@ impl FlightPath {
     /// box. Without an axis, its shortest side is vertical.
     ///
     /// # Errors
-    /// As of [`FlightPath::orbit`].
+    /// There are no positions, or one is not finite.
     ///
     /// ```
     /// use tristrip_lab::flight::{FlightPath, Lens};

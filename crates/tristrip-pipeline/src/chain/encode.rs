@@ -126,7 +126,8 @@ impl Chain {
         if found == expected {
             return Ok(());
         }
-        let message = format!("format: found {}, expected {} as of the chain", found.name(), expected.name());
+        let message =
+            format!("format: found {}, expected {}, the format of the chain", found.name(), expected.name());
         Err(tristrip_io::Error::Unsupported(message).into())
     }
 
@@ -138,10 +139,13 @@ impl Chain {
         observer: &dyn Observer,
     ) -> Result<encode::Outcome, Error> {
         let stripify: StripifyOptions = self.options.stripify;
+        begin(observer, Stage::Prepare)?;
         let prepared = PreparedModel::new(model, stripify.weld);
         let (strips, stopped) = prepared.search(&stripify, observer)?;
+        begin(observer, Stage::Measure)?;
         let (_, of_parts) = prepared.metrics_with_parts(&strips, &stripify)?;
         if options.verify {
+            begin(observer, Stage::Prove)?;
             prepared.prove(&strips)?;
         }
         drop(prepared);

@@ -10,7 +10,7 @@ use tristrip::{Faces, StripifyOptions, Strips};
 use tristrip_io::Model;
 
 use super::part::LevelPart;
-use crate::error::Error;
+use crate::error::{Error, UnprovenMetrics};
 use crate::metrics::StripMetrics;
 use crate::observer::{Observer, Stage, begin};
 use crate::parts::map;
@@ -32,7 +32,7 @@ pub struct DisplayedView {
     /// The display strips of each part, over the vertices of its collapses; see [`LevelPart::outward`].
     pub strips: Vec<Strips>,
     /// The metrics of the display strips.
-    pub figures: StripMetrics,
+    pub metrics: StripMetrics,
     /// Whether the display strips are proven to draw exactly the triangles of the view.
     pub proven: bool,
     /// Notes on parts that are drawn in full, and on borders between parts.
@@ -91,18 +91,19 @@ pub(super) fn displayed(
     begin(observer, Stage::Measure)?;
     let vertex_counts = parts.iter().map(LevelPart::vertex_count);
     let measured: Vec<_> = strips.iter().zip(vertex_counts).collect();
-    let figures = StripMetrics::of(&measured, options)?;
+    let metrics = StripMetrics::of(&measured, options)?;
 
     let triangles: Vec<Vec<[u32; 3]>> = views.iter().map(SkipView::renamed_triangles).collect();
     if is_verified {
         begin(observer, Stage::Prove)?;
         let pairs: Vec<_> = triangles.iter().zip(&strips).collect();
         let proofs = map(&pairs, |(triangles, strips)| prove(triangles, strips));
-        proofs.into_iter().collect::<Result<(), Error>>()?;
+        let proven = proofs.into_iter().collect::<Result<(), Error>>();
+        proven.map_err(|error| error.with_metrics(|| UnprovenMetrics::Strips(metrics.clone())))?;
     }
     let outward = parts.iter().zip(triangles);
     let triangles = outward.map(|(part, triangles)| part.outward_triangles(triangles)).collect();
-    Ok(DisplayedView { strips, figures, proven: is_verified, notes, triangles })
+    Ok(DisplayedView { strips, metrics, proven: is_verified, notes, triangles })
 }
 
 /// Moves the views of all parts to what their cameras need. They share the budget: all may have the least error in pixels, above the one that is allowed,

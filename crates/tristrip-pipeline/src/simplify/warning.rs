@@ -74,7 +74,7 @@ mod tests {
         // Vertices are locked at borders, or where other parts touch them.
         stopped.locked = 1300;
         collapses.vertices_kept = Some(stopped);
-        assert!(warn(&collapses, false).unwrap().contains("1,300 vertices touch parts in other places"));
+        assert!(warn(&collapses, false).unwrap().contains("1,300 vertices touch other parts of the scene"));
         assert!(
             warn(&collapses, true)
                 .unwrap()

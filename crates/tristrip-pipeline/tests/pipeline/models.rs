@@ -12,8 +12,8 @@ use tristrip::stripify::{Progress, Watch};
 use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
 use tristrip_pipeline::{
-    Amount, Deviation, Error, Goal, Observer, PreparedModel, Search, Stage, Stopped, bound, convert, encode,
-    levels, levels::DisplayFilter, levels::ModelLevels, simplify, strip, verify, view_model,
+    Amount, Deviation, Error, Goal, Observer, PreparedModel, Search, SearchStop, Stage, bound, convert,
+    encode, levels, levels::DisplayFilter, levels::ModelLevels, simplify, strip, verify, view_model,
 };
 
 /// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.
@@ -116,11 +116,11 @@ fn every_level_and_filter_is_proven_and_can_be_written() {
         for filter in DisplayFilter::ALL {
             let displayed = all.display(level, filter, RepairOptions::default(), &()).unwrap();
             assert_eq!(
-                (displayed.figures.triangles, displayed.proven),
+                (displayed.metrics.triangles, displayed.proven),
                 (all.triangle_count(level).unwrap(), true)
             );
             let encoded = all.encode(&model, &displayed, &encode::Options::new(Format::Glb), &()).unwrap();
-            assert_eq!(encoded.faces, Some(displayed.figures.triangles));
+            assert_eq!(encoded.faces, Some(displayed.metrics.triangles));
         }
     }
     let above = all.display(last + 1, DisplayFilter::Linked, RepairOptions::default(), &());
@@ -181,8 +181,8 @@ impl Watch for AtOnce<'_> {
 }
 
 impl Search for AtOnce<'_> {
-    fn stopped(&self) -> Option<Stopped> {
-        (self.0.load(Ordering::Relaxed) > 0).then_some(Stopped::Interrupt)
+    fn stopped(&self) -> Option<SearchStop> {
+        (self.0.load(Ordering::Relaxed) > 0).then_some(SearchStop::Interrupt)
     }
 }
 
@@ -212,7 +212,7 @@ fn an_observer_cancels_at_each_stage_and_stops_searches() {
     };
     let (stopped, stages) = run(usize::MAX);
     let stopped = stopped.unwrap();
-    assert_eq!((stopped.stopped, stopped.proven), (Some(Stopped::Interrupt), true));
+    assert_eq!((stopped.stopped, stopped.proven), (Some(SearchStop::Interrupt), true));
     let expected =
         [Stage::Prepare, Stage::Survey, Stage::Stripify, Stage::Measure, Stage::Bound, Stage::Prove];
     assert_eq!(stages, expected);

@@ -90,7 +90,7 @@ impl TexturedModel {
     /// those that others hide.
     ///
     /// # Errors
-    /// As of [`picture`](Self::picture).
+    /// A size is 0 or too large, or the view has no direction.
     ///
     /// ```
     /// use tristrip_io::{Format, read};

@@ -6,7 +6,7 @@
 //! The strips are written as a whole after each update, so that an update takes time in proportion to the triangles of the view.
 //!
 //! # Complexity
-//! As of [`Repair`](crate::lod::Repair) per collapse and split, and O(t) time for t triangles drawn; 64 bytes per triangle of the full mesh and view.
+//! The time of [`Repair`](crate::lod::Repair) per collapse and split, and O(t) time for t triangles drawn; 64 bytes per triangle of the full mesh and view.
 
 use std::sync::Arc;
 
