@@ -150,7 +150,7 @@ impl Drawing<'_> {
             && triangles > requested
         {
             let (requested, found) = (counted(requested, "triangle"), count(triangles));
-            let note = format!("{requested} requested: the base mesh has {found}");
+            let note = format!("{requested} asked for: the base mesh has {found}");
             console.note(&note);
             outcome.notes.push(note);
         }
