@@ -103,9 +103,9 @@ impl Bound {
 
     /// Bounds all covers of all triangulations of a mesh.
     ///
-    /// If all faces are triangles there is only one triangulation, and this is [`Bound::of_triangulation`]. A face of k
-    /// corners counts as k − 2 triangles; a strip may pass through it several times, so that only faces with at most one neighbour
-    /// necessarily contain an end of a strip, or two.
+    /// If all faces are triangles there is only one triangulation, and the bound is tighter. A face of k corners counts as
+    /// k − 2 triangles; a strip may pass through it several times. Only faces with at most one neighbour necessarily contain
+    /// an end of a strip, or two.
     ///
     /// # Errors
     /// The graph is not the one of the faces.
