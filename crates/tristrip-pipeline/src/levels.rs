@@ -126,7 +126,7 @@ pub struct DisplayedLevel {
 /// assert_eq!((base.metrics.triangles, base.proven), (1, true));
 /// let half = levels.display(levels.collapse_count() / 2, DisplayFilter::Linked, RepairOptions::default(), &())?;
 /// let file = levels.encode(&model, &half, &encode::Options::new(Format::Glb), &())?;
-/// assert_eq!(file.faces, Some(half.figures.triangles));
+/// assert_eq!(file.faces, Some(half.metrics.triangles));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
 pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<Outcome, Error> {
