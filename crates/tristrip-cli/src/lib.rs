@@ -66,7 +66,7 @@ const WRONG_USAGE: u8 = 2;
 /// The stack of each thread: that of a main thread, since tasks run on these threads.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Runs the command with arguments, the first of which is the name of the program, and returns its
+/// Runs the command with arguments, of which the first is the program name, and returns its
 /// exit code.
 ///
 /// - 0: everything was done and proven, or the help or the version was printed.

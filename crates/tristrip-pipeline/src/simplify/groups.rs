@@ -61,7 +61,7 @@ pub struct CollapseRules {
     pub price: Price,
     /// Whether holes may close, handles vanish, and seams move onto others: for clutter that is to become very small.
     pub permissive: bool,
-    /// Whether vertices at borders stay, so that the tiles of a terrain still fit together.
+    /// Whether vertices at borders stay. Simplified tiles of a terrain then still fit together.
     pub lock_borders: bool,
     /// How far the two sides of a border may be apart to collapse together, in the scene; 0 if their positions must be equal. Errors may be
     /// larger by this distance.

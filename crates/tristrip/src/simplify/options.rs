@@ -205,7 +205,7 @@ impl SimplifyOptions {
         /// ```
         with_error_factors(error_factors: Vec<f32>);
 
-        /// Locks the vertices at the borders of the surface, so that the tiles of a terrain still fit together.
+        /// Locks the vertices at the borders of the surface. Simplified tiles of a terrain then still fit together.
         ///
         /// ```
         #[doc = include_str!("example.txt")]

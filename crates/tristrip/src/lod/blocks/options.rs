@@ -64,7 +64,7 @@ impl BlockOptions {
         /// ```
         with_memory(memory: u32);
 
-        /// Cuts the strips so that a move by a percent of the levels uploads a small part of the buffer in few ranges, instead of slots all over it. About a
+        /// Cuts the strips for small uploads: a move by a percent of the levels then changes a small part of the buffer, in few ranges. About a
         /// quarter more vertices are sent: for buffers that are expensive to upload.
         ///
         /// ```
