@@ -6,6 +6,7 @@ mod drawing;
 mod files;
 mod filters;
 mod flat_shaded;
+mod kept_strips;
 mod models;
 mod normals;
 mod progressive;

@@ -1,6 +1,7 @@
-//! Strips that a decoder keeps up, proven after every chunk of the models in testdata, with and without their attributes.
+//! Strips that a decoder maintains, proven after every chunk of the models in testdata, with and
+//! without their attributes.
 
-#![allow(clippy::unwrap_used, reason = "a test")]
+#![expect(clippy::unwrap_used, reason = "a test that panics fails")]
 
 use std::path::Path;
 
@@ -29,7 +30,7 @@ fn check(mesh: &Mesh) -> f64 {
 
 #[test]
 fn models_have_proven_strips_after_every_chunk() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/models");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models");
     for name in [
         "catmark_bishop.ply",
         "fish_control.ply",
