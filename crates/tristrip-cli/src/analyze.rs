@@ -26,13 +26,15 @@ const MAX_LISTED_PARTS: usize = 24;
 const MAX_BAR: usize = 40;
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("analyze", &[Stage::Analyze])];
+pub(crate) const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("analyze", &[Stage::Analyze])];
 
 /// What was found in one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Analyzed {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Analyzed {
     #[serde(flatten)]
     outcome: analyze::Outcome,
+    /// The SVG chart that was written; `null` without `--plot`.
     plot: Option<String>,
 }
 

@@ -13,7 +13,7 @@ use crate::stage::{load_input, show_mesh};
 use crate::task::BoundTask;
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys =
+pub(crate) const SECONDS: SecondsKeys =
     &[("load", &[Stage::Load]), ("dual", &[Stage::Prepare]), ("bound", &[Stage::Bound])];
 
 /// Returns a line on the gap.

@@ -14,7 +14,7 @@ use crate::stage::{load_input, show_mesh, show_proof};
 use crate::task::BuildLodTask;
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys = &[
+pub(crate) const SECONDS: SecondsKeys = &[
     ("load", &[Stage::Load]),
     ("dual", &[Stage::Prepare]),
     ("stripify", &[Stage::Stripify]),
@@ -25,11 +25,13 @@ const SECONDS: SecondsKeys = &[
 
 /// What was done with the input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Built {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Built {
     #[serde(flatten)]
     outcome: view_model::Outcome,
     #[serde(flatten)]
     file: view_model::File,
+    /// The file that was written.
     output: String,
 }
 

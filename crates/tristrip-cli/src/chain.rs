@@ -18,7 +18,7 @@ use crate::stage::{load_job, show_mesh, show_proof_of_collapses};
 use crate::task::ChainTask;
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys = &[
+pub(crate) const SECONDS: SecondsKeys = &[
     ("load", &[Stage::Load]),
     ("dual", &[Stage::Prepare]),
     ("simplify", &[Stage::Simplify]),
@@ -29,11 +29,13 @@ const SECONDS: SecondsKeys = &[
 
 /// What was done with one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Chained {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Chained {
     #[serde(flatten)]
     outcome: chain::Outcome,
-    /// The file with all levels; `null` where each level has its own.
+    /// The file with all levels; `null` if each level has its own file, or without `-o`.
     output: Option<String>,
+    /// The layout of the strips, or `list`; `null` without `-o`.
     layout: Option<&'static str>,
 }
 

@@ -80,6 +80,18 @@ impl Serialize for Seconds {
     }
 }
 
+/// Describes an object whose keys depend on the command; [`crate::report_schemas`] adds them.
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for Seconds {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Seconds".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "object", "properties": {} })
+    }
+}
+
 /// Measures the stages of an input. A stage ends when the next one starts, or with the operation.
 pub(crate) struct StageClock {
     lines: Lines,

@@ -17,7 +17,7 @@ use crate::stage::{load_input, show_mesh};
 use crate::task::CompareTask;
 
 /// The keys of `seconds`: each method has its own.
-const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("dual", &[Stage::Prepare])];
+pub(crate) const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("dual", &[Stage::Prepare])];
 
 /// A column of the table: head, format, and figure, of which less is better.
 type FigureColumn = (&'static str, fn(f64) -> String, fn(&compare::Row, &StripMetrics) -> Option<f64>);

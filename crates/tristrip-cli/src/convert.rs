@@ -15,10 +15,13 @@ use crate::task::ConvertTask;
 
 /// What was done with one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Converted {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Converted {
     #[serde(flatten)]
     outcome: convert::Outcome,
+    /// The file that was written.
     output: String,
+    /// The layout of the strips; `null` if the file has only faces.
     layout: Option<&'static str>,
 }
 

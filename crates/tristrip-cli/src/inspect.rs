@@ -20,13 +20,15 @@ use crate::unpack::open;
 const DECODING: &[Stage] = &[Stage::Load, Stage::Decode];
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys = &[("decode", DECODING)];
+pub(crate) const SECONDS: SecondsKeys = &[("decode", DECODING)];
 
 /// What was found in one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Inspected {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Inspected {
     #[serde(flatten)]
     outcome: inspect::Outcome,
+    /// The SVG chart that was written; `null` without `--plot`.
     plot: Option<String>,
 }
 

@@ -21,7 +21,7 @@ use crate::stage::{load_job, show_mesh};
 use crate::task::LevelTask;
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys = &[
+pub(crate) const SECONDS: SecondsKeys = &[
     ("load", &[Stage::Load]),
     ("dual", &[Stage::Prepare]),
     ("stripify", &[Stage::Stripify]),
@@ -33,28 +33,42 @@ const SECONDS: SecondsKeys = &[
 
 /// What was done with one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Leveled {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Leveled {
     #[serde(flatten)]
     outcome: levels::Outcome,
+    /// The level model that stores the strips: `progressive-mesh`, `naive`, `progressive`, `sets`,
+    /// `blocks` or `skip`.
     model: &'static str,
+    /// The display filter: `none`, `stss`, `dtfs`, `linked` or `repair`. It is `none` for a level
+    /// model without a filter.
     filter: String,
-    /// The effort of the filter `repair`.
+    /// The search effort of the filter `repair`, from 0 to 9.
     filter_effort: u8,
     #[serde(flatten)]
     drawn: Drawn,
+    /// The file that was written; `null` without `-o`.
     output: Option<String>,
+    /// The layout of the strips; `null` without `-o`.
     layout: Option<&'static str>,
 }
 
 /// What is drawn: a level or a view.
 #[derive(Debug, Serialize)]
-struct Drawn {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Drawn {
+    /// Whether the strips draw the full mesh, the display strips draw exactly the triangles of the
+    /// level or view, and a written file, read back, draws the same; `null` if the proof was not
+    /// requested.
     proven: Option<bool>,
-    /// The level; `null` for a view, as are its errors.
+    /// The level that is drawn; `null` for a camera.
     level: Option<usize>,
+    /// The maximum error of the collapses of the level, in mesh units; `null` for a camera.
     surface_error: Option<f32>,
+    /// `surface_error` in percent of `diagonal`; `null` for a camera.
     surface_error_percent: Option<f64>,
-    /// The surface error in pixels of the view, if there is one.
+    /// `surface_error` in pixels of the view; `null` without `--pixels` or `--distance`, and for a
+    /// camera.
     pixels: Option<f64>,
     /// The metrics of the display strips.
     #[serde(flatten)]

@@ -35,6 +35,8 @@ mod output;
 mod pack;
 mod reorder;
 mod report;
+#[cfg(feature = "schema")]
+mod schema;
 mod search;
 #[cfg(feature = "serve")]
 mod serve;
@@ -55,6 +57,8 @@ use std::ffi::OsString;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use console::Console;
+#[cfg(feature = "schema")]
+pub use schema::report_schemas;
 use task::Task;
 
 /// The exit code if everything was done and proven, and of the help and the version.

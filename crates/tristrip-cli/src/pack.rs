@@ -15,13 +15,16 @@ use crate::stage::load_job;
 use crate::task::PackTask;
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("pack", PACKING), ("write", &[Stage::Write])];
+pub(crate) const SECONDS: SecondsKeys =
+    &[("load", &[Stage::Load]), ("pack", PACKING), ("write", &[Stage::Write])];
 
 /// What was done with one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Packed {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Packed {
     #[serde(flatten)]
     outcome: pack::Outcome,
+    /// The file that was written; `null` without `-o`.
     output: Option<String>,
 }
 

@@ -7,13 +7,19 @@ use tristrip_pipeline::text::{count, counted};
 
 /// The vertices of parts that share them; the keys are those of the JSON report.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct GroupOrder {
+    /// The indices of the parts, from 0.
     parts: Vec<usize>,
+    /// The number of vertices.
     vertices: usize,
+    /// The number of vertices with a new index.
     moved: usize,
-    /// The source vertex of each new vertex, on one line of the JSON output.
+    /// The index in the input of each vertex of the file; every index occurs once. The JSON output
+    /// has them on one line.
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<u32>"))]
     new_to_old: Option<Box<RawValue>>,
-    /// Why the vertices kept their order; `None` if they did not.
+    /// Why the vertices kept their order; `null` if they were reordered.
     kept: Option<String>,
 }
 

@@ -15,14 +15,20 @@ use crate::failure::Failure;
 /// The report of one input; the keys are those of the JSON output. One that failed has an error
 /// instead of the outcome.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Report<O> {
+    /// The input as given; `-` for standard input.
     pub(crate) file: String,
+    /// The time per stage, in seconds.
     #[serde(skip_serializing_if = "Seconds::has_no_keys")]
     pub(crate) seconds: Seconds,
     #[serde(flatten)]
+    #[cfg_attr(feature = "schema", schemars(with = "O"))]
     pub(crate) outcome: Option<O>,
     #[serde(flatten)]
+    #[cfg_attr(feature = "schema", schemars(skip))]
     unproven: Option<Unproven>,
+    /// Why the input was not processed, or why the result is not proven; `null` if all was done.
     pub(crate) error: Option<String>,
 }
 

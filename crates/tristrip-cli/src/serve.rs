@@ -12,11 +12,17 @@ use crate::task::ServeTask;
 
 /// A server that listens; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Listening {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Listening {
+    /// The URL of the gallery for a browser on this machine.
     url: String,
+    /// The IP address that the server listens on.
     address: String,
+    /// The port that the server listens on. With `--port 0`, it is the one that was chosen.
     port: u16,
+    /// Whether files are packed on request.
     pack_on_demand: bool,
+    /// Remarks, in words.
     notes: Vec<String>,
 }
 

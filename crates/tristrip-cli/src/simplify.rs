@@ -23,7 +23,7 @@ use crate::task::SimplifyTask;
 const PICTURE_SIZE: u32 = 256;
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys = &[
+pub(crate) const SECONDS: SecondsKeys = &[
     ("load", &[Stage::Load]),
     ("dual", &[Stage::Prepare]),
     ("simplify", &[Stage::Simplify, Stage::Rebuild]),
@@ -35,11 +35,13 @@ const SECONDS: SecondsKeys = &[
 
 /// What was done with one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Simplified {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Simplified {
     #[serde(flatten)]
     outcome: simplify::Outcome,
+    /// The file that was written; `null` without `-o`.
     output: Option<String>,
-    /// The picture of the model before and after, if it was requested.
+    /// The PNG image of the model before and after; only with `--picture`.
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<String>,
 }

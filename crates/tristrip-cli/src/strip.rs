@@ -25,20 +25,24 @@ use crate::task::StripTask;
 
 /// What was done with one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Stripped {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Stripped {
     #[serde(flatten)]
     strips: strip::Outcome,
+    /// The file that was written; `null` without `-o`.
     output: Option<String>,
+    /// The layout of the strips; `null` without `-o`.
     layout: Option<&'static str>,
-    /// What the parts are drawn as in the file that was written.
+    /// The number of parts by what they are drawn as in the file; `null` without `-o`.
     drawn: Option<DrawnParts>,
-    /// The input as it was read; `null` unless a file was written.
+    /// The input as it was read; `null` without `-o`.
     before: Option<FileCost>,
-    /// The file that was written.
+    /// The file that was written; `null` without `-o`.
     after: Option<FileCost>,
-    /// The new vertex order; `null` unless requested.
+    /// The new vertex order of each group of parts that share vertices; `null` without
+    /// `--reorder-vertices`.
     vertex_order: Option<Vec<GroupOrder>>,
-    /// The picture of the strips, if it was requested.
+    /// The PNG image of the strips; only with `--picture`.
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<String>,
 }

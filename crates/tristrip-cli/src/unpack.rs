@@ -18,7 +18,7 @@ use crate::report::{self, Batch};
 use crate::task::UnpackTask;
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys = &[
+pub(crate) const SECONDS: SecondsKeys = &[
     ("load", &[Stage::Load, Stage::Decode]),
     ("verify", &[Stage::ReadBack]),
     ("write", &[Stage::Encode, Stage::Write]),
@@ -26,11 +26,14 @@ const SECONDS: SecondsKeys = &[
 
 /// What was done with the input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Unpacked {
-    /// Whether the file is proven; `null` if none was written or the proof was not requested.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Unpacked {
+    /// Whether the written file, read back, draws exactly the triangles of the level; `null`
+    /// without `-o`, and if the proof was not requested.
     proven: Option<bool>,
     #[serde(flatten)]
     outcome: unpack::Outcome,
+    /// The file that was written; `null` without `-o`.
     output: Option<String>,
 }
 

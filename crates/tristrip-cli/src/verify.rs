@@ -13,17 +13,24 @@ use crate::stage::show_loaded;
 use crate::task::VerifyTask;
 
 /// The keys of `seconds`.
-const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("verify", &[Stage::Prove])];
+pub(crate) const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("verify", &[Stage::Prove])];
 
 /// The report of both files; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Verified {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Verified {
+    /// The source as given; `-` for standard input.
     source: String,
+    /// The result as given; `-` for standard input.
     result: String,
+    /// The time per stage, in seconds.
     seconds: Seconds,
     #[serde(flatten)]
+    #[cfg_attr(feature = "schema", schemars(with = "verify::Outcome"))]
     outcome: Option<verify::Outcome>,
+    /// Remarks of the reader on both files, in words.
     notes: Vec<String>,
+    /// Why the files were not compared; `null` if they were.
     error: Option<String>,
 }
 

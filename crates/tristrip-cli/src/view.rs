@@ -23,10 +23,16 @@ use crate::task::ViewTask;
 
 /// A model that is shown; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
-struct Shown {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Shown {
+    /// Whether the packed file has exactly the triangles of the model, at positions rounded to the
+    /// grid; `null` for a progressive GLB, which is served unchanged.
     proven: Option<bool>,
+    /// The URL of the model for a browser on this machine; `null` if the server could not start.
     url: Option<String>,
+    /// The number of bytes that are served.
     bytes: usize,
+    /// Remarks, in words. One says where a progressive GLB is truncated.
     notes: Vec<String>,
     /// What is served.
     #[serde(skip)]

@@ -14,7 +14,6 @@
 //! record    position of 3, number 4; slot 3      0 1 2 4 ◁ 3        14 bytes
 //! record    position of 4, number 5; slot 4      0 1 2 4 5 3        14 bytes
 //! ```
-//! `FORMAT.md` defines the bytes.
 //!
 //! # Algorithm
 //! 1. Vertices get new numbers in the order in which they are sent: those of the base map by their

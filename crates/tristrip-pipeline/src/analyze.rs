@@ -37,54 +37,60 @@ impl Options {
 
 /// The index and vertex-cache statistics of a model; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The sums over all parts; vertices that parts share are counted once.
     #[serde(flatten)]
     pub stored: StoredIndices,
-    /// Indices per triangle.
+    /// `indices` divided by `triangles`.
     pub indices_per_triangle: f64,
-    /// The histogram of strip lengths, the shortest strips first.
+    /// The histogram of strip lengths, the shortest strips first. The bounds double from entry to
+    /// entry.
     pub lengths: Vec<LengthBin>,
-    /// Whether caches are flushed between strips.
+    /// Whether the vertex cache is flushed between strips.
     pub flushed: bool,
-    /// The misses of each vertex cache, summed over all parts; each part starts with an empty cache.
+    /// The misses of each vertex cache, summed over all parts. The cache is empty at the start of
+    /// each part.
     pub vertex_caches: Vec<CacheMisses>,
-    /// The number of parts.
+    /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// The parts in their order.
+    /// The statistics of each part, in the order of the file.
     pub by_part: Vec<StoredPart>,
-    /// Notes of the reader.
+    /// Remarks of the reader, in words.
     pub notes: Vec<String>,
 }
 
 /// The misses of one vertex cache.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct CacheMisses {
-    /// The vertex cache: `fifo:16`.
+    /// The vertex cache, such as `fifo:16`.
     #[serde(serialize_with = "as_text")]
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub vertex_cache: VertexCache,
-    /// Vertices that must be transformed again.
+    /// The number of cache misses.
     pub misses: usize,
-    /// Misses per triangle.
+    /// Cache misses divided by `triangles`.
     pub acmr: f64,
-    /// Misses per used vertex.
+    /// Cache misses divided by `vertices`.
     pub atvr: f64,
 }
 
 /// One part of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct StoredPart {
-    /// The name of the object, group or mesh.
+    /// The name of the object, group or mesh; `None` if it has none.
     pub name: Option<String>,
-    /// The name of the material.
+    /// The name of the material; `None` if it has none.
     pub material: Option<String>,
     /// The statistics of the part.
     #[serde(flatten)]
     pub stored: StoredIndices,
-    /// In the order of [`Outcome::vertex_caches`].
+    /// The misses of each vertex cache, in the order of `vertex_caches`.
     pub misses: Vec<usize>,
 }
 

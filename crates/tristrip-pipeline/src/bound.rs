@@ -29,35 +29,39 @@ impl Options {
 
 /// The lower bounds of a model; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The counts of the mesh.
     pub mesh: MeshProperties,
-    /// The number of parts.
+    /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// The sums over all parts.
+    /// The lower bounds of the whole model.
     pub bound: Bounds,
-    /// For each part whether one strip without swaps draws it completely.
+    /// For each part, whether one strip without swaps draws it completely. It is always `false` for
+    /// parts with polygons.
     pub sequential: Vec<bool>,
-    /// The bounds of all components, part by part.
+    /// The bounds of each connected component, part by part.
     pub components: Vec<Component>,
-    /// Notes of the reader, and on what was dropped, changed or unusual.
+    /// Remarks on what was read, dropped, changed or unusual, in words.
     pub notes: Vec<String>,
 }
 
 /// The bound of a component of a part; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Component {
-    /// The number of the part.
+    /// The index of the part, from 0.
     pub part: usize,
-    /// The triangles of the component.
+    /// The number of triangles of the component.
     pub triangles: usize,
-    /// The lower bound of its strips.
+    /// The lower bound on the number of strips.
     pub strips: usize,
-    /// The lower bound of the vertices sent.
+    /// The lower bound on the number of vertices sent.
     pub vertices_sent: usize,
-    /// How the bound was found: `leaves`, `matching`, `subproblems`, `exact` or `one-strip`.
+    /// How the bound on strips was found: `one-strip`, `leaves`, `matching`, `subproblems`, or
+    /// `exact` if the bound can be reached.
     pub proof: &'static str,
 }
 

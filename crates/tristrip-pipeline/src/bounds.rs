@@ -11,33 +11,35 @@ use crate::parts::{PreparedPart, map};
 
 /// The lower bounds of a model, summed over its parts; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Bounds {
-    /// Strips.
+    /// The lower bound on the number of strips.
     pub strips: usize,
-    /// Vertices sent.
+    /// The lower bound on the number of vertices sent.
     pub vertices_sent: usize,
-    /// Vertices sent with free swaps.
+    /// The lower bound on the number of vertices sent with free swaps.
     pub gl_cost: usize,
-    /// Indices with a restart between strips. The parts share one index buffer, as in [`StripMetrics`].
+    /// The lower bound on the indices in layout `restart`, in one index buffer for all parts.
     pub indices_restart: usize,
-    /// Indices of the strips joined by degenerate triangles.
+    /// The lower bound on the indices in layout `degenerate`, in one index buffer per part.
     pub indices_degenerate: usize,
 }
 
 /// The gap between the result of a search and its lower bound.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct BoundGap {
-    /// The key of the minimized figure.
+    /// The key of the minimized metric.
     pub figure: &'static str,
-    /// The figure of the result.
+    /// The value of this metric in the result.
     pub found: usize,
-    /// No cover has a lower figure.
+    /// A lower bound on this metric for every stripification of the model.
     pub bound: usize,
-    /// The difference.
+    /// The difference between `found` and `bound`.
     pub gap: usize,
-    /// Whether the result meets the bound.
+    /// Whether the gap is 0.
     pub optimal: bool,
 }
 

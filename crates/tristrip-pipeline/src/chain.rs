@@ -102,30 +102,33 @@ impl Options {
 
 /// A level of a chain; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ChainLevel {
-    /// The number of the level; 0 is the finest.
+    /// The index of the level; 0 is the finest.
     #[serde(rename = "level")]
     pub number: usize,
-    /// The ratio of triangles requested.
+    /// The requested ratio of triangles, from 0 to 1.
     pub ratio: Ratio,
-    /// The number of triangles requested.
+    /// The requested number of triangles.
     pub target_triangles: usize,
     /// The number of triangles drawn.
     pub triangles: usize,
-    /// The number of vertices, from the first on, that the level uses.
+    /// The number of vertices that the level uses. They are the first ones of each part.
     pub vertices: usize,
-    /// The greatest error of the collapses of the level, in mesh units.
+    /// The maximum error of the collapses of the level, in mesh units.
     pub surface_error: f32,
-    /// The same in percent of the diagonal of the model.
+    /// `surface_error` in percent of `diagonal`.
     pub surface_error_percent: f64,
-    /// The area of the model's bounding sphere on a screen, as a ratio of the screen, down to which the level is drawn.
+    /// The level is drawn down to this ratio of the screen area covered by the bounding sphere of
+    /// the model. Each node of a glTF file has the ratio of its own mesh in `MSFT_screencoverage`.
     pub screen_coverage: f64,
-    /// Whether there are at most as many triangles as requested.
+    /// Whether there are at most `target_triangles` triangles.
     pub reached: bool,
-    /// The size of the level's file, or of the indices and vertices that it uses in a file with all levels; `None` until it is written.
+    /// The size of the level's file. In a file with all levels, the size of the indices and
+    /// vertices that the level uses. `None` if no file was written.
     pub bytes: Option<usize>,
-    /// The file of the level; `None` until it is written, or if one file has all levels.
+    /// The file of the level; `None` if one file has all levels, or if no file was written.
     pub output: Option<String>,
 }
 
@@ -141,6 +144,7 @@ pub struct Chain {
 
 /// The levels of a model; the keys are those of the JSON report.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The model at all levels.
@@ -155,27 +159,33 @@ pub struct Outcome {
     /// The method of the strips and those of its options that apply to it.
     #[serde(flatten)]
     pub method: MethodDescription,
-    /// Whether the collapses are proven; otherwise the proof was not requested.
+    /// Whether replaying the collapses removes exactly the recorded triangles, and every level of
+    /// every written file draws exactly the remaining triangles; `null` in reports if the proof was
+    /// not requested.
     #[serde(serialize_with = "true_or_null")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
-    /// The maximum error of a collapse, in mesh units; `None` for no limit.
+    /// The maximum error of a collapse, in mesh units: the requested one, or 1 % of `diagonal`.
+    /// `None` for no limit.
     pub target_error: Option<f32>,
-    /// The number of triangles of the source.
+    /// The number of triangles of the input; a polygon counts as a fan.
     pub triangles_before: usize,
-    /// The number of vertices that the source uses.
+    /// The number of vertices in use in the input.
     pub vertices_before: usize,
-    /// The diagonal of the bounding box of all triangles in the scene.
+    /// The length of the diagonal of the bounding box of all triangles in the scene.
     pub diagonal: f64,
     /// The levels, the finest first.
     #[serde(rename = "chain")]
     pub levels: Vec<ChainLevel>,
-    /// The number of vertices that were kept because they touch parts in other places of the scene.
+    /// The number of vertices that were kept because they touch a part that other nodes place.
     pub locked_vertices: usize,
-    /// The number of parts.
+    /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// A sentence on the levels that were not reached, if there are any: what held them back, and what to try.
+    /// The levels that were not reached, what prevented it, and what to try, in words; `None` if
+    /// all were reached.
     pub warning: Option<String>,
-    /// Notes of the reader, on what was dropped, on locked vertices, and on vertices that kept their order.
+    /// Remarks on what was read, dropped or changed, on locked vertices, and on vertices that kept
+    /// their order, in words.
     pub notes: Vec<String>,
 }
 

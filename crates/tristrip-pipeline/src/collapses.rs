@@ -7,51 +7,57 @@ use crate::metrics::rounded;
 
 /// The collapses of a model, summed over its parts; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Collapses {
-    /// The requested number of triangles; `None` for no limit.
+    /// The requested number of triangles of all parts; `None` if only an error was given.
     pub target_triangles: Option<usize>,
-    /// The maximum error in the scene; `None` for no limit.
+    /// The maximum allowed error of a collapse, in the units of the scene: the requested one, or 1
+    /// % of `diagonal`. `None` for no limit.
     pub target_error: Option<f32>,
-    /// Whether there are at most as many triangles as requested.
+    /// Whether there are at most `target_triangles` triangles. If not, `warning` has the reason;
+    /// this is not an error.
     pub reached: bool,
-    /// Triangles of the source.
+    /// The number of triangles of the input; a polygon counts as a fan.
     pub triangles_before: usize,
-    /// Triangles of the result.
+    /// The number of triangles of the result.
     pub triangles_after: usize,
-    /// The number of collapses. Those of several parts that close a border together count once.
+    /// The number of half-edge collapses. Collapses on both sides of an attribute seam, or of a
+    /// border between parts, count once.
     #[serde(rename = "collapses")]
     pub collapse_count: usize,
-    /// The greatest error of a collapse in the scene, where the part has the largest scale.
+    /// The maximum error of a collapse in the scene, before vertices are moved. A part that is
+    /// placed several times counts at its largest scale.
     pub surface_error: f32,
-    /// The same in percent of the diagonal.
+    /// `surface_error` in percent of `diagonal`.
     pub surface_error_percent: f64,
-    /// The diagonal of the bounding box of all triangles in the scene.
+    /// The length of the diagonal of the bounding box of all triangles in the scene.
     pub diagonal: f64,
-    /// Small components that vanished within the error limit.
+    /// The number of small components that were removed within the error limit.
     pub vanished_components: usize,
-    /// Vertices that were kept because they touch parts in other places of the scene.
+    /// The number of vertices that were kept because they touch a part that other nodes place.
     pub locked_vertices: usize,
-    /// The number of vertices by the reason for which they were kept, where there are more triangles than requested; `None` where the
-    /// goal was reached.
+    /// The number of remaining vertices by the reason why they were kept, each counted once; `None`
+    /// if the goal was reached.
     pub vertices_kept: Option<KeptVertices>,
 }
 
 /// The numbers of vertices by the reason for which a simplification kept them, each counted once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct KeptVertices {
-    /// The error would be too large.
+    /// Vertices whose removal would exceed the error limit.
     pub error: usize,
-    /// They are locked.
+    /// Locked vertices.
     pub locked: usize,
-    /// They are on seams of attributes.
+    /// Vertices whose removal would open an attribute seam.
     pub seam: usize,
-    /// Their edges have more than two faces.
+    /// Vertices at edges of more than two faces.
     pub non_manifold: usize,
-    /// The surface would tear.
+    /// Vertices whose removal would close a hole or remove a component.
     pub topology: usize,
-    /// A triangle would flip.
+    /// Vertices whose removal would flip a triangle.
     pub fold_over: usize,
 }
 

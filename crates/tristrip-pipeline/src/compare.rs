@@ -63,44 +63,47 @@ impl Options {
 
 /// The results of all methods on a model; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The counts of the mesh.
     pub mesh: MeshProperties,
-    /// The number of parts.
+    /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Notes of the reader, and on what was dropped, changed or unusual.
+    /// Remarks on what was read, dropped, changed or unusual, in words.
     pub notes: Vec<String>,
-    /// A row for each method; fewer if an interrupt stopped a search, whose row is then the last one.
+    /// An entry per method. If an interrupt stopped a search, its entry is the last one.
     pub methods: Vec<Row>,
 }
 
 /// The result of one method.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Row {
     /// The method and its options.
     #[serde(flatten)]
     pub method: MethodDescription,
-    /// Whether the result is proven.
+    /// Whether the strips draw exactly the faces of the model.
     pub proven: bool,
-    /// The times of the method. The pipeline reads no clock: the caller fills them in.
+    /// The times of the method in seconds. The pipeline reads no clock: the caller fills them in.
     pub seconds: MethodSeconds,
     /// The metrics of a proven result.
     #[serde(flatten)]
     pub metrics: Option<StripMetrics>,
-    /// Why the search was stopped, if it was.
+    /// Why the search ended before its effort was spent; `None` if it was not stopped.
     pub stopped: Option<SearchStop>,
-    /// Why there is no result.
+    /// Why there is no result; `None` if there is one.
     pub error: Option<String>,
 }
 
 /// The times of a method, in seconds; `None` for what was not measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MethodSeconds {
-    /// The time of [`Stage::Stripify`].
+    /// The time to build the strips; `None` if it was not measured.
     pub stripify: Option<f64>,
-    /// The time of [`Stage::Prove`].
+    /// The time to prove the strips; `None` if it was not measured.
     pub verify: Option<f64>,
 }
 

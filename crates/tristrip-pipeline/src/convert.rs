@@ -44,20 +44,23 @@ impl Options {
 
 /// A converted model; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// Whether the file is proven to draw exactly the faces of the model; otherwise the proof was not requested.
+    /// Whether the file, read back, draws exactly the faces of the input; `null` in reports if the
+    /// proof was not requested.
     #[serde(serialize_with = "encode::true_or_null")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
-    /// The faces of the model.
+    /// The number of faces of the input.
     pub faces: usize,
-    /// Its triangles, k − 2 per face of k corners.
+    /// The number of its triangles: k − 2 per face of k corners.
     pub triangles: usize,
-    /// The number of strips; `None` where the file has faces only.
+    /// The number of strips; `None` if the file has only faces.
     pub strips: Option<usize>,
-    /// The number of parts.
+    /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Notes of the reader.
+    /// Remarks on what was read, dropped, changed or unusual, in words.
     pub notes: Vec<String>,
     /// The strips of each part; `None` for a part drawn as faces.
     #[serde(skip)]

@@ -96,13 +96,16 @@ impl std::iter::Sum for IndexCost {
 
 /// What a file draws, and its size; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct FileCost {
-    /// The indices, restarts and degenerate triangles included. Polygons count as fans.
+    /// The number of indices, including restarts and degenerate triangles. Polygons count as fans,
+    /// except in a PLY file that was written, where their corners count.
     pub indices: usize,
-    /// Misses per triangle of a FIFO vertex cache of 16 entries.
+    /// Misses per triangle of a FIFO vertex cache of 16 entries, empty at the start of each part.
     pub acmr_fifo_16: f64,
-    /// The size in bytes; `None` for what is no file, and for a `.gltf`, of which parts may be in other files.
+    /// The size in bytes; `None` for standard input, and for a `.gltf`, whose buffers may be in
+    /// other files.
     pub bytes: Option<u64>,
 }
 
@@ -115,13 +118,14 @@ impl FileCost {
 
 /// The numbers of parts by what they are drawn as; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct DrawnParts {
-    /// Parts drawn as the strips that the method found.
+    /// The number of parts drawn as the strips of the method.
     pub found: usize,
-    /// Parts drawn as the strips of the source.
+    /// The number of parts drawn as the strips that the input stores.
     pub stored: usize,
-    /// Parts drawn as a list.
+    /// The number of parts drawn as a triangle list.
     pub list: usize,
 }
 

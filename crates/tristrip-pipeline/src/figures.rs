@@ -85,35 +85,38 @@ impl StripMetrics {
 
 /// The counts of a model's mesh; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MeshProperties {
-    /// Vertices; those that parts share are counted once.
+    /// The number of vertices, used or not; those that parts share are counted once.
     pub vertices: usize,
-    /// Faces, degenerate ones included.
+    /// The number of faces, including degenerate ones.
     pub faces: usize,
-    /// Triangles of the prepared faces: k − 2 per face of k corners.
+    /// The number of triangles of the prepared faces: k − 2 per face of k corners.
     pub triangles: usize,
-    /// Connected components of the dual graphs.
+    /// The number of connected components of the dual graph.
     pub components: usize,
-    /// Edges of one face.
+    /// The number of edges of one face.
     pub boundary_edges: usize,
-    /// Edges of more than two faces.
+    /// The number of edges of more than two faces.
     pub non_manifold_edges: usize,
-    /// Edges that two faces traverse in the same direction.
+    /// The number of edges of two faces with opposite winding.
     pub inconsistent_edges: usize,
-    /// Faces without a neighbour.
+    /// The number of faces that share no edge with another face.
     pub isolated_faces: usize,
-    /// Faces that draw nothing, which were dropped.
+    /// The number of faces that draw nothing. They are dropped.
     pub degenerate_faces: usize,
-    /// Faces that repeat another one.
+    /// The number of faces with the corners and winding of an earlier face. They are drawn as often
+    /// as they occur.
     pub duplicate_faces: usize,
-    /// Vertices that no face uses.
+    /// The number of vertices that no face uses.
     pub unreferenced_vertices: usize,
-    /// Non-convex polygons that were triangulated in advance.
+    /// The number of non-convex polygons that were triangulated before stripification.
     pub cut_polygons: usize,
-    /// Polygons that were triangulated as fans, because ear clipping failed.
+    /// The number of `cut_polygons` that were cut into fans: ear clipping found no triangulation of
+    /// all corners, there were more than 4096 corners, or there were too many such polygons.
     pub fanned_polygons: usize,
-    /// Vertices that were welded to others.
+    /// The number of vertices in use that were replaced by an equal vertex.
     pub welded_vertices: usize,
 }
 

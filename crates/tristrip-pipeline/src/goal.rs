@@ -7,6 +7,7 @@ use serde::Serialize;
 
 /// A ratio from 0 to 1, of triangles or collapses: `0.05` or `5%`.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Ratio(f64);
 
 impl Ratio {

@@ -11,60 +11,66 @@ use crate::unpack::early_end;
 
 /// What a stream holds; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// The number of meshes in the file.
+    /// The number of meshes of the stream.
     pub meshes: usize,
     /// The number of vertices of the full meshes, as the stream states it.
     pub vertices: usize,
     /// The number of triangles of the full meshes, as the stream states it.
     pub triangles: usize,
-    /// The level of the full meshes.
+    /// The number of collapses, which is the level of the full meshes.
     pub levels: usize,
-    /// The bits of a coordinate of a position.
+    /// The number of bits per coordinate of a position.
     pub position_bits: u32,
-    /// The bytes before the first chunk: JSON, base meshes, textures.
+    /// The number of bytes before the first chunk: JSON, base meshes and textures.
     pub base_bytes: usize,
-    /// The bytes of all chunks in the whole file.
+    /// The number of bytes of all chunks of the complete file.
     pub chunk_bytes: usize,
-    /// The bits of the file per vertex.
+    /// The size of the file in bits divided by `vertices`.
     pub bits_per_vertex: f64,
     /// What the bits are spent on.
     pub components: Vec<ComponentBits>,
-    /// The chunks in the file.
+    /// The chunks in the file, in their order.
     pub chunks: Vec<Chunk>,
     /// What ends the stream too early: the end of the file, or damage.
     #[serde(skip)]
     pub problem: Option<String>,
-    /// What ends the stream too early, as a note.
+    /// Why the stream ends early, in words; empty if it is complete.
     pub notes: Vec<String>,
 }
 
 /// The bits of a component of a stream, and those per vertex of the full meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ComponentBits {
-    /// What is stored.
+    /// What is stored: `file before the chunks`, `base meshes`, `marks` (which vertices are split),
+    /// `corners` (which triangles move), `positions`, `precision` (further bits of known
+    /// positions), `attributes`, or `heads and rounding` (heads with checksums, and rounding to
+    /// bytes).
     pub name: &'static str,
-    /// The bits of all chunks.
+    /// The number of bits in the whole file.
     pub bits: f64,
-    /// The bits per vertex.
+    /// `bits` divided by `vertices`.
     pub per_vertex: f64,
 }
 
 /// A chunk of a stream; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Chunk {
-    /// The number of its mesh.
+    /// The index of its mesh, from 0.
     pub mesh: usize,
-    /// The first byte of the file behind it.
+    /// The byte offset in the file of the end of the chunk.
     pub end: usize,
-    /// The level at its end, of all meshes together.
+    /// The level after the chunk: the collapses undone so far, of all meshes together.
     pub level: usize,
-    /// The number of triangles of all refined meshes at its end.
+    /// The number of triangles of all meshes after the chunk.
     pub triangles: usize,
-    /// The largest error of a mesh at its end, in the mesh's own units.
+    /// The maximum error of a mesh after the chunk, in the units of this mesh.
     pub surface_error: f32,
 }
 

@@ -59,6 +59,7 @@ pub struct ModelLevels {
 
 /// The levels of detail of a model; the keys are those of the JSON report.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The levels.
@@ -73,20 +74,20 @@ pub struct Outcome {
     /// The method of the strips and those of its options that apply to it.
     #[serde(flatten)]
     pub method: MethodDescription,
-    /// The number of collapses, which is the level of the full mesh.
+    /// The number of collapses, which is the level of the full mesh; the base mesh is level 0.
     pub levels: usize,
     /// The number of triangles of the base mesh.
     pub triangles_base: usize,
     /// The number of triangles of the full mesh.
     pub triangles_full: usize,
-    /// The diagonal of the bounding box of all triangles in the scene.
+    /// The length of the diagonal of the bounding box of all triangles in the scene.
     pub diagonal: f64,
-    /// Why the search for strips was stopped early, if it was.
+    /// Why the search for strips ended before its effort was spent; `None` if it was not stopped.
     pub stopped: Option<SearchStop>,
-    /// The number of parts.
+    /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Notes of the reader, on what was dropped, changed or unusual, on a search that was stopped, on locked vertices, and on parts that
-    /// stopped before the base mesh.
+    /// Remarks on what was read, dropped, changed or unusual, on a search that was stopped, on
+    /// locked vertices, and on parts that stopped before the base mesh, in words.
     pub notes: Vec<String>,
 }
 

@@ -2,6 +2,8 @@
 
 mod help;
 mod parameters;
+#[cfg(feature = "schema")]
+mod schema;
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};

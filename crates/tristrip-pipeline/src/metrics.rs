@@ -5,42 +5,47 @@ use tristrip::vertex_cache::VertexCache;
 
 /// The metrics of the strips of a model; the keys are those of the JSON report. Ratios are rounded to six decimals.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct StripMetrics {
-    /// Real triangles.
+    /// The number of triangles T that are drawn, without degenerate ones.
     pub triangles: usize,
-    /// Number of strips.
+    /// The number of strips S.
     pub strips: usize,
-    /// Strips of one triangle.
+    /// The number of strips of one triangle.
     pub isolated: usize,
-    /// Vertices repeated inside strips.
+    /// The number of vertices repeated inside a strip or at its start.
     pub swaps: usize,
-    /// Vertices sent, swaps and winding repeats included (OpenGL cost).
+    /// The sum of the strip lengths, including swaps and winding repeats (OpenGL cost); at least T
+    /// + 2.
     pub vertices_sent: usize,
-    /// Vertices sent with free swaps (GL cost).
+    /// `vertices_sent` without swaps (GL cost).
     pub gl_cost: usize,
-    /// Indices with a restart between strips.
+    /// The number of indices in layout `restart`, in one index buffer for all parts:
+    /// `vertices_sent` + S − 1.
     pub indices_restart: usize,
-    /// Indices of the strips joined by degenerate triangles.
+    /// The number of indices in layout `degenerate`, in one index buffer per part.
     pub indices_degenerate: usize,
-    /// Vertices sent per triangle.
+    /// `vertices_sent` divided by T.
     pub vertices_per_triangle: f64,
-    /// Indices with restarts per triangle.
+    /// `indices_restart` divided by T.
     pub indices_restart_per_triangle: f64,
-    /// Indices with degenerate joins per triangle.
+    /// `indices_degenerate` divided by T.
     pub indices_degenerate_per_triangle: f64,
-    /// Misses per triangle of a FIFO vertex cache of 16 entries.
+    /// Misses per triangle of a FIFO vertex cache of 16 entries, in drawing order. The cache is not
+    /// flushed between strips.
     pub acmr_fifo_16: f64,
     /// Misses per triangle of a FIFO vertex cache of 32 entries.
     pub acmr_fifo_32: f64,
-    /// Misses per used vertex of a FIFO vertex cache of 16 entries.
+    /// Misses per vertex in use of a FIFO vertex cache of 16 entries.
     pub atvr_fifo_16: f64,
-    /// Misses per used vertex of a FIFO vertex cache of 32 entries.
+    /// Misses per vertex in use of a FIFO vertex cache of 32 entries.
     pub atvr_fifo_32: f64,
-    /// Misses per triangle of the vertex cache that the method optimizes for; `None` for other methods.
+    /// Misses per triangle of the vertex cache that the method optimizes for; only for `cache`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub acmr: Option<f64>,
-    /// Misses per used vertex of the vertex cache that the method optimizes for.
+    /// Misses per vertex in use of the vertex cache that the method optimizes for; only for
+    /// `cache`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub atvr: Option<f64>,
     /// The vertex cache that the method optimizes for, and its misses.

@@ -76,6 +76,7 @@ impl fmt::Display for Stage {
 
 /// Why a search was stopped before its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum SearchStop {

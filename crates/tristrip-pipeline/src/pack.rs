@@ -85,36 +85,42 @@ impl Options {
 
 /// A progressive GLB; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The file.
     #[serde(skip)]
     pub bytes: Vec<u8>,
-    /// The number of triangles that the bytes are proven to have; `None` if the proof was not requested.
+    /// The number of triangles that the file, read back, is proven to have, at positions rounded to
+    /// the grid. Reports have `true`. `None` if the proof was not requested.
     #[serde(serialize_with = "is_some_or_null")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: Option<usize>,
-    /// The number of parts.
+    /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
     /// The number of meshes of the stream.
     pub meshes: usize,
-    /// The number of chunks of the stream.
+    /// The number of chunks of all meshes.
     pub chunks: usize,
-    /// The number of vertices that the full meshes use.
+    /// The number of vertices that triangles use; equal vertices are counted once.
     pub vertices: usize,
-    /// The number of triangles of all full meshes.
+    /// The number of triangles of the full model.
     pub triangles: usize,
-    /// The number of triangles that are drawn before the first chunk: those of coarse meshes, and of parts that stay whole.
+    /// The number of triangles that are drawn before the first chunk: those of coarse meshes, and
+    /// of parts that are not refined.
     pub base_triangles: usize,
     /// The size of the file in bytes.
     #[serde(rename = "bytes")]
     pub file_bytes: usize,
-    /// The bytes before the first chunk.
+    /// The number of bytes before the first chunk.
     pub base_bytes: usize,
-    /// The bits of the file per vertex; `None` if there are no vertices.
+    /// The size of the file in bits, including textures, divided by `vertices`; `None` if there are
+    /// no vertices.
     pub bits_per_vertex: Option<f64>,
     /// The maximum distance of a position from that of the input, in the units of the scene.
     pub position_error: f64,
-    /// Notes of the reader, on what stays whole, on what was left out, and on what the format cannot store.
+    /// Remarks on what was read, on parts that are not refined, and on what was dropped or cannot
+    /// be stored, in words.
     pub notes: Vec<String>,
 }
 

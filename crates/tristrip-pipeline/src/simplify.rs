@@ -122,34 +122,40 @@ impl Options {
 
 /// A simplified model; the keys are those of the JSON report.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The model with fewer triangles, over the vertices that it uses.
     #[serde(skip)]
     pub redrawn: Redrawn,
-    /// Whether the collapses are proven; otherwise the proof was not requested.
+    /// Whether replaying the collapses removes exactly the recorded triangles, and a written file,
+    /// read back, draws the remaining ones; `null` in reports if the proof was not requested.
     #[serde(serialize_with = "true_or_null")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
     /// The collapses, and how they ended.
     #[serde(flatten)]
     pub collapses: Collapses,
-    /// Used vertices of the source.
+    /// The number of vertices in use in the input.
     pub vertices_before: usize,
-    /// Used vertices of the result.
+    /// The number of vertices in use in the result.
     pub vertices_after: usize,
-    /// The number of positions that the fit moved; `None` if nothing was fitted.
+    /// The number of positions that were moved closer to the original surface. A position of
+    /// several vertices or parts counts once. `None` if nothing was fitted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moved_positions: Option<usize>,
-    /// How far the surface is from the original; `None` if it was not measured.
+    /// The distance of the surface from the original; `None` if it was not measured.
     #[serde(flatten, serialize_with = "deviations_or_nulls")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "deviations_schema"))]
     pub deviations: Option<Deviations>,
-    /// What happened to the normals of the parts.
+    /// The number of parts by what happened to their normals; parts without normals do not count.
     pub normals: PartNormals,
-    /// The number of parts.
+    /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// A sentence on the goal, if it was not reached: what held it back, and what to try.
+    /// Why the goal was not reached, and what to try, in words; `None` if it was reached.
     pub warning: Option<String>,
-    /// Notes of the reader, on what was dropped, on locked vertices, and on an interruption.
+    /// Remarks on what was read, dropped, changed or unusual, on locked vertices, and on an
+    /// interruption, in words.
     pub notes: Vec<String>,
     /// The counts of the source mesh.
     #[serde(skip)]
@@ -166,21 +172,28 @@ pub struct Outcome {
 
 /// How far a simplified surface is from the original, rounded to six decimals; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Deviations {
-    /// The largest distance from the original surface found, in mesh units.
+    /// The maximum distance found between the original and the result, in mesh units, over 5,000
+    /// points of each surface and as many removed vertices; `None` if the surfaces were not
+    /// compared.
     pub largest_deviation: f64,
-    /// The same in percent of the diagonal.
+    /// `largest_deviation` in percent of `diagonal`.
     pub largest_deviation_percent: f64,
-    /// The root mean square of the distances, in mesh units.
+    /// The root mean square of the distances of the points, in both directions, in mesh units.
     pub rms_deviation: f64,
-    /// The same in percent of the diagonal.
+    /// `rms_deviation` in percent of `diagonal`.
     pub rms_deviation_percent: f64,
-    /// The root mean square of the angles between normals.
+    /// The root mean square of the angles between the normals at a point and at the nearest point
+    /// of the result. The normals are those of the vertices, interpolated, or those of the
+    /// triangles where vertices have none.
     pub normal_deviation_degrees: f64,
-    /// The root mean square of the distances between texture coordinates, in percent of the texture; `None` without any.
+    /// The root mean square of the distances between texture coordinates (`TEXCOORD_0`), in percent
+    /// of the size of the texture; `None` if there are none.
     pub uv_deviation_percent: Option<f64>,
-    /// The same in texels of the textures of the base colours; `None` without any.
+    /// The same distance in texels, over the parts with a base colour texture; `None` if there are
+    /// none.
     pub uv_deviation_texels: Option<f64>,
     /// The unrounded values.
     #[serde(skip)]
@@ -223,6 +236,18 @@ fn deviations_or_nulls<S: Serializer>(found: &Option<Deviations>, serializer: S)
         map.serialize_entry(key, &None::<f64>)?;
     }
     map.end()
+}
+
+/// Describes what [`deviations_or_nulls`] writes: every key may be `null`.
+#[cfg(feature = "schema")]
+fn deviations_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let mut schema = <Deviations as schemars::JsonSchema>::json_schema(generator);
+    for key in Deviations::KEYS {
+        if let Some(kind) = schema.pointer_mut(&format!("/properties/{key}/type")) {
+            *kind = ["number", "null"].into();
+        }
+    }
+    schema
 }
 
 /// Simplifies a model by half-edge collapses, the cheapest first. Borders between the parts of a mesh collapse on both sides. Vertices that

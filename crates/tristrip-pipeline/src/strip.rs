@@ -43,6 +43,7 @@ impl Options {
 
 /// The strips of a model; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The strips of each part, over its own vertices, in the order of the parts.
@@ -54,22 +55,25 @@ pub struct Outcome {
     /// The method and those of its options that apply to it.
     #[serde(flatten)]
     pub method: MethodDescription,
-    /// Whether the strips are proven to draw exactly the faces of the model; otherwise the proof was not requested.
+    /// Whether the strips draw exactly the faces of the model, and a written file, read back, does
+    /// too; `null` in reports if the proof was not requested.
     #[serde(serialize_with = "true_or_null")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
     /// The metrics of the strips.
     #[serde(flatten)]
     pub metrics: StripMetrics,
-    /// Why the search was stopped early, if it was.
+    /// Why the search ended before its effort was spent; `None` if it was not stopped.
     pub stopped: Option<SearchStop>,
-    /// The gap between the result of `fewest`, or of `best` above its default effort, and its lower bound. `None` for other methods: they
-    /// take no longer than the bound does.
+    /// The gap between the result and its lower bound, for `fewest`, and for `best` above its
+    /// default effort; `None` otherwise: those searches take no longer than the bound does.
     pub bound: Option<BoundGap>,
     /// The counts of the mesh.
     pub mesh: MeshProperties,
-    /// The number of parts.
+    /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Notes of the reader, on what was dropped, changed or unusual, and on a search that was stopped.
+    /// Remarks on what was read, dropped, changed or unusual, and on a search that was stopped, in
+    /// words.
     pub notes: Vec<String>,
     /// The metrics of each part.
     #[serde(skip)]
@@ -78,6 +82,7 @@ pub struct Outcome {
 
 /// A file of strips; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct File {
     /// The bytes of the file. Its notes begin with those on parts that are not drawn as the strips found.

@@ -59,33 +59,35 @@ impl Options {
 
 /// A level of a progressive GLB; the keys are those of the JSON report.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The scene with the meshes of the level.
     #[serde(skip)]
     pub model: Model,
-    /// The number of parts of the model.
+    /// The number of parts: primitives of glTF.
     pub parts: usize,
-    /// The level.
+    /// The level: the number of collapses that are undone.
     pub level: usize,
-    /// The level of the full meshes.
+    /// The number of collapses, which is the level of the full meshes.
     pub levels: usize,
     /// The number of triangles of the refined meshes at the level.
     pub triangles: usize,
-    /// Their number of triangles in full.
+    /// The number of triangles of the full refined meshes.
     pub triangles_full: usize,
-    /// The largest error of a mesh at the end of the last chunk, in its own units.
+    /// The maximum error of a mesh after the last chunk that was used, in the units of this mesh.
     pub surface_error: f32,
-    /// The bytes of the file that the level needs.
+    /// The number of bytes of the file that the level needs.
     pub bytes: usize,
-    /// The chunks that the level needs.
+    /// The number of chunks that the level needs.
     pub chunks: usize,
-    /// Whether the stream ended before the goal was reached.
+    /// Whether the file is truncated or damaged before the requested level. The level is then the
+    /// last one before that point, and a note gives the reason.
     pub ended_early: bool,
     /// Why it ended: the end of the file, or damage.
     #[serde(skip)]
     pub problem: Option<String>,
-    /// Notes of the reader, and why the stream ended before the goal was reached.
+    /// Remarks of the reader, and why the stream ended before the requested level, in words.
     pub notes: Vec<String>,
 }
 

@@ -10,31 +10,39 @@ use crate::parts::meshes;
 
 /// Whether a model draws exactly the faces of another; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// Whether it does.
+    /// Whether the result draws exactly the faces of the source.
     pub proven: bool,
-    /// The faces of the source.
+    /// The number of faces of the source.
     pub faces: usize,
-    /// The triangles of the result.
+    /// The number of triangles of the result.
     pub triangles: usize,
-    /// How the result differs from the source, if it does.
+    /// How the result differs from the source; `None` if it does not.
     pub difference: Option<FoundDifference>,
 }
 
 /// How a result differs from its source; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct FoundDifference {
-    /// `triangles`, `outside`, `count` or `boundary`.
+    /// `triangles`: triangles are missing, extra or flipped. `outside`: a triangle is not inside
+    /// any polygon. `count`: a polygon has too few or too many triangles. `boundary`: the triangles
+    /// of a polygon do not have its boundary.
     pub kind: &'static str,
-    /// Triangles of the source that the result lacks.
+    /// The number of triangles of the source that the result lacks; `None` if the kind has no such
+    /// number.
     pub missing: Option<usize>,
-    /// Triangles of the result that the source lacks.
+    /// The number of triangles of the result that the source lacks; `None` if the kind has no such
+    /// number.
     pub extra: Option<usize>,
-    /// Triangles drawn with the opposite winding.
+    /// The number of triangles drawn with the opposite winding; `None` if the kind has no such
+    /// number.
     pub flipped: Option<usize>,
-    /// The face of the source, counted from 0 over all parts.
+    /// The index of the face of the source, from 0 over all parts; `None` if the kind names no
+    /// face.
     pub face: Option<u32>,
     /// The positions of the first difference.
     pub first: Vec<[f32; 3]>,

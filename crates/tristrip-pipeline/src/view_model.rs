@@ -71,6 +71,7 @@ pub struct ViewModel {
 
 /// A model of views that was built; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
     /// The model.
@@ -82,37 +83,44 @@ pub struct Outcome {
     /// The method and those of its options that apply to it.
     #[serde(flatten)]
     pub method: MethodDescription,
-    /// The order in which the collapses of a level were chosen.
+    /// The order in which the collapses of a level were chosen: `quadric` or `shortest-edge`.
     pub order: &'static str,
-    /// Whether the strips are proven to draw exactly the faces of the mesh; otherwise the proof was not requested.
+    /// Whether the strips draw exactly the faces of the mesh and the triangles of the collapses,
+    /// and the file, read back, holds the same model; `null` in reports if the proof was not
+    /// requested.
     #[serde(serialize_with = "true_or_null")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
-    /// The number of vertices of the mesh.
+    /// The number of vertices of the mesh, as stored, used or not.
     pub vertices: usize,
     /// The number of triangles of the full mesh.
     pub triangles: usize,
     /// The number of strips of the full mesh.
     pub strips: usize,
-    /// The number of collapses.
+    /// The number of half-edge collapses down to the base mesh. Vertices at one position collapse
+    /// together.
     pub collapses: usize,
-    /// The number of levels of the merge tree.
+    /// The number of levels of the merge tree: sets of collapses that do not depend on each other.
     pub levels: usize,
-    /// Why the search for strips was stopped early, if it was.
+    /// Why the search for strips ended before its effort was spent; `None` if it was not stopped.
     pub stopped: Option<SearchStop>,
-    /// The number of parts of the source.
+    /// The number of parts of the input: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Notes of the reader, on what was dropped, changed or unusual, and on a search that was stopped.
+    /// Remarks on what was read, dropped, changed or unusual, and on a search that was stopped, in
+    /// words.
     pub notes: Vec<String>,
 }
 
 /// A `.tlod` file, which was read back and compared; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct File {
     /// The bytes of the file.
     #[serde(skip)]
     pub bytes: Vec<u8>,
-    /// The height of its vertex tree: the longest chain of collapses, each into a result of the one before.
+    /// The height of the vertex tree: the maximum number of collapses below a vertex, each of which
+    /// needs the one before.
     pub height: u32,
     /// The size of the file in bytes.
     #[serde(rename = "bytes")]

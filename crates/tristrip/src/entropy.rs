@@ -6,7 +6,7 @@
 //! ```
 //! `slots` learns the probability of each decision, `scores` those of choices from features, and `numbers` codes integers as
 //! decisions. Encoder and decoder run the same code over a `BitCoder`. All state is integers, so decoders in other languages
-//! agree with this one. The bytes are defined in FORMAT.md.
+//! agree with this one. `docs/formats/progressive-glb.md` defines the bytes.
 
 pub(crate) mod numbers;
 pub(crate) mod range_coder;

@@ -15,7 +15,8 @@
 //!
 //! On an attribute seam, and where a surface is not manifold, a point has several fans, which are split together.
 //!
-//! Everything that decides is an integer, so that decoders in other languages agree with this one. The bytes are defined in FORMAT.md.
+//! Everything that decides is an integer, so that decoders in other languages agree with this one.
+//! `docs/formats/progressive-glb.md` defines the bytes.
 //!
 //! # Sizes
 //! At 14 bits per coordinate, in bits per vertex that a triangle uses, all chunks included:

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use super::{SUBCOMMANDS, json, keys, model, tristrip};
+use super::{SUBCOMMANDS, json, model, tristrip};
 
 fn document(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
@@ -42,8 +42,11 @@ fn the_docs_contain_the_help() {
     );
 }
 
-/// The command of the sample in each section of FORMAT.md.
-const SAMPLES: [&str; 13] = [
+/// The page of the reports: a section per subcommand with a table of the keys and a sample.
+const REPORTS: &str = "docs/reports.md";
+
+/// The command of the sample in each section of the page.
+const SAMPLES: [&str; 14] = [
     "strip fish_control.ply -o fish.glb --json",
     "compare fish_control.ply --json",
     "bound fish_control.ply --json",
@@ -52,6 +55,7 @@ const SAMPLES: [&str; 13] = [
     "convert fish_control.ply -o fish.obj --json",
     "simplify fish_control.ply --ratio 50% -o small.ply --json",
     "level fish_control.ply --level 50% -o level.glb --json",
+    "camera-level fish_control.ply --eye 0,0,9 --look-at 0,0,0 -o view.glb --json",
     "chain fish_control.ply --ratios 100%,50%,10% -o levels.glb --json",
     "build-lod fish_control.ply -o fish.tlod --json",
     "pack fish_control.ply -o packed.glb --json",
@@ -85,99 +89,192 @@ fn sample_of(value: &mut Value) {
     }
 }
 
-/// The samples of FORMAT.md are regenerated when `TRISTRIP_BLESS` is set.
+/// Returns the section of a subcommand, with what is before and after it.
+fn section<'a>(page: &'a str, name: &str) -> [&'a str; 3] {
+    let heading = format!("\n## `tristrip {name}`\n");
+    let start = page.find(&heading).unwrap_or_else(|| panic!("no section on {name}")) + heading.len();
+    let end = page[start..].find("\n## ").map_or(page.len(), |length| start + length + 1);
+    [&page[..start], &page[start..end], &page[end..]]
+}
+
+/// Replaces the first block in the section of a subcommand from `start` to `end`.
+fn with_block(page: &str, name: &str, [start, end]: [&str; 2], block: &str) -> String {
+    let [before, section, after] = section(page, name);
+    let place = section.split_once(start).and_then(|(head, rest)| Some((head, rest.split_once(end)?.1)));
+    let (head, tail) = place.unwrap_or_else(|| panic!("no {start:?} to {end:?} in the section on {name}"));
+    [before, head, start, block, end, tail, after].concat()
+}
+
+/// The samples, and with the feature `schema` the tables, are regenerated when `TRISTRIP_BLESS` is
+/// set.
 #[test]
-fn the_samples_of_reports_are_what_the_command_prints() {
+fn the_page_of_reports_is_what_the_command_prints() {
     let dir = tempfile::tempdir().unwrap();
     fs::copy(model("fish_control.ply"), dir.path().join("fish_control.ply")).unwrap();
-    let path = document("FORMAT.md");
+    let path = document(REPORTS);
     let mut expected = fs::read_to_string(&path).unwrap();
     for line in SAMPLES {
         let mut report = json(tristrip().args(line.split_whitespace()).current_dir(&dir));
         sample_of(&mut report);
-        let name = line.split_whitespace().next().unwrap();
-        let heading = format!("### `tristrip {name}`\n\n");
+        let (name, rest) = line.split_once(' ').unwrap();
         let report = serde_json::to_string_pretty(&report).unwrap();
-        let sample = format!("`tristrip {line}` prints\n\n```json\n{report}\n```\n\n");
-        let (before, section) = expected.split_once(&heading).expect("a section for each subcommand");
-        let rest = section.strip_prefix("`tristrip ").and_then(|sample| sample.split_once("\n```\n\n"));
-        expected = format!("{before}{heading}{sample}{}", rest.map_or(section, |(_, rest)| rest));
+        let sample = format!("{rest}` prints\n\n```json\n{report}");
+        let start = format!("\n`tristrip {name} ");
+        expected = with_block(&expected, name, [&start, "\n```\n"], &sample);
+    }
+    #[cfg(feature = "schema")]
+    for (name, schema) in tristrip_cli::report_schemas() {
+        let mut rows = String::from("|---|---|---|\n");
+        tables::add_rows(&schema, "", &mut rows);
+        let ends = ["\n| key | type | meaning |\n", "\n\n"];
+        expected = with_block(&expected, name, ends, rows.trim_end());
     }
     if std::env::var_os("TRISTRIP_BLESS").is_some() {
         fs::write(&path, &expected).unwrap();
     }
     let found = fs::read_to_string(&path).unwrap();
-    assert!(found == expected, "the samples of FORMAT.md differ from what the command prints");
+    assert!(found == expected, "{REPORTS} differs from the reports of the command");
+}
+
+/// The rows of a table, from the JSON Schema of a report.
+#[cfg(feature = "schema")]
+mod tables {
+    use serde_json::Value;
+
+    /// A row per key, also of the objects in it: `mesh`, `mesh.faces`, `chain`, `chain[].ratio`.
+    pub(super) fn add_rows(schema: &Value, path: &str, rows: &mut String) {
+        let required = schema["required"].as_array().map_or(&[][..], Vec::as_slice);
+        for (key, of_key) in schema["properties"].as_object().into_iter().flatten() {
+            let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+            let meaning = of_key["description"].as_str().unwrap_or_default();
+            assert!(!meaning.is_empty() && !meaning.contains("[`"), "{path}: {meaning:?}");
+            let meaning = meaning.replace('\n', " ").replace("`None`", "`null`").replace('|', "\\|");
+            let mut kind = Kind::of(of_key);
+            if !required.contains(&key.as_str().into()) {
+                kind.names.retain(|name| name != "`null`");
+                kind.names.push("absent".into());
+            }
+            rows.push_str(&format!("| `{path}` | {} | {meaning} |\n", kind.text()));
+            if let Some(object) = kind.object {
+                add_rows(object, &format!("{path}{}", kind.brackets), rows);
+            }
+        }
+    }
+
+    /// The type of a value.
+    #[derive(Default)]
+    struct Kind<'a> {
+        /// The alternatives.
+        names: Vec<String>,
+        /// The object that has further keys, and `[]` if it is in an array.
+        object: Option<&'a Value>,
+        brackets: &'static str,
+    }
+
+    impl<'a> Kind<'a> {
+        fn of(schema: &'a Value) -> Self {
+            let mut kind = Self::default();
+            kind.add(schema);
+            kind
+        }
+
+        fn add(&mut self, schema: &'a Value) {
+            let alternatives = schema.get("oneOf").or_else(|| schema.get("anyOf"));
+            if let Some(alternatives) = alternatives {
+                alternatives.as_array().into_iter().flatten().for_each(|schema| self.add(schema));
+            } else if let Some(value) = schema.get("const") {
+                self.names.push(format!("`{}`", value.as_str().unwrap_or_default()));
+            } else if let Some(values) = schema["enum"].as_array() {
+                self.names
+                    .extend(values.iter().map(|value| format!("`{}`", value.as_str().unwrap_or("null"))));
+            } else {
+                let types =
+                    schema["type"].as_array().map_or(std::slice::from_ref(&schema["type"]), Vec::as_slice);
+                types.iter().for_each(|name| self.add_type(name.as_str().unwrap_or_default(), schema));
+            }
+        }
+
+        fn add_type(&mut self, name: &str, schema: &'a Value) {
+            self.names.push(match name {
+                "null" => "`null`".into(),
+                "array" => {
+                    let entries = Self::of(&schema["items"]);
+                    (self.object, self.brackets) = (entries.object, "[]");
+                    let length = schema["minItems"].as_u64().map(|length| format!("{length} "));
+                    let plural = entries.text().replacen("array", "arrays", 1);
+                    let plural = if plural.contains(' ') { plural } else { format!("{plural}s") };
+                    format!("array of {}{plural}", length.unwrap_or_default())
+                }
+                "object" => {
+                    self.object = Some(schema);
+                    name.into()
+                }
+                "string" | "integer" | "number" | "boolean" => name.into(),
+                _ => panic!("no type: {schema}"),
+            });
+        }
+
+        fn text(&self) -> String {
+            match self.names.split_last() {
+                Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+                _ => self.names.concat(),
+            }
+        }
+    }
+}
+
+/// Adds the paths of the keys in a report: `mesh`, `mesh.faces`, `chain`, `chain[].ratio`.
+fn add_paths(value: &Value, path: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Array(entries) => {
+            entries.iter().for_each(|entry| add_paths(entry, &format!("{path}[]"), found));
+        }
+        Value::Object(entries) => {
+            for (key, entry) in entries {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                add_paths(entry, &path, found);
+                found.push(path);
+            }
+        }
+        _ => (),
+    }
 }
 
 #[test]
 fn every_json_key_is_described() {
-    let described = fs::read_to_string(document("FORMAT.md")).unwrap();
-    let fish = model("fish_control.ply");
+    let page = fs::read_to_string(document(REPORTS)).unwrap();
     let dir = tempfile::tempdir().unwrap();
-    let strip = json(tristrip().args(["strip", "--json", "-m", "stripe-local"]).arg(&fish));
-    let global = json(tristrip().args(["strip", "--json", "-m", "stripe"]).arg(&fish));
-    let best = json(tristrip().args(["strip", "--json", "-m", "best", "--effort", "3"]).arg(&fish));
-    let eta = json(tristrip().args(["strip", "--json", "-m", "eta"]).arg(&fish));
-    let bound = json(tristrip().args(["bound", "--json"]).arg(&fish));
-    let analyze = json(tristrip().args(["analyze", "--json"]).arg(&fish));
-    let compare = json(tristrip().args(["compare", "--json"]).arg(&fish));
-    let verify = json(tristrip().args(["verify", "--json"]).arg(&fish).arg(&fish));
-    let mut command = tristrip();
-    let convert =
-        json(command.args(["convert", "--json"]).arg(&fish).arg("-o").arg(dir.path().join("a.obj")));
-    let mut command = tristrip();
-    command
-        .args(["strip", "--json", "--reorder-vertices"])
-        .arg(&fish)
-        .arg("-o")
-        .arg(dir.path().join("a.ply"));
-    let ordered = json(&mut command);
-    let cached = json(tristrip().args(["strip", "--json", "-m", "cache"]).arg(&fish));
-    let lod = json(tristrip().args(["level", "--json"]).arg(&fish));
-    let levels = [&lod, &lod["seconds"]];
-    let chain = json(tristrip().args(["chain", "--json", "--ratios", "100%,50%"]).arg(&fish));
-    let chain = [&chain, &chain["seconds"], &chain["chain"][0]];
-    let mut command = tristrip();
-    let built =
-        json(command.args(["build-lod", "--json"]).arg(&fish).arg("-o").arg(dir.path().join("a.tlod")));
-    let glb = dir.path().join("packed.glb");
-    let packed = json(tristrip().args(["pack", "--json"]).arg(&fish).arg("-o").arg(&glb));
-    let unpacked = json(tristrip().args(["unpack", "--json"]).arg(&glb));
-    let inspected = json(tristrip().args(["inspect", "--json"]).arg(&glb));
-    let streams = [
-        &packed,
-        &packed["seconds"],
-        &unpacked,
-        &inspected,
-        &inspected["seconds"],
-        &inspected["components"][0],
-        &inspected["chunks"][0],
-    ];
-    let simplified = json(tristrip().args(["simplify", "--json", "--ratio", "50%"]).arg(&fish));
-    let whole = [
-        &simplified,
-        &simplified["seconds"],
-        &built,
-        &built["seconds"],
-        &strip,
-        &global,
-        &best,
-        &cached,
-        &eta,
-        &bound,
-        &analyze,
-        &compare,
-        &verify,
-        &convert,
-    ];
-    let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
-    let analyzed = [&analyze["seconds"], &analyze["vertex_caches"][0], &analyze["by_part"][0]];
-    let ordered = [&ordered["vertex_order"][0]];
-    let reports =
-        [&levels[..], &chain[..], &streams[..], &whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
-    for key in reports.into_iter().flat_map(keys) {
-        assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
+    fs::copy(model("fish_control.ply"), dir.path().join("fish.ply")).unwrap();
+    for line in [
+        "strip fish.ply -m stripe-local",
+        "strip fish.ply -m stripe",
+        "strip fish.ply -m best --effort 3",
+        "strip fish.ply -m cache",
+        "strip fish.ply -m eta",
+        "strip fish.ply -m sgi",
+        "strip fish.ply --reorder-vertices -o fish.glb --picture fish.png",
+        "compare fish.ply",
+        "bound fish.ply",
+        "analyze fish.glb",
+        "verify fish.ply fish.glb",
+        "convert fish.ply -o fish.obj",
+        "simplify fish.ply --ratio 50% --fit --picture small.png",
+        "level fish.ply",
+        "camera-level fish.ply --eye 0,0,9 --look-at 0,0,0",
+        "chain fish.ply --ratios 100%,50%",
+        "build-lod fish.ply -o fish.tlod",
+        "pack fish.ply -o packed.glb",
+        "unpack packed.glb",
+        "inspect packed.glb",
+    ] {
+        let report = json(tristrip().args(line.split_whitespace()).arg("--json").current_dir(&dir));
+        let name = line.split(' ').next().unwrap();
+        let [_, section, _] = section(&page, name);
+        let mut paths = Vec::new();
+        add_paths(&report, "", &mut paths);
+        for path in paths {
+            assert!(section.contains(&format!("\n| `{path}` |")), "{name}: {REPORTS} lacks `{path}`");
+        }
     }
 }
 

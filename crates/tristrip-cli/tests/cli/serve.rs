@@ -112,9 +112,11 @@ fn a_folder_is_served_and_packed() {
     let list: Value = serde_json::from_slice(&server.get("/models.json").1).unwrap();
     assert_eq!(list["models"][0]["kind"], "packed");
     let described =
-        fs::read_to_string(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../FORMAT.md")).unwrap();
-    for key in [keys(&server.report), keys(&list), keys(&list["models"][0])].concat() {
-        assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
+        fs::read_to_string(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/reports.md")).unwrap();
+    let of_model = keys(&list["models"][0]).into_iter().map(|key| format!("models[].{key}"));
+    let of_objects = [keys(&server.report), keys(&list)].concat().into_iter().map(str::to_owned);
+    for key in of_objects.chain(of_model) {
+        assert!(described.contains(&format!("\n| `{key}` |")), "docs/reports.md does not describe `{key}`");
     }
     #[cfg(unix)]
     {

@@ -1,4 +1,4 @@
-//! Progressive GLB: a stream of chunks behind base meshes (FORMAT.md, "Progressive GLB").
+//! Progressive GLB: a stream of chunks behind base meshes (`docs/formats/progressive-glb.md`).
 //!
 //! `progressive` writes it and opens a file, `refine` replaces the base meshes of a document when it is read, and `arriving` decodes a
 //! file that is still downloading.

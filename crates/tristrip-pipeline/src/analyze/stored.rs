@@ -15,6 +15,7 @@ use tristrip_io::Part;
 
 /// How a part is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum DrawMode {
@@ -43,27 +44,32 @@ impl DrawMode {
 /// The index statistics of a part, or the sum over all parts; the keys are those of the JSON report. Those of strips are `None` if there are
 /// none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct StoredIndices {
-    /// How the triangles are drawn.
+    /// How the triangles are stored.
     pub drawn: DrawMode,
-    /// Real triangles.
+    /// The number of triangles drawn, without degenerate ones.
     pub triangles: usize,
-    /// Used vertices.
+    /// The number of vertices in use.
     pub vertices: usize,
-    /// As stored, including restarts.
+    /// The number of indices as stored, including restarts. A glTF primitive without indices counts
+    /// its vertices, and a polygon counts as a fan of triangles.
     pub indices: usize,
-    /// Restart indices.
+    /// The number of restart indices.
     pub restarts: usize,
-    /// Triangles with a repeated vertex.
+    /// The number of triangles with a repeated vertex: swaps, winding repeats, joins of strips and
+    /// degenerate faces.
     pub degenerate: usize,
-    /// Strips, split where they are joined by degenerate triangles.
+    /// The number of strips, split where degenerate triangles join them; `None` if there are no
+    /// strips.
     pub strips: Option<usize>,
-    /// Strips of one triangle.
+    /// The number of strips of one triangle; `None` if there are no strips.
     pub isolated: Option<usize>,
-    /// Vertices repeated inside strips.
+    /// The number of vertices repeated inside a strip or at its start; `None` if there are no
+    /// strips.
     pub swaps: Option<usize>,
-    /// Vertices sent without joins.
+    /// The sum of the strip lengths, without joins; `None` if there are no strips.
     pub vertices_sent: Option<usize>,
 }
 
@@ -73,15 +79,16 @@ pub(super) struct StripLengths(Vec<LengthBin>);
 
 /// The strips of a range of lengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct LengthBin {
-    /// The minimum length in triangles.
+    /// The minimum number of triangles per strip.
     pub from: usize,
-    /// The maximum length in triangles.
+    /// The maximum number of triangles per strip.
     pub to: usize,
-    /// Strips of these lengths.
+    /// The number of strips of these lengths.
     pub strips: usize,
-    /// Their triangles.
+    /// The number of triangles in these strips.
     pub triangles: usize,
 }
 

@@ -1,4 +1,5 @@
-//! Progressive GLB: base meshes that every viewer draws, and a stream of chunks behind them that refines them (FORMAT.md, "Progressive GLB").
+//! Progressive GLB: base meshes that every viewer draws, followed by a stream of chunks that refines
+//! them (`docs/formats/progressive-glb.md`).
 //!
 //! # Algorithm
 //! Writing ([`write_progressive`]): the scene gets its drawings and is packed in memory. The chunks follow all other bytes, the

@@ -73,14 +73,15 @@ impl FromStr for Normals {
 
 /// The numbers of parts by what happened to their normals; parts without normals do not count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct PartNormals {
-    /// Parts whose vertices kept their normals.
+    /// The number of parts that kept their normals.
     pub kept: usize,
-    /// Parts whose vertices kept their normals except where these no longer fitted the faces.
+    /// The number of parts that kept their normals except where these no longer fitted the faces.
     pub repaired: usize,
-    /// Flat-shaded parts, which have the normals of the remaining faces.
+    /// The number of flat-shaded parts: each corner has the normal of its remaining face.
     pub flat: usize,
-    /// Parts with new normals that are smooth up to a crease angle.
+    /// The number of parts with new normals that are smooth up to a crease angle.
     pub creased: usize,
 }

@@ -1,0 +1,51 @@
+//! The JSON Schema of a method in a report, from the same table as the parser.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use tristrip::{Method, StripifyOptions};
+
+use super::MethodDescription;
+use super::parameters::{AcceptedValues, PARAMETERS, Parameter, Value};
+
+impl JsonSchema for MethodDescription {
+    fn schema_name() -> Cow<'static, str> {
+        "MethodDescription".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let names: Vec<&str> = Method::ALL.iter().map(|method| method.name()).collect();
+        let method = json_schema!({
+            "type": "string",
+            "enum": names,
+            "description": "The method that builds the strips.",
+        });
+        let mut schema = json_schema!({ "type": "object", "properties": {}, "required": ["method"] });
+        if let Some(properties) = schema.pointer_mut("/properties").and_then(|value| value.as_object_mut()) {
+            properties.insert("method".into(), method.into());
+            for parameter in &PARAMETERS {
+                properties.insert(parameter.name.replace('-', "_"), of_parameter(parameter).into());
+            }
+        }
+        schema
+    }
+}
+
+/// Describes a parameter: the first sentence of its help, and the methods that have it.
+fn of_parameter(parameter: &Parameter) -> Schema {
+    let value_of = |method: &Method| (parameter.get)(&StripifyOptions::default().with_method(*method));
+    let methods = Method::ALL.iter().filter(|method| value_of(method).is_some());
+    let methods: Vec<String> = methods.map(|method| format!("`{method}`")).collect();
+    let methods = match methods.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => methods.concat(),
+    };
+    let help = parameter.help.split_once(". ").map_or(parameter.help, |(first, _)| first);
+    let description = format!("{}. Only for {methods}.", help.trim_end_matches('.'));
+    if let AcceptedValues::Named(values) = parameter.values {
+        let names: Vec<&str> = values().into_iter().map(|(name, _)| name).collect();
+        return json_schema!({ "type": "string", "enum": names, "description": description });
+    }
+    let is_number = matches!(Method::ALL.iter().find_map(value_of), Some(Value::Number(_)));
+    json_schema!({ "type": if is_number { "integer" } else { "string" }, "description": description })
+}
