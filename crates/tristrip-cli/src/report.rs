@@ -28,7 +28,7 @@ pub(crate) struct Report<O> {
     #[serde(flatten)]
     #[cfg_attr(feature = "schema", schemars(skip))]
     unproven: Option<Unproven>,
-    /// Why the input was not processed, or why the result is not proven; `null` if all was done.
+    /// The error message; `null` if everything succeeded.
     pub(crate) error: Option<String>,
 }
 

@@ -54,6 +54,9 @@ fn of<T: JsonSchema>(seconds: SecondsKeys) -> Value {
     let mut schema = Value::from(generator.into_root_schema_for::<T>());
     if seconds.is_empty() {
         schema["properties"].as_object_mut().and_then(|keys| keys.shift_remove("seconds"));
+    } else if let Some(required) = schema["required"].as_array_mut() {
+        required.push("seconds".into());
+        schema["properties"]["seconds"]["required"] = seconds.iter().map(|(key, _)| *key).collect();
     }
     for (key, stages) in seconds {
         let times: Vec<&str> = stages.iter().copied().map(time_of).collect();
@@ -76,7 +79,7 @@ fn time_of(stage: Stage) -> &'static str {
         Stage::Stripify => "build the strips",
         Stage::Bound => "compute the lower bounds",
         Stage::Prove => "verify the result",
-        Stage::ReadBack => "read the file back",
+        Stage::ReadBack => "check the written file",
         Stage::Simplify => "collapse half-edges",
         Stage::Rebuild => "remove unused vertices",
         Stage::Fit => "move vertices closer to the original surface",

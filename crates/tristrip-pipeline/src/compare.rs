@@ -86,7 +86,7 @@ pub struct Row {
     pub method: MethodDescription,
     /// Whether the strips draw exactly the faces of the model.
     pub proven: bool,
-    /// The times of the method in seconds. The pipeline reads no clock: the caller fills them in.
+    /// The times of the method in seconds.
     pub seconds: MethodSeconds,
     /// The metrics of a proven result.
     #[serde(flatten)]
@@ -97,7 +97,8 @@ pub struct Row {
     pub error: Option<String>,
 }
 
-/// The times of a method, in seconds; `None` for what was not measured.
+/// The times of a method, in seconds; `None` for what was not measured. The pipeline reads no clock:
+/// the caller fills them in.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MethodSeconds {

@@ -91,8 +91,8 @@ pub struct Outcome {
     /// The file.
     #[serde(skip)]
     pub bytes: Vec<u8>,
-    /// The number of triangles that the file, read back, is proven to have, at positions rounded to
-    /// the grid. Reports have `true`. `None` if the proof was not requested.
+    /// Whether the file, read back, has exactly the triangles of the model, at positions rounded to
+    /// the grid: their number in Rust, `true` in reports. `None` if the proof was not requested.
     #[serde(serialize_with = "is_some_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: Option<usize>,

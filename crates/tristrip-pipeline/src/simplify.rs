@@ -140,8 +140,8 @@ pub struct Outcome {
     pub vertices_before: usize,
     /// The number of vertices in use in the result.
     pub vertices_after: usize,
-    /// The number of positions that were moved closer to the original surface. A position of
-    /// several vertices or parts counts once. `None` if nothing was fitted.
+    /// The number of positions that were moved closer to the original surface; only if a fit was
+    /// requested. A position of several vertices or parts counts once.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moved_positions: Option<usize>,
     /// The distance of the surface from the original; `None` if it was not measured.

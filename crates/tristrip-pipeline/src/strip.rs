@@ -66,7 +66,8 @@ pub struct Outcome {
     /// Why the search ended before its effort was spent; `None` if it was not stopped.
     pub stopped: Option<SearchStop>,
     /// The gap between the result and its lower bound, for `fewest`, and for `best` above its
-    /// default effort; `None` otherwise: those searches take no longer than the bound does.
+    /// default effort. `None` otherwise, because the bound takes at least as long as those
+    /// searches.
     pub bound: Option<BoundGap>,
     /// The counts of the mesh.
     pub mesh: MeshProperties,

@@ -47,7 +47,7 @@ impl DrawMode {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct StoredIndices {
-    /// How the triangles are stored.
+    /// How the triangles are stored; `mixed` if parts differ.
     pub drawn: DrawMode,
     /// The number of triangles drawn, without degenerate ones.
     pub triangles: usize,

@@ -31,7 +31,7 @@ impl JsonSchema for MethodDescription {
     }
 }
 
-/// Describes a parameter: the first sentence of its help, and the methods that have it.
+/// Describes a parameter: the first sentence of its help, its values, and the methods that have it.
 fn of_parameter(parameter: &Parameter) -> Schema {
     let value_of = |method: &Method| (parameter.get)(&StripifyOptions::default().with_method(*method));
     let methods = Method::ALL.iter().filter(|method| value_of(method).is_some());
@@ -40,12 +40,17 @@ fn of_parameter(parameter: &Parameter) -> Schema {
         Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
         _ => methods.concat(),
     };
-    let help = parameter.help.split_once(". ").map_or(parameter.help, |(first, _)| first);
-    let description = format!("{}. Only for {methods}.", help.trim_end_matches('.'));
-    if let AcceptedValues::Named(values) = parameter.values {
-        let names: Vec<&str> = values().into_iter().map(|(name, _)| name).collect();
-        return json_schema!({ "type": "string", "enum": names, "description": description });
+    let help = parameter.help.split(['.', ';']).next().unwrap_or_default();
+    match parameter.values {
+        AcceptedValues::Named(values) => {
+            let names: Vec<&str> = values().into_iter().map(|(name, _)| name).collect();
+            let description = format!("{help}. Only for {methods}.");
+            json_schema!({ "type": "string", "enum": names, "description": description })
+        }
+        AcceptedValues::Other(values) => {
+            let is_number = matches!(Method::ALL.iter().find_map(value_of), Some(Value::Number(_)));
+            let description = format!("{help}: {values}. Only for {methods}.");
+            json_schema!({ "type": if is_number { "integer" } else { "string" }, "description": description })
+        }
     }
-    let is_number = matches!(Method::ALL.iter().find_map(value_of), Some(Value::Number(_)));
-    json_schema!({ "type": if is_number { "integer" } else { "string" }, "description": description })
 }
