@@ -348,7 +348,8 @@ impl StreamedPart {
         Ok(Strips::new(strips, None, None))
     }
 
-    /// A checksum of the mesh so far; decoders that agree have the same after each chunk (`docs/formats/progressive-glb.md`).
+    /// A checksum of the mesh so far. Decoders that agree have the same value after each chunk (see
+    /// docs/formats/progressive-glb.md).
     #[getter]
     fn fingerprint(&self, py: Python<'_>) -> PyResult<u32> {
         Ok(self.with(py, StreamPart::fingerprint)?)
