@@ -15,6 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let position = |i: u32| [(i % 21) as f32, (i / 21) as f32, (i * i % 7) as f32 / 4.0];
     let mesh = Mesh::new((0..441).map(position).collect::<Vec<_>>(), faces)?;
 
+    // ANCHOR: method
     // 1. The triangles and their dual graph.
     let prepared = PreparedFaces::new(&mesh, false);
     let graph = DualGraph::new(prepared.faces());
@@ -37,6 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // 3. The strips of the paths, and the proof that they draw the mesh.
     let strips = StripPlan::from_cover(&prepared, triangulation, cover)?.strips();
     let proof = verify(&mesh, &strips)?;
+    // ANCHOR_END: method
     println!("{} strips draw {} faces, with {} vertices", strips.len(), proof.faces, strips.vertices_sent());
     Ok(())
 }

@@ -9,9 +9,11 @@ fn main() -> Result<(), tristrip::Error> {
     let cells = (0..100).flat_map(|y| (0..100).map(move |x| 101 * y + x));
     let indices: Vec<u16> = cells.flat_map(quad).collect();
 
+    // ANCHOR: strip
     let vertex_count = 101 * 101;
     let strips = tristrip::stripify_indices(&indices, vertex_count)?;
     let buffer: Vec<u16> = strips.to_indices(Layout::Restart)?;
+    // ANCHOR_END: strip
 
     println!("{} indices as a list, {} as {} strips", indices.len(), buffer.len(), strips.len());
     Ok(())

@@ -10,11 +10,13 @@ fn main() -> Result<(), tristrip::Error> {
     let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let mesh = Mesh::new((0..8).map(corner).collect::<Vec<_>>(), Faces::from_polygons(sides)?)?;
 
+    // ANCHOR: prove
     let strips = stripify(&mesh, &StripifyOptions::default())?;
     match verify(&mesh, &strips) {
         Ok(_) => println!("{} strips draw the cube, with {} vertices", strips.len(), strips.vertices_sent()),
         Err(problem) => println!("not proven: {problem}"),
     }
+    // ANCHOR_END: prove
 
     // Without its first strip the cube is not complete.
     let mut wrong = Strips::default();
