@@ -258,8 +258,8 @@ def merge_tree() -> bytes:
 def stream() -> bytes:
     """The file of a progressive GLB, and what a client draws of it."""
     image = Drawing(680, 215, "A progressive GLB")
-    cells = [("glTF JSON", 100, "#eef2f6"), ("base mesh", 80, FILLS[0])]
-    cells += [(f"chunk {i}", 62 + 10 * i, FILLS[2]) for i in range(4)] + [("…", 50, FILLS[2])]
+    cells = [("glTF JSON", 90, "#eef2f6"), ("base mesh, textures", 140, FILLS[0])]
+    cells += [(f"chunk {i}", 62 + 14 * i, FILLS[2]) for i in range(4)] + [("…", 40, FILLS[2])]
     x, ends = 30.0, []
     for name, width, fill in cells:
         image.polygon([(x, 40), (x + width, 40), (x + width, 85), (x, 85)], fill)
@@ -267,7 +267,7 @@ def stream() -> bytes:
         x += width
         ends.append(x)
     image.text((30, 28), "bytes of the file, in the order in which they arrive", anchor="start", size=13)
-    for end, text in ((ends[1], "any glTF viewer"), (ends[2], "level A"), (ends[3], "level B"), (ends[4], "level C")):
+    for end, text in ((ends[1], "base mesh"), (ends[3], "992 triangles"), (ends[4], "2,358"), (ends[5], "4,138")):
         image.line([(end, 118), (end, 90)], INK, 1.5, arrow=True)
         image.text((end, 135), text, size=13)
     image.text((30, 168), "After the base mesh, and after each complete chunk, the client has a mesh to draw.", anchor="start", size=13)
