@@ -15,7 +15,7 @@ from pathlib import Path
 from rust_source import files
 
 SUFFIXES = {".rs", ".md", ".py", ".sh", ".toml", ".json", ".js", ".mjs", ".html", ".css", ".txt", ".svg"}
-SCRIPTS = {"test", "bindings/python/check", "bindings/python/test", ".ci/run", ".ci/wasm32"}
+SCRIPTS = {"test", "bindings/python/check", "bindings/python/test", "docs/manual/check", ".ci/run", ".ci/wasm32"}
 WORDS = ".ci/words.txt"
 BEGIN, END = "<!-- renamed: begin -->", "<!-- renamed: end -->"
 

@@ -291,6 +291,9 @@ def by_command() -> dict[str, bytes]:
 
 
 def main() -> int:
+    if not COMMAND.is_file():
+        print(f"{COMMAND} is missing: build it, or name the command in TRISTRIP_COMMAND", file=sys.stderr)
+        return 1
     figures = {
         "strip.svg": strip(),
         "swap.svg": swap(),
