@@ -64,6 +64,8 @@ class Pages(unittest.TestCase):
         self.assertIn("ZeroDivisionError", problems[0])
         problems, _ = self.run_page("```rust\nlet a = 1;\n```\n")
         self.assertIn("includes an anchor of an example", problems[0])
+        problems, _ = self.run_page("- item\n\n  ```sh\n  true\n  ```\n")
+        self.assertIn("a code block is indented", problems[0])
         problems, _ = self.run_page("```toml\na = 1\n```\n")
         self.assertIn("a block of toml needs a comment", problems[0])
 

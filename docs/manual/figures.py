@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the figures of the manual into src/figures.
+"""Draws the figures of the manual into src/figures, and the image of the README.
 
     docs/manual/figures.py          write them
     docs/manual/figures.py --check  fail if a figure is missing, differs, or has no generator
@@ -17,7 +17,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-FIGURES = Path(__file__).resolve().parent / "src" / "figures"
+DOCS = ROOT / "docs"
+FIGURES = "manual/src/figures"
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target")
 COMMAND = Path(os.environ.get("TRISTRIP_COMMAND") or TARGET / "debug" / "tristrip").resolve()
 
@@ -276,44 +277,40 @@ def stream() -> bytes:
 
 
 def by_command() -> dict[str, bytes]:
-    """Returns the images that the command draws."""
+    """Returns the images that the command draws, by their paths in docs."""
     models = ROOT / "testdata" / "models"
     with tempfile.TemporaryDirectory() as folder:
         runs = {
-            "fish-strips.png": ["strip", models / "fish_control.ply", "--picture", "fish-strips.png"],
-            "hand-simplified.png": ["simplify", models / "hand.ply", "--ratio", "5%", "--picture", "hand-simplified.png"],
+            "hand.png": ["simplify", models / "hand.ply", "--ratio", "10%", "--fit", "--picture", "hand.png"],
+            f"{FIGURES}/fish-strips.png": ["strip", models / "fish_control.ply", "--picture", "fish-strips.png"],
             "": ["pack", models / "hand.ply", "-o", "hand.glb"],
-            "hand-stream.svg": ["inspect", "hand.glb", "--plot", "hand-stream.svg"],
+            f"{FIGURES}/hand-stream.svg": ["inspect", "hand.glb", "--plot", "hand-stream.svg"],
         }
         for arguments in runs.values():
             subprocess.run([COMMAND, "-q", *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-        return {name: (Path(folder) / name).read_bytes() for name in runs if name}
+        return {name: (Path(folder) / Path(name).name).read_bytes() for name in runs if name}
 
 
 def main() -> int:
     if not COMMAND.is_file():
         print(f"{COMMAND} is missing: build it, or name the command in TRISTRIP_COMMAND", file=sys.stderr)
         return 1
-    figures = {
-        "strip.svg": strip(),
-        "swap.svg": swap(),
-        "layouts.svg": layouts(),
-        "dual-graph.svg": dual_graph(),
-        "collapse.svg": collapse(),
-        "merge-tree.svg": merge_tree(),
-        "stream.svg": stream(),
-        **by_command(),
-    }
+    drawn = [strip, swap, layouts, dual_graph, collapse, merge_tree, stream]
+    figures = {f"{FIGURES}/{draw.__name__.replace('_', '-')}.svg": draw() for draw in drawn} | by_command()
     if sys.argv[1:] != ["--check"]:
-        FIGURES.mkdir(parents=True, exist_ok=True)
+        (DOCS / FIGURES).mkdir(parents=True, exist_ok=True)
         for name, content in figures.items():
-            (FIGURES / name).write_bytes(content)
+            (DOCS / name).write_bytes(content)
         return 0
-    stored = {path.name: path.read_bytes() for path in FIGURES.iterdir()}
-    problems = [f"{name}: differs from what figures.py draws" for name in figures if stored.get(name) != figures[name]]
-    problems += [f"{name}: figures.py does not draw it" for name in sorted(stored.keys() - figures.keys())]
+    problems = []
+    for name, content in figures.items():
+        path = DOCS / name
+        if not path.is_file() or path.read_bytes() != content:
+            problems.append(f"{name}: is missing, or differs from what figures.py draws")
+    stored = {f"{FIGURES}/{path.name}" for path in (DOCS / FIGURES).iterdir()}
+    problems += [f"{name}: figures.py does not draw it" for name in sorted(stored - figures.keys())]
     for problem in problems:
-        print(f"docs/manual/src/figures/{problem}", file=sys.stderr)
+        print(f"docs/{problem}", file=sys.stderr)
     print(f"manual: {len(figures)} figures checked, {len(problems)} problems")
     return 1 if problems else 0
 
