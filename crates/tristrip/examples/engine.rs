@@ -1,4 +1,5 @@
-//! Draws a mesh at the detail that a camera needs, in two ways: `cargo run --release -p tristrip --example engine`.
+//! Draws a mesh at the detail that a camera needs, in two ways:
+//! `cargo run --release -p tristrip --example engine`.
 #![allow(clippy::print_stdout, reason = "an example prints its results")]
 
 use std::sync::Arc;
