@@ -1,8 +1,8 @@
-//! glTF 2.0 and GLB: reads the triangles of a scene, and writes them back as strips without changing the rest of the
-//! document.
+//! glTF 2.0 and GLB: reads the triangles of a scene and writes them back as strips, leaving the
+//! rest of the document unchanged.
 //!
-//! A document is kept as JSON values with the text that they were read from, together with the bytes of its buffers. Reading
-//! copies positions, indices and attributes out of it; writing replaces its indices.
+//! A document is stored as JSON values with their source text, and the bytes of its buffers.
+//! Reading copies positions, indices and attributes out of it; writing replaces its indices.
 //!
 //! ```text
 //! file ─▶ JSON and buffers ─▶ decompressed buffers ─▶ accessors ─▶ parts
@@ -11,40 +11,49 @@
 //! ```
 //!
 //! # Algorithm
-//! Reading: every primitive of triangles, strips or fans becomes one part, in the order of meshes and primitives. Strips and
-//! fans are unpacked in drawing order, with their winding. Primitives over one `POSITION` accessor share one
-//! array, which is checked once; primitives with the same set of attributes share all attribute arrays.
+//! Reading: each primitive of triangles, strips or fans becomes one part, in the order of meshes
+//! and primitives. Strips and fans are expanded in drawing order and keep their winding. Primitives
+//! that use the same `POSITION` accessor share one array, which is checked once; primitives with
+//! the same set of attributes share all attribute arrays.
 //!
-//! Buffer views that are compressed by meshoptimizer are decompressed first, and the extension is removed: a GLB that is
-//! written holds their bytes as any other.
+//! Buffer views compressed by meshoptimizer are decompressed first, and the extension is removed: a
+//! written GLB stores these bytes uncompressed.
 //!
-//! Writing, where the model has a scene: only `indices` and `mode` of its primitives change. A new index accessor replaces
-//! the old one if nothing else refers to the old one: no index in the document changes its meaning, and the old bytes are removed
-//! from the buffer. Otherwise accessor and bytes are appended. Any integer inside an extension or extras counts as a possible
-//! reference. All buffers are joined into one.
+//! Writing a model that has a scene: only `indices` and `mode` of its primitives change. A new
+//! index accessor replaces the old one in place if nothing else refers to the old one, so no index
+//! in the document changes its meaning. The old bytes are then removed from the buffer. Otherwise
+//! the accessor and its bytes are appended. Any integer inside an extension or extras counts as a
+//! possible reference. All buffers are merged into one.
 //!
-//! [`reorder`](crate::reorder()) and [`with_triangles`](crate::with_triangles) change the scene before it is written: values of vertices
-//! move within their accessors, and those of vertices that nothing draws are removed.
+//! [`reorder`](crate::reorder()) and [`with_triangles`](crate::with_triangles) change the scene
+//! before it is written: they move vertex values within their accessors and remove the values of
+//! unused vertices.
 //!
-//! The reader accepts more than the specification allows: alignment is not required, and a restart index counts as one
-//! whether or not the extension is declared, as graphics APIs treat it.
+//! The reader accepts more than the specification allows: it does not check alignment, and it
+//! treats the highest index as a restart whether or not the extension is declared, as graphics APIs
+//! do.
 //!
 //! # The restart layout
-//! Follows the draft `KHR_mesh_primitive_restart` of <https://github.com/KhronosGroup/glTF/pull/2569> as of 2026: the highest
-//! value of the index type restarts line loops, line strips, triangle strips and triangle fans; the name is listed in
-//! `extensionsUsed` and `extensionsRequired`; no object is added to meshes or primitives. The older, merged
-//! `EXT_mesh_primitive_restart` describes groups of primitives in an object of the mesh; its primitives are read one by one.
+//! The layout follows the draft `KHR_mesh_primitive_restart` of
+//! <https://github.com/KhronosGroup/glTF/pull/2569> as of 2026. The highest value of the index type
+//! restarts line loops, line strips, triangle strips and triangle fans. The name is listed in
+//! `extensionsUsed` and `extensionsRequired`; meshes and primitives get no extension object. The
+//! older, merged `EXT_mesh_primitive_restart` describes groups of primitives in an object of the
+//! mesh; its primitives are read one by one.
 //!
 //! # References
-//! The Khronos Group: *glTF 2.0 Specification*, 2021. P. Connelly, D. `McCurdy`: *`KHR_mesh_primitive_restart`*, draft, 2026.
+//! The Khronos Group: *glTF 2.0 Specification*, 2021. P. Connelly, D. `McCurdy`:
+//! *`KHR_mesh_primitive_restart`*, draft, 2026.
 //!
 //! # Complexity
-//! Linear time. The file's bytes are kept once, plus 12 bytes per vertex for each `POSITION` accessor, 12 bytes per
-//! triangle, and the other attributes in their own width. Primitives with the same indices are decoded once.
+//! Linear time. Memory: the file's bytes once, 12 bytes per vertex for each `POSITION` accessor, 12
+//! bytes per triangle, and the other attributes in their stored width. Primitives with the same
+//! indices are decoded once.
 //!
-//! Memory and time are bounded by the size of the file. Compressed buffer views decompress to at most 8 MiB plus 32 times the bytes
-//! of the buffers; positions and indices decode to at most 1 MiB plus 16 times these bytes, other attributes to 64 MiB plus 4 times
-//! these bytes. Primitives may draw the same indices 16 times on average, plus 2^18 triangles.
+//! Memory and time are bounded by the file size. Compressed buffer views decompress to at most 8
+//! MiB plus 32 times the size of the buffers. Positions and indices decode to at most 1 MiB plus 16
+//! times that size, other attributes to at most 64 MiB plus 4 times that size. Primitives may draw
+//! the same indices 16 times on average, plus 2^18 triangles.
 
 pub(crate) mod document;
 pub(crate) mod edit;
@@ -76,9 +85,9 @@ pub use stream::refine::{StreamMeshes, StreamedPart};
 pub(crate) use write::build::losses;
 pub use write::separate::{SeparateFiles, separate};
 
-/// Checks whether a model's document has vertex data that the meshes of its parts do not hold: morph targets, and
-/// attributes that were not decoded. Vertices that are equal in the meshes may differ there.
-///
+/// Checks whether a model's document has vertex data that is not in the meshes of its parts: morph
+/// targets and attributes that were not decoded. Vertices that are equal in the meshes may differ
+/// in this data.
 /// ```
 /// let json = br#"{"asset":{"version":"2.0"}}"#;
 /// assert!(!tristrip_io::gltf::has_unread_vertex_values(&tristrip_io::gltf::read(json.to_vec(), None)?));
@@ -88,8 +97,8 @@ pub fn has_unread_vertex_values(model: &Model) -> bool {
     unread_vertex_values(model).contains(&true)
 }
 
-/// Checks for each part whether the document has vertex data of it that its mesh does not hold, as
-/// [`has_unread_vertex_values`] does for the whole model.
+/// Checks for each part whether the document has vertex data that is not in its mesh. See
+/// [`has_unread_vertex_values`].
 ///
 /// ```
 /// use tristrip_io::{Format, gltf, read};
@@ -104,22 +113,24 @@ pub fn unread_vertex_values(model: &Model) -> Vec<bool> {
         let Some(mesh) = meshes.get(source.mesh) else { return false };
         document::items(mesh, "primitives").get(source.primitive).is_some_and(|primitive| {
             let attributes = primitive.get("attributes").and_then(Value::as_object).map_or(0, Members::len);
-            // The position is an attribute of the primitive, but not one of the mesh.
+            // `POSITION` is an attribute of the primitive, but not of the mesh.
             !document::items(primitive, "targets").is_empty() || attributes > part.mesh.attributes().len() + 1
         })
     };
     scene.primitives.iter().zip(&model.parts).map(is_unread).collect()
 }
 
-/// Writes a GLB with one drawing for each part, in order.
+/// Writes a GLB with one drawing per part, in order.
 ///
-/// With a scene, the document is the one that was read: only the indices and modes of its triangle primitives change
-/// ([`Drawing::Faces`] leaves a triangle list unchanged). Without a scene, a minimal document is built: one mesh and node for
-/// each run of parts with the same name, one primitive per part, one material per name.
+/// With a scene, the document is written as it was read, except for the indices and modes of its
+/// triangle primitives ([`Drawing::Faces`] leaves a triangle list unchanged). Without a scene, it
+/// builds a minimal document: one mesh and node per run of parts with the same name, one primitive
+/// per part, one material per name.
 ///
-/// The index type is the smallest that can hold the indices without its highest value. Strips of fewer than three vertices are
-/// dropped; a drawing without any triangle becomes one degenerate triangle, because glTF has no empty index buffers.
-/// [`Layout::Restart`] declares the draft extension only where there is a restart.
+/// The index type is the smallest that can store the indices without using its highest value.
+/// Strips of fewer than three vertices are dropped. A drawing without triangles becomes one
+/// degenerate triangle, because glTF has no empty index buffers. [`Layout::Restart`] declares the
+/// draft extension only if a restart occurs.
 pub(crate) fn write_glb(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
     model.check_drawings(drawings)?;
     match &model.scene {

@@ -64,7 +64,7 @@ fn one_glb_has_all_levels() {
     // A scene with levels has no place for others.
     let mut again = tristrip();
     again.args(["chain", "--ratios", FOUR]).arg(&path).arg("-o").arg(dir.path().join("again.glb"));
-    again.assert().code(1).stderr(contains("levels of detail already"));
+    again.assert().code(1).stderr(contains("already has levels of detail"));
 }
 
 #[test]

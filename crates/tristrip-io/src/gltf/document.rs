@@ -1,6 +1,6 @@
-//! What a glTF document is: its JSON and buffers, and the accessors and other references that lead through them.
+//! A glTF document: its JSON and buffers, and the accessors and other references between them.
 //!
-//! The modules below know the document only. What its meshes draw is read in [`super::read`].
+//! These modules know only the document. [`super::read`] reads what its meshes draw.
 
 pub(in crate::gltf) mod accessor;
 pub(in crate::gltf) mod bounds;

@@ -1,6 +1,7 @@
-//! Changes to the vertices of a scene: other numbers, fewer or more of them, and accessors over the first of them for levels of detail.
+//! Changes to the vertices of a scene: renumbering, removal, added vertices, and accessors over
+//! their first values for levels of detail.
 //!
-//! Each change returns a scene that is read and written as any other.
+//! Each change returns a scene that can be read and written like any other.
 
 pub(crate) mod equal_vertices;
 pub(crate) mod extend;

@@ -1,24 +1,27 @@
-//! The same scene in fewer bytes: what a file says twice, or says without need, is written once or not at all.
+//! Packs a scene into fewer bytes: removes redundant data, or stores it once.
 //!
 //! ```text
-//! accessors   times  joints (16 bits)  times (the same)  unused    positions      accessors   times  joints (8 bits)  positions
-//! bytes       ▒▒▒▒   ▓▓▓▓▓▓▓▓▓▓▓▓▓▓▓▓  ▒▒▒▒              ░░░░░░    █████████  ─▶  bytes       █████████  ▓▓▓▓▓▓▓▓  ▒▒▒▒
+//!            before                                              after
+//! accessors  times  joints (16 bits)  times  unused  positions   times  joints (8 bits)  positions
+//! bytes      ▒▒▒▒   ▓▓▓▓▓▓▓▓▓▓▓▓▓▓▓▓  ▒▒▒▒   ░░░░░░  █████████   █████████  ▓▓▓▓▓▓▓▓  ▒▒▒▒
 //! ```
 //! # Algorithm
-//! 1. Keyframes are removed that the interpolation of their neighbours gives back (`animation.rs`).
-//! 2. Joints and indices get the smallest type that holds them (`types.rs`); with rounding also the weights of
-//!    joints and the rotations of animations ([`Rounding`]), which is not exact.
-//! 3. Members of the JSON are removed that have the value that a missing member has, and bounds that are not required; numbers are
-//!    written with the fewest digits of the same value (`tidy.rs`).
-//! 4. Accessors that nothing uses are removed; arrays of the same bytes are written once; arrays of one kind share a buffer view
-//!    (`layout.rs`).
+//! 1. Remove keyframes that interpolation of their neighbours reproduces (`animation.rs`).
+//! 2. Store joints and indices in the smallest type that can represent them (`types.rs`). With
+//!    rounding, also joint weights and animated rotations ([`Rounding`]), which is lossy.
+//! 3. Remove JSON members that equal the default, and optional bounds. Write numbers with the
+//!    fewest digits that give the same value (`tidy.rs`).
+//! 4. Remove unused accessors, store identical arrays once, and put arrays of one kind into a
+//!    common buffer view (`layout.rs`).
 //!
-//! Numbers inside extensions and extras whose meaning is unknown may be those of accessors or buffer views: up to the highest of them that
-//! is one, accessors and views keep their numbers and values. Where an extension may name bytes, the file stays as it is.
+//! Numbers inside unknown extensions and extras may be indices of accessors or buffer views.
+//! Accessors and views up to the highest such index keep their indices and values. If an extension
+//! may refer to bytes, the file is not changed.
 //!
 //! # Complexity
-//! Linear in the bytes, but n log n in the number of accessors and views; each buffer is copied twice. Keyframes and joints are decoded
-//! within the limit of attributes; those beyond it stay.
+//! Linear in the bytes, n log n in the number of accessors and views; each buffer is copied twice.
+//! Keyframes and joints are decoded within the limit for attributes; those beyond it are not
+//! changed.
 
 mod animation;
 mod layout;
@@ -40,10 +43,11 @@ use crate::gltf::document::{Document, array};
 
 pub use packing::Rounding;
 
-/// Returns a GLB with the same scene in fewer bytes.
+/// Returns a GLB with the same scene in fewer bytes, or the input if packing does not make it
+/// smaller.
 ///
 /// # Errors
-/// The bytes are not a GLB whose buffer views are valid, or the result exceeds 4 GiB.
+/// The bytes are not a GLB with valid buffer views, or the result exceeds 4 GiB.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, gltf, read, write};
@@ -67,20 +71,20 @@ pub fn pack(glb: Vec<u8>, rounding: Rounding) -> Result<Vec<u8>, Error> {
         packed = pack_document(document, buffers, rounding)?;
     }
     drop(container);
-    // A small file may need more bytes for the views than it had.
+    // In a small file, additional views may cost more than packing saves.
     match packed.filter(|packed| packed.file_bytes() < glb.len()) {
         Some(packed) => packed.write(),
         None => Ok(Arc::unwrap_or_clone(glb)),
     }
 }
 
-/// Packs a file that is not yet written, unless that would make it larger.
+/// Packs content that is not yet written, unless the result would be larger.
 pub(in crate::gltf) fn pack_content(content: GlbContent, rounding: Rounding) -> Result<GlbContent, Error> {
     let packed = pack_document(content.document.clone(), content.buffers(), rounding)?;
     Ok(packed.filter(|packed| packed.file_bytes() < content.file_bytes()).unwrap_or(content))
 }
 
-/// Packs a document; `None` where it must stay as it is.
+/// Packs a document. Returns `None` if it must not change.
 fn pack_document(
     document: Document,
     buffers: Vec<SharedBytes>,

@@ -1,4 +1,4 @@
-//! Reading: each primitive of triangles, strips or fans becomes a part.
+//! Reads a document: each primitive of triangles, strips or fans becomes a part.
 
 pub(crate) mod appearance;
 pub(in crate::gltf) mod compressed_views;
@@ -34,19 +34,21 @@ use crate::gltf::write::build::build;
 use crate::gltf::write::separate::SeparateFiles;
 use crate::model::{Drawing, Model, Part, StoredStrips};
 
-/// Decoded bytes allowed per byte of the buffers: strips of byte indices need twelve.
+/// Decoded bytes allowed per byte of the buffers: a strip of byte indices needs twelve.
 const GEOMETRY_FACTOR: u64 = 16;
 const ATTRIBUTE_FACTOR: u64 = 4;
 
-/// How the names of extensions begin that do not concern geometry.
+/// Name prefixes of extensions that do not affect geometry.
 const NOT_GEOMETRY: [&str; 5] =
     ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_"];
 
-/// Reads a GLB, or the JSON of a `.gltf` whose buffers are data URIs or files inside `base_dir`.
+/// Reads a GLB or the JSON of a `.gltf` file. Buffers of the latter are data URIs or files inside
+/// `base_dir`.
 ///
 /// # Errors
-/// The parts of the document that the geometry needs are not valid glTF 2.0, decoding exceeds a limit, or a buffer's file cannot
-/// be read or is outside `base_dir`.
+/// - The parts of the document that define geometry are not valid glTF 2.0.
+/// - Decoding exceeds a limit.
+/// - The file of a buffer cannot be read or is outside `base_dir`.
 ///
 /// ```
 /// let empty = br#"{"asset":{"version":"2.0"}}"#;
@@ -58,12 +60,12 @@ pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model,
     read_with_files(Arc::new(bytes.into()), &mut BufferFiles::new(&folders))
 }
 
-/// Reads a document whose external buffers are among files.
+/// Reads a document whose external buffers are in `files`.
 pub(crate) fn read_with_files(bytes: Arc<Vec<u8>>, files: &mut BufferFiles<'_>) -> Result<Model, Error> {
     read_container(bytes, files, None, None)
 }
 
-/// Reads a progressive document whose primitives draw the given meshes of its stream.
+/// Reads a progressive document whose primitives use the given meshes of its stream.
 pub(in crate::gltf) fn read_refined(
     bytes: Arc<Vec<u8>>,
     folders: &[&Path],
@@ -72,19 +74,20 @@ pub(in crate::gltf) fn read_refined(
     read_container(bytes, &mut BufferFiles::new(folders), None, Some(meshes))
 }
 
-/// Reads a document and its buffer that [`separate`](super::separate()) made.
+/// Reads a document and its buffer as written by [`separate`](super::separate()).
 ///
 /// # Errors
-/// The document is not valid glTF 2.0, it names another buffer, or decoding exceeds a limit.
+/// The document is not valid glTF 2.0 or refers to another buffer, or decoding exceeds a limit.
 pub fn read_separate(files: &SeparateFiles) -> Result<Model, Error> {
     read_container(Arc::new(files.json.clone()), &mut BufferFiles::new(&[]), Some(files), None)
 }
 
-/// Returns a model with a scene: the model itself if it has one. Otherwise it builds the scene that a GLB of the model has, and
-/// reads its parts, whose faces are triangles.
+/// Returns a model with a scene. A model that has one is returned unchanged. Otherwise the function
+/// builds the scene that a GLB of the model would have and reads its parts, whose faces are
+/// triangles.
 ///
 /// # Errors
-/// The model has more values than the reader decodes.
+/// Decoding the model's values exceeds a limit.
 ///
 /// ```
 /// use tristrip_io::{Format, gltf, read};
@@ -138,7 +141,7 @@ fn read_document(
     read_parts(document, buffers, files.later_folders(), notes)
 }
 
-/// Reads the parts of a document whose buffers are loaded and not compressed.
+/// Reads the parts of a document with loaded, uncompressed buffers.
 fn read_parts(
     document: Document,
     buffers: Vec<SharedBytes>,
@@ -168,10 +171,10 @@ fn read_parts(
 
 struct PrimitiveReader<'a> {
     resolver: AccessorResolver<'a>,
-    /// Meshes without faces, by the accessor of their positions.
+    /// Meshes without faces, by position accessor.
     positions: HashMap<usize, Mesh>,
-    /// The same with the other attributes, by the names and accessors of all attributes: primitives with the same set
-    /// share them.
+    /// Meshes without faces, with all attributes, by the names and accessors of these. Primitives
+    /// with the same set share them.
     vertices: HashMap<Vec<(&'a str, usize)>, Mesh>,
     geometry: DecodeBudget,
     attributes: DecodeBudget,
@@ -227,13 +230,14 @@ impl<'a> PrimitiveReader<'a> {
         mode: u64,
         parts: &[Part],
     ) -> Result<(Mesh, Option<StoredStrips>), Error> {
-        // 1. Vertices, shared between primitives and checked once.
+        // 1. Vertices: shared between primitives and checked once.
         let vertices = self.vertices(&primitive.need("attributes")?)?;
-        // 2. Triangles, shared likewise.
+        // 2. Triangles: also shared.
         self.triangles.read(&self.resolver, primitive, mode, &vertices, parts, &mut self.geometry)
     }
 
-    /// Decodes positions and attributes, unless an earlier primitive had the same.
+    /// Decodes positions and attributes, or returns those of an earlier primitive with the same
+    /// accessors.
     fn vertices(&mut self, attributes: &Located<'a>) -> Result<Mesh, Error> {
         let position = attributes.need("POSITION")?;
         let key = attributes.members()?.map(|(name, accessor)| Ok((name, accessor.size()?)));
@@ -267,7 +271,7 @@ impl<'a> PrimitiveReader<'a> {
     ) -> Result<Option<Attribute>, Error> {
         let values = self.resolver.values(accessor)?;
         if values.count != vertex_count {
-            let expected = format!("{vertex_count}, one for each vertex");
+            let expected = format!("{vertex_count}, one per vertex");
             return Err(Error::format(format!("{}.count", values.at), values.count.to_string(), expected));
         }
         if values.matrix {
@@ -297,7 +301,7 @@ impl ReadCounts {
         note("primitives of points or lines, kept only in a GLB", self.other_modes);
         note("dropped degenerate triangles of strips and fans", triangles.degenerate);
         note(
-            "dropped indices at the end of triangle lists, fewer than a triangle needs",
+            "dropped indices at the end of triangle lists that form no triangle",
             triangles.incomplete_indices,
         );
         note(
@@ -314,7 +318,7 @@ impl ReadCounts {
     }
 }
 
-/// Returns the extensions that a document requires and that may be the reason why its geometry cannot be read.
+/// Returns the required extensions that may be the reason why the geometry cannot be read.
 fn unknown_requirements(root: &Members) -> Vec<String> {
     let names = root.get("extensionsRequired").and_then(Value::as_array).unwrap_or_default();
     let names = names.iter().filter_map(Value::as_str);
@@ -344,7 +348,7 @@ fn check_nodes(root: &Members) -> Result<(), Error> {
             list.push(index);
         }
     }
-    // Nodes without a remaining parent are removed until none remain, or only cycles.
+    // Repeatedly remove nodes without a remaining parent. Nodes that are left form cycles.
     let mut open: Vec<usize> = (0..count).filter(|&node| parent_count[node] == 0).collect();
     let mut seen = 0;
     while let Some(node) = open.pop() {
@@ -363,11 +367,12 @@ fn check_nodes(root: &Members) -> Result<(), Error> {
     Ok(())
 }
 
-/// Notes how a GLB written from this document will differ from it, other than in indices and modes.
+/// Adds notes on how a GLB written from this document will differ from it, other than in indices
+/// and modes.
 fn note_document(root: &Members, notes: &mut Vec<String>) -> Result<(), Error> {
     let buffer_count = array(root, "buffers")?.len();
     if buffer_count > 1 {
-        notes.push(format!("buffers that a GLB joins into one: {buffer_count}"));
+        notes.push(format!("buffers merged into one when written as GLB: {buffer_count}"));
     }
     let external = array(root, "images")?
         .iter()

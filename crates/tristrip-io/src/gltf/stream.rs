@@ -1,7 +1,7 @@
 //! Progressive GLB: a stream of chunks behind base meshes (`docs/formats/progressive-glb.md`).
 //!
-//! `progressive` writes it and opens a file, `refine` replaces the base meshes of a document when it is read, and `arriving` decodes a
-//! file that is still downloading.
+//! `progressive` writes and opens files, `refine` replaces the base meshes of a document on
+//! reading, and `arriving` decodes a file during its download.
 
 pub(in crate::gltf) mod arriving;
 pub(in crate::gltf) mod progressive;

@@ -1,4 +1,4 @@
-//! The GLB of a model: a scene with new indices (`keep`), or a minimal document around parts without one (`build`).
+//! Builds the GLB of a model: a scene with new indices (`keep`), or a minimal document (`build`).
 
 pub(in crate::gltf) mod build;
 pub(in crate::gltf) mod index;

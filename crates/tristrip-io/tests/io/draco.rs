@@ -129,7 +129,7 @@ fn damaged_streams_never_panic() {
     for length in 1..bytes.len() {
         let error = message(&document(&encoded, &bytes[..length]));
         assert!(
-            error.contains(EXTENSION) && error.ends_with("expected a stream of Draco"),
+            error.contains(EXTENSION) && error.ends_with("expected a Draco stream"),
             "{length}: {error}"
         );
     }
@@ -170,8 +170,8 @@ fn wrong_members_are_named() {
         message(&json)
     };
     for (member, value, found) in [
-        ("bufferView", json!(-1), format!("{at}.bufferView: found -1, expected a whole number")),
-        ("bufferView", json!(null), format!("{at}.bufferView: found null, expected a whole number")),
+        ("bufferView", json!(-1), format!("{at}.bufferView: found -1, expected a non-negative integer")),
+        ("bufferView", json!(null), format!("{at}.bufferView: found null, expected a non-negative integer")),
         ("attributes", json!([]), format!("{at}.attributes: found an array, expected an object")),
         ("attributes", json!({ "POSITION": -1 }), format!("{at}.attributes.POSITION: found -1")),
         ("attributes", json!({ "POSITION": u64::MAX }), format!("{at}: found ")),
@@ -187,7 +187,7 @@ fn wrong_members_are_named() {
             json!(9),
             format!("{primitive}.indices: found 9, expected less than 3, the number of accessors"),
         ),
-        ("indices", json!(-1), format!("{primitive}.indices: found -1, expected a whole number")),
+        ("indices", json!(-1), format!("{primitive}.indices: found -1, expected a non-negative integer")),
         ("attributes", json!({ "POSITION": 9 }), format!("{primitive}.attributes.POSITION: found 9")),
         ("attributes", json!(0), format!("{primitive}.attributes: found 0, expected an object")),
         ("attributes", json!({}), format!("{at}: found ")),

@@ -302,7 +302,7 @@ fn writes_attributes_under_valid_names() {
             "attribute `TANGENT` written as `_TANGENT`: 1",
             "attribute `TEXCOORD_1` written as `_TEXCOORD_1`: 1",
             "attribute `_COLOR_0` not written: another attribute is written as `_COLOR_0`: 1",
-            "attribute `five` not written: it has 5 components, and glTF has 1 to 4: 1",
+            "attribute `five` not written: it has 5 components; glTF allows 1 to 4: 1",
             "attribute `flow` written as `_flow`: 1",
             "attribute `id` not written: glTF has no 64-bit floats or 32-bit integers for vertices: 1",
             "attribute `nan` not written: it has values that are not finite: 1",

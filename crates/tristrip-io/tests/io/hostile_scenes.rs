@@ -163,7 +163,7 @@ fn transforms_are_finite_numbers() {
     assert!(message(placed(r#"[{"mesh":0,"scale":[NaN,0,0]}]"#)).starts_with("JSON line 1, "));
     assert!(message(placed(r#"[{"mesh":0,"scale":["1",0,0]}]"#)).contains("scale[0]: found \"1\""));
     // Each number is finite, but their products are not.
-    let beyond = "found a transform beyond the largest number, expected finite products of transforms";
+    let beyond = "found a transform that overflows, expected a finite transform";
     let wrong = message(placed(r#"[{"children":[1],"scale":[1e200,1,1]},{"mesh":0,"scale":[1e200,1,1]}]"#));
     assert_eq!(wrong, format!("nodes[1]: {beyond}"));
     let wrong = message(placed(r#"[{"mesh":0,"rotation":[1e200,0,1e200,1]}]"#));
@@ -186,7 +186,7 @@ fn nodes_are_a_tree() {
             "nodes[1]: found a cycle of children, expected a tree",
         ),
         (json!([{ "children": [1] }]), "nodes[0].children[0]: found 1, expected less than 1"),
-        (json!([{ "children": [-1] }]), "nodes[0].children[0]: found -1, expected a whole number"),
+        (json!([{ "children": [-1] }]), "nodes[0].children[0]: found -1, expected a non-negative integer"),
         (json!([{ "children": 1 }]), "nodes[0].children: found 1, expected an array"),
     ] {
         let wrong = message(read(nodes));
@@ -202,7 +202,7 @@ fn nodes_are_a_tree() {
         "nodes[0].mesh: found 1, expected less than 1, the number of meshes"
     );
     let wrong = message(placed(json!([{ "mesh": -1 }])));
-    assert_eq!(wrong, "nodes[0].mesh: found -1, expected a whole number");
+    assert_eq!(wrong, "nodes[0].mesh: found -1, expected a non-negative integer");
 }
 
 #[test]
@@ -295,7 +295,7 @@ fn scenes_that_name_levels_in_any_way_get_no_others() {
             // The nodes of levels are in no scene: what they name is not followed.
             assert_eq!(model.scene.as_ref().unwrap().placements().unwrap().len(), 1);
             let wrong = message(leveled(&model, 1));
-            assert!(wrong.starts_with("the scene has levels of detail already (MSFT_lod)"), "{ids}: {wrong}");
+            assert!(wrong.starts_with("the scene already has levels of detail (MSFT_lod)"), "{ids}: {wrong}");
         }
     }
 }

@@ -95,7 +95,7 @@ fn images_that_cannot_be_taken_keep_their_uri() {
     assert_eq!(images.left[1], outside);
     assert!(images.left[0].contains("none.png: "), "{}", images.left[0]);
     for place in [3, 4] {
-        assert!(images.left[place].ends_with("expected a file in PNG, JPEG, WebP, KTX2, DDS or AVIF"));
+        assert!(images.left[place].ends_with("expected a PNG, JPEG, WebP, KTX2, DDS or AVIF file"));
     }
     let count = "images that the file only refers to: 5, such as ";
     assert!(model.notes.last().unwrap().starts_with(count), "{:?}", model.notes);

@@ -354,7 +354,7 @@ fn scenes_that_cannot_get_levels_are_left_alone() {
     let model = gltf::read(draft.glb(), None).unwrap();
     let leveled = in_level_order(&model, &levels_of(&model), Format::Glb).unwrap();
     let refused = leveled.scene(&|_| COVERAGE.to_vec()).unwrap_err().to_string();
-    assert!(refused.contains("levels of detail already") && refused.contains("directory"), "{refused}");
+    assert!(refused.contains("already has levels of detail") && refused.contains("directory"), "{refused}");
 
     let mut draft = one_mesh();
     draft.json["extensionsUsed"] = json!(["KHR_animation_pointer"]);

@@ -28,7 +28,7 @@ fn a_compressed_scene_is_the_same_vertex_by_vertex() {
         if indices == "INDICES" {
             assert!(model.parts.iter().zip(&plain.parts).all(|(one, other)| one.mesh == other.mesh));
         }
-        assert_eq!(model.notes, ["compressed buffer views, which a GLB holds without compression: 14"]);
+        assert_eq!(model.notes, ["compressed buffer views, uncompressed when written as GLB: 14"]);
     }
 }
 

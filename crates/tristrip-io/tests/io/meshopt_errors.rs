@@ -87,7 +87,7 @@ fn counts_that_no_byte_pays_for_are_refused_at_once() {
             });
         });
         let found = format!("bufferViews[0].extensions.{EXT}.count: found {count}, ");
-        let expected = format!("expected a count that 20 bytes can hold; this one takes {least} or more");
+        let expected = format!("expected a count that fits into 20 bytes; this count needs at least {least}");
         assert_eq!(error, found + &expected);
     }
     let error = error_after(|draft| {

@@ -172,7 +172,7 @@ fn vertices_are_fixed_where_something_depends_on_them() {
     draft.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     let model = gltf::read(draft.glb(), None).unwrap();
     let fixed = fixed_vertices(&model, NewValues::Positions, Format::Glb).unwrap();
-    assert_eq!(fixed[1].as_deref(), Some("they are stored as whole numbers"));
+    assert_eq!(fixed[1].as_deref(), Some("they are stored as integers"));
 }
 
 /// Documents with a few changed bytes: what can be read can get new vertices, or there is a reason why not.

@@ -109,14 +109,14 @@ fn vertices_keep_their_order_where_something_depends_on_it() {
     for extras in [json!({ "order": [3, 1, 2] }), json!(7)] {
         let mut draft = shared_scene(4);
         draft.json["meshes"][2]["primitives"][0]["extras"] = extras;
-        kept(&draft, 1, "may refer to vertices by number");
+        kept(&draft, 1, "may refer to vertices by index");
     }
     let mut draft = shared_scene(4);
     draft.json["meshes"][0]["extensions"] = json!({ "EXT_unknown_thing": { "indices": 4 } });
-    kept(&draft, 0, "may refer to vertices by number");
+    kept(&draft, 0, "may refer to vertices by index");
     let mut draft = shared_scene(4);
     draft.json["bufferViews"][0]["extensions"] = json!({ "EXT_unknown_thing": { "stripes": 4 } });
-    kept(&draft, 0, "may refer to vertices by number");
+    kept(&draft, 0, "may refer to vertices by index");
     let mut draft = shared_scene(4);
     let own = draft.json["meshes"][2]["primitives"][0]["attributes"]["POSITION"].clone();
     draft.json["nodes"][2]["extensions"] =
@@ -126,7 +126,7 @@ fn vertices_keep_their_order_where_something_depends_on_it() {
     let mut draft = shared_scene(4);
     let short = draft.positions(&bent(5));
     draft.json["meshes"][2]["primitives"][0]["targets"] = json!([{ "POSITION": short }]);
-    kept(&draft, 1, "does not have a value for each vertex");
+    kept(&draft, 1, "does not have one value per vertex");
     // An image between the vertices.
     let mut draft = shared_scene(4);
     let view =

@@ -161,7 +161,7 @@ fn vertices_stay_where_something_depends_on_their_numbers() {
     };
     assert_eq!(shared_scene(4).json["meshes"][2]["primitives"][0]["attributes"]["POSITION"], 11);
     // A number in an unknown extension, of an accessor and of a view; in extras.
-    let named = "refer to their accessors or buffer views by number";
+    let named = "refer to their accessors or buffer views by index";
     let draft = changed(&|json| json["extensions"] = json!({ "EXT_unknown_thing": { "values": 11 } }));
     kept(&draft, 1, named);
     let draft =
@@ -169,7 +169,7 @@ fn vertices_stay_where_something_depends_on_their_numbers() {
     kept(&draft, 0, named);
     let draft = changed(&|json| json["asset"]["extras"] = json!([4.5, 11]));
     kept(&draft, 1, named);
-    let by_number = "may refer to vertices by number";
+    let by_number = "may refer to vertices by index";
     kept(
         &changed(&|json| json["meshes"][2]["primitives"][0]["extras"] = json!({ "order": [300] })),
         1,

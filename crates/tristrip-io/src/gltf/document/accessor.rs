@@ -1,4 +1,5 @@
-//! Accessors: the byte ranges of their values in the buffers, checked once, and decoded into arrays within a budget.
+//! Accessors: the byte ranges of their values in the buffers. Ranges are checked once; values are
+//! decoded into arrays within a budget.
 
 use tristrip::AttributeData;
 use tristrip::text::counted;
@@ -20,15 +21,16 @@ pub(in crate::gltf) struct AccessorResolver<'a> {
     pub(in crate::gltf) buffers: &'a [SharedBytes],
 }
 
-/// A buffer view whose range has been checked.
+/// A buffer view with a checked range.
 struct BufferView<'a> {
     bytes: &'a [u8],
-    /// The buffer, and the first byte in it.
+    /// The buffer and the offset of the view's first byte in it.
     start: (&'a SharedBytes, usize),
     stride: Option<usize>,
 }
 
-/// The values of an accessor, with checked ranges: decoding can fail only because of the values themselves.
+/// The values of an accessor, with checked ranges. Decoding can fail only because of the values
+/// themselves.
 pub(in crate::gltf) struct AccessorValues<'a> {
     pub(in crate::gltf) at: String,
     pub(in crate::gltf) component: ComponentType,
@@ -40,12 +42,12 @@ pub(in crate::gltf) struct AccessorValues<'a> {
     pub(in crate::gltf) element: usize,
     pub(in crate::gltf) count: usize,
     pub(in crate::gltf) normalized: bool,
-    /// `None` for zeros.
+    /// `None` if all values are zero.
     base: Option<(&'a [u8], usize)>,
     sparse: Option<SparseValues<'a>>,
 }
 
-/// The values that are replaced; their indices have not been decoded.
+/// Replacement values of a sparse accessor. Their indices have not been decoded.
 struct SparseValues<'a> {
     /// The JSON path of the indices.
     at: String,
@@ -85,7 +87,7 @@ impl<'a> AccessorResolver<'a> {
         }
     }
 
-    /// Returns the bytes of the buffer view that `reference` is the index of, shared with the buffer.
+    /// Returns the bytes of the buffer view at index `reference`, shared with the buffer.
     pub(in crate::gltf) fn shared_view(&self, reference: &Located<'a>) -> Result<SharedBytes, Error> {
         let view = self.view(&reference.target(self.root, "bufferViews")?)?;
         let (owner, offset) = view.start;
@@ -93,7 +95,7 @@ impl<'a> AccessorResolver<'a> {
         Ok(SharedBytes { owner: owner.owner.clone(), range: first..first + view.bytes.len() })
     }
 
-    /// Returns the values of the accessor that `reference` is the index of.
+    /// Returns the values of the accessor at index `reference`.
     pub(in crate::gltf) fn values(&self, reference: &Located<'a>) -> Result<AccessorValues<'a>, Error> {
         self.values_of(reference.target(self.root, "accessors")?)
     }
@@ -136,7 +138,7 @@ impl<'a> AccessorResolver<'a> {
         Ok(AccessorValues { at, component, components, matrix, element, count, normalized, base, sparse })
     }
 
-    /// Returns the bytes from an accessor's first value on, and the stride of its values.
+    /// Returns the bytes starting at an accessor's first value, and the stride of its values.
     fn strided(
         &self,
         accessor: &Located<'_>,
@@ -190,7 +192,7 @@ impl<'a> AccessorResolver<'a> {
 }
 
 impl SparseValues<'_> {
-    /// Decodes the indices, ascending and below `count`.
+    /// Decodes the indices and checks that they are ascending and below `count`.
     fn indices(&self, count: usize) -> Result<Vec<u32>, Error> {
         let mut replaced = Vec::with_capacity(self.indices.len() / self.component.bytes());
         for (i, raw) in self.indices.chunks_exact(self.component.bytes()).enumerate() {
@@ -209,12 +211,13 @@ impl SparseValues<'_> {
 }
 
 impl AccessorValues<'_> {
-    /// Checks the indices of the values that are replaced.
+    /// Checks the indices of the sparse values.
     pub(in crate::gltf) fn check_sparse_indices(&self) -> Result<(), Error> {
         self.sparse.as_ref().map_or(Ok(()), |sparse| sparse.indices(self.count).map(drop))
     }
 
-    /// Returns the first values, at most as many as there are; those that are replaced among them stay replaced.
+    /// Returns the first `count` values, or all if there are fewer. Sparse replacements among them
+    /// are kept.
     pub(in crate::gltf) fn first(mut self, count: usize) -> Result<Self, Error> {
         let count = count.min(self.count);
         if let Some(sparse) = &mut self.sparse {
@@ -225,24 +228,24 @@ impl AccessorValues<'_> {
         Ok(Self { count, ..self })
     }
 
-    /// Checks whether the values are in a view, one directly after the other, and none of them is replaced.
+    /// Checks whether the values are contiguous in a view and none of them is replaced.
     pub(in crate::gltf) fn is_packed(&self) -> bool {
         self.sparse.is_none() && self.base.is_some_and(|(_, stride)| stride == self.element)
     }
 
-    /// Returns the number of values that are replaced.
+    /// Returns the number of sparse replacements.
     pub(in crate::gltf) fn sparse_count(&self) -> usize {
         self.sparse.as_ref().map_or(0, |sparse| sparse.values.len() / self.element)
     }
 
-    /// Returns the bytes of the values in the file, without those between them: values that are replaced count twice, with their
-    /// indices.
+    /// Returns the size of the values in the file, without the bytes between them. Replaced values
+    /// count twice, and their indices are included.
     pub(in crate::gltf) fn stored_bytes(&self) -> usize {
         let base = if self.base.is_some() { self.count * self.element } else { 0 };
         base + self.sparse.as_ref().map_or(0, |sparse| sparse.indices.len() + sparse.values.len())
     }
 
-    /// Decodes all values, each of `per` items of `N` bytes.
+    /// Decodes all values; each has `per` items of `N` bytes.
     fn decode<T: Copy, const N: usize>(
         &self,
         per: usize,
@@ -277,14 +280,15 @@ impl AccessorValues<'_> {
         self.decode(self.element, u8::from_le_bytes)
     }
 
-    /// Iterates over the offsets of the components within a value; the columns of matrices may be padded.
+    /// Iterates over the byte offsets of the components within a value; the columns of matrices may
+    /// be padded.
     pub(in crate::gltf) fn component_offsets(&self) -> impl Iterator<Item = usize> + use<> {
         let rows = if self.matrix { self.components.isqrt() } else { self.components };
         let (bytes, column) = (self.component.bytes(), self.element * rows / self.components);
         (0..self.components).map(move |i| i / rows * column + i % rows * bytes)
     }
 
-    /// Decodes positions; integers are allowed under `KHR_mesh_quantization`.
+    /// Decodes positions; integers are allowed only with `KHR_mesh_quantization`.
     pub(in crate::gltf) fn positions(
         &self,
         root: &Members,
@@ -349,8 +353,8 @@ impl AccessorValues<'_> {
         Ok(indices)
     }
 
-    /// Decodes indices of strips or fans, all below `vertex_count` except for restarts, which are the highest value of
-    /// the index type.
+    /// Decodes indices of strips or fans. Each is below `vertex_count` or a restart, the highest
+    /// value of the index type.
     pub(in crate::gltf) fn strip_indices(
         &self,
         vertex_count: usize,
@@ -389,7 +393,7 @@ impl AccessorValues<'_> {
         is_restart: impl Fn(u32) -> bool,
     ) -> Result<(), Error> {
         let is_valid = |i: u32| ((i as usize) < vertex_count) | is_restart(i);
-        // Without an early end, and so several at a time; a second pass finds the place.
+        // No early exit, so the check vectorizes; a second pass finds the position.
         if indices.iter().fold(true, |all, &i| all & is_valid(i)) {
             return Ok(());
         }
@@ -417,11 +421,11 @@ impl AccessorValues<'_> {
     }
 }
 
-/// The indices of strips or fans of one primitive, restarts between them.
+/// The indices of the strips or fans of one primitive, separated by restarts.
 pub(in crate::gltf) struct StripIndices(Vec<u32>);
 
 impl StripIndices {
-    /// The restart index; no vertex has it, as a mesh has fewer vertices.
+    /// The restart index. No vertex has this index, because a mesh has fewer vertices.
     const RESTART: u32 = u32::MAX;
 
     /// Returns every vertex in order, as a primitive without indices draws them.
@@ -445,7 +449,8 @@ impl StripIndices {
     }
 }
 
-/// Checks every buffer view, so that writing cannot fail for one that reading did not use.
+/// Checks every buffer view, including those that reading does not use, so writing cannot fail on
+/// one.
 pub(in crate::gltf) fn check_views(source: &AccessorResolver<'_>) -> Result<(), Error> {
     for view in Located::entries(source.root, "bufferViews")? {
         source.view(&view)?;
@@ -453,7 +458,7 @@ pub(in crate::gltf) fn check_views(source: &AccessorResolver<'_>) -> Result<(), 
     Ok(())
 }
 
-/// Returns the lowest value that a signed integer can represent: normalized ones are clamped to −1.
+/// Returns the lower bound of decoded values: −1 for normalized integers.
 fn lowest(scale: f32) -> f32 {
     if scale > 1.0 { -1.0 } else { f32::MIN }
 }

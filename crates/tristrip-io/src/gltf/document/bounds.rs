@@ -1,4 +1,4 @@
-//! The lowest and the highest value of each component of an accessor.
+//! The minimum and maximum of each component of an accessor.
 
 use serde_json::json;
 
@@ -7,7 +7,7 @@ use crate::gltf::document::accessor::AccessorValues;
 use crate::gltf::document::json::Value;
 use crate::gltf::document::spec::ComponentType;
 
-/// Returns `min` and `max` of an accessor; `None` if not all values are finite.
+/// Returns `min` and `max` of an accessor, or `None` if a value is not finite.
 ///
 /// # Errors
 /// The sparse indices are not ascending.
@@ -33,7 +33,7 @@ pub(in crate::gltf) fn bounds(values: &AccessorValues<'_>) -> Result<Option<[Val
     Ok(Some([list(lowest), list(highest)]))
 }
 
-/// Reads a number, which a 64-bit float holds exactly; there are enough bytes.
+/// Reads a component as a 64-bit float, which is exact. Returns NaN if `bytes` is too short.
 pub(in crate::gltf) fn number(component: ComponentType, bytes: &[u8]) -> f64 {
     match (component, bytes) {
         (ComponentType::I8, &[a, ..]) => i8::from_le_bytes([a]).into(),

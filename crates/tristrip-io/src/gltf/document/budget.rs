@@ -1,40 +1,41 @@
-//! Limits on what a document may make of its bytes: decoded values, and triangles that are drawn from the same indices again
-//! and again.
+//! Limits on decoded values and on triangles drawn repeatedly from the same indices.
 //!
-//! What a reader decodes must be paid for by the bytes of the file, in time and in memory. Four things are not: compressed
-//! buffer views; accessors without a buffer view, which are zeros; several accessors over the same bytes; and several primitives
-//! with the same indices. The first three count as decoded bytes, against a small allowance. The fourth counts as triangles.
-//! Writing indices does not change this count, so that what was read can be read again.
+//! Decoding time and memory must be bounded by the file size. Four features of glTF break this
+//! bound: compressed buffer views; accessors without a buffer view, which are zeros; several
+//! accessors over the same bytes; and several primitives with the same indices. The first three are
+//! counted as decoded bytes with a small allowance, the fourth as triangles. Writing indices does
+//! not change these counts, so a file that was read can be read again after writing.
 
 use crate::error::Error;
 use crate::gltf::document::byte_ranges::SharedBytes;
 
-/// The number of bytes that the compressed buffer views of any file may take when decompressed; 32 for each byte of its buffers
-/// are added.
+/// Maximum number of bytes to which the compressed buffer views of a file may decompress, plus 32
+/// per byte of its buffers.
 pub(in crate::gltf) const DECOMPRESSED_LIMIT: u64 = 8 << 20;
 
-/// The number of bytes that positions and indices of any file may take when decoded; 16 for each byte of its buffers are
-/// added.
+/// Maximum number of bytes of decoded positions and indices, plus 16 per byte of the file's
+/// buffers.
 pub(in crate::gltf) const GEOMETRY_LIMIT: u64 = 1 << 20;
 
-/// The number of bytes that the other vertex attributes of any file may take when decoded; 4 for each byte of its buffers are
-/// added. Attributes beyond the limit are not decoded, and counted in the notes.
+/// Maximum number of bytes of other decoded vertex attributes, plus 4 per byte of the file's
+/// buffers. Attributes beyond the limit are not decoded; a note counts them.
 pub(in crate::gltf) const ATTRIBUTE_LIMIT: u64 = 64 << 20;
 
-/// The number of triangles that the primitives of any file may draw; 16 for each triangle of different indices, and
-/// [`TRIANGLES_PER_PRIMITIVE`] are added.
+/// Maximum number of triangles that the primitives of a file may draw, plus 16 per distinct
+/// triangle and [`TRIANGLES_PER_PRIMITIVE`] per primitive.
 pub(in crate::gltf) const TRIANGLE_LIMIT: u64 = 1 << 18;
 
-/// The number of triangles that each primitive adds to [`TRIANGLE_LIMIT`], 8,388,608 for all primitives at most.
+/// The number of triangles that each primitive adds to [`TRIANGLE_LIMIT`], up to
+/// [`ALL_PRIMITIVES`].
 const TRIANGLES_PER_PRIMITIVE: u64 = 1 << 10;
 
-/// What all primitives may add.
+/// The maximum number of triangles that all primitives together add to [`TRIANGLE_LIMIT`].
 const ALL_PRIMITIVES: u64 = 1 << 23;
 
-/// How often each array of indices may be drawn, on average.
+/// How often each index array may be drawn, on average.
 const TIMES_DRAWN: u64 = 16;
 
-/// A limit on the bytes that are decoded.
+/// A limit on the number of decoded bytes.
 #[derive(Debug)]
 pub(in crate::gltf) struct DecodeBudget {
     limit: u64,
@@ -42,16 +43,16 @@ pub(in crate::gltf) struct DecodeBudget {
 }
 
 impl DecodeBudget {
-    /// Allows `free` bytes, and `factor` bytes per byte of the buffers.
+    /// Allows `free` bytes plus `factor` bytes per byte of the buffers.
     pub(in crate::gltf) fn new(free: u64, factor: u64, buffers: &[SharedBytes]) -> Self {
         let input: u64 = buffers.iter().map(|b| b.len() as u64).sum();
         Self { limit: free.saturating_add(input.saturating_mul(factor)), used: 0 }
     }
 
-    /// Charges `count` values to the budget.
+    /// Charges `count` values to the budget. `at` names what is decoded, for the error.
     ///
     /// # Errors
-    /// The budget is exceeded; `at` says what was to be decoded.
+    /// The budget is exceeded.
     pub(in crate::gltf) fn charge(&mut self, at: &str, count: usize, bytes_each: usize) -> Result<(), Error> {
         let used = self.used.saturating_add((count as u64).saturating_mul(bytes_each as u64));
         if used > self.limit {
@@ -62,23 +63,24 @@ impl DecodeBudget {
         Ok(())
     }
 
-    /// Charges `count` values to the budget if it has room for them, and returns whether it has.
+    /// Charges `count` values if the budget allows it, and returns whether it did.
     pub(in crate::gltf) fn try_charge(&mut self, count: usize, bytes_each: usize) -> bool {
         self.charge("", count, bytes_each).is_ok()
     }
 }
 
-/// A limit on the triangles that are drawn.
+/// A limit on the number of drawn triangles.
 #[derive(Default)]
 pub(in crate::gltf) struct DrawBudget {
     primitives: u64,
-    /// Triangles of the different arrays of indices.
+    /// Triangles of the distinct index arrays.
     different: u64,
     drawn: u64,
 }
 
 impl DrawBudget {
-    /// Charges the triangles of a primitive; `is_new` if no earlier primitive had the same indices.
+    /// Charges the triangles of a primitive; `is_new` means that no earlier primitive had the same
+    /// indices.
     ///
     /// # Errors
     /// The primitives so far draw too many triangles from the same indices.

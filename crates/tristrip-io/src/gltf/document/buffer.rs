@@ -1,4 +1,4 @@
-//! The buffers of a document: the GLB's own bytes, data URIs, and files.
+//! The buffers of a document: the GLB's binary chunk, data URIs, and files.
 
 use std::ops::Range;
 #[cfg(not(feature = "fs"))]
@@ -21,8 +21,9 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// Loads every buffer, and removes the `uri` of each from the document: the bytes are kept, not their text. Buffers that are
-/// fallbacks have no bytes, whether or not the file has them. The files of a document that is not in a folder are `beside`.
+/// Loads all buffers and removes their `uri`s from the document, because the bytes are stored
+/// instead. Fallback buffers stay empty even if the file has their bytes. `beside` has the external
+/// buffer of a document that is not in a directory.
 pub(in crate::gltf) fn load(
     document: &mut Document,
     file: &Arc<Vec<u8>>,
@@ -74,7 +75,7 @@ pub(in crate::gltf) fn decode_data_uri(uri: &Located<'_>, data: &str) -> Result<
         .map_err(|e| Error::format(uri.at.clone(), e.to_string().trim_end_matches('.'), "base64"))
 }
 
-/// Removes the `uri` of each buffer, and the text of those that hold data.
+/// Removes the `uri` of each buffer, and the text of data URIs.
 fn remove_uris(document: &mut Document) -> Result<(), Error> {
     let has_uri = |buffer: &&mut Value| buffer.get("uri").is_some();
     let mut data = false;
@@ -104,10 +105,10 @@ pub(in crate::gltf) fn view_range(
     if fits {
         return Ok((buffer, start..start + length));
     }
-    Err(Error::format(format!("bufferViews[{v}]"), "a range outside its buffer", "a range inside it"))
+    Err(Error::format(format!("bufferViews[{v}]"), "a range outside the buffer", "a range within the buffer"))
 }
 
-/// The files of a document, where no file is read.
+/// The files of a document in a build that cannot read files.
 #[cfg(not(feature = "fs"))]
 pub(crate) struct NoBufferFiles<'a>(std::marker::PhantomData<&'a Path>);
 

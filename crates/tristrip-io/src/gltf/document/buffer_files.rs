@@ -1,7 +1,7 @@
-//! The files of a document: in its folder, never outside it.
+//! The files of a document: in its directory, never outside it.
 //!
-//! A document that was opened through a link has two folders: that of the link, where the path that was given says that its
-//! files are, and that of the file which the link leads to. The first that has the file is used.
+//! A document opened through a symbolic link has two directories: the link's and the target's. The
+//! first that has the file is used.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -12,32 +12,34 @@ use std::sync::Arc;
 use crate::error::Error;
 use crate::gltf::document::Located;
 
-/// The folders of a document, and the files that have been read.
+/// The directories of a document, and the files already read.
 pub(crate) struct BufferFiles<'a> {
     folders: &'a [&'a Path],
     files: HashMap<PathBuf, Arc<Vec<u8>>>,
-    /// The bytes that may still be read, of files that are not hidden; `None` for all files.
+    /// Bytes that may still be read, from files that are not hidden. `None`: no limit.
     left: Option<u64>,
 }
 
 impl<'a> BufferFiles<'a> {
-    /// Looks in the first folder first.
+    /// Looks for files in `folders`, in order.
     pub(crate) fn new(folders: &'a [&'a Path]) -> Self {
         Self { folders, files: HashMap::new(), left: None }
     }
 
-    /// Reads at most so many bytes, and no file whose name or folder begins with a dot.
+    /// Reads at most `max_bytes` bytes, and no file whose path has a component that begins with a
+    /// dot.
     pub(crate) fn limited(folders: &'a [&'a Path], max_bytes: u64) -> Self {
         Self { left: Some(max_bytes), ..Self::new(folders) }
     }
 
-    /// Returns the folders in which the document may look for files later: none if they are limited, since the limit ends with this value.
+    /// Returns the directories in which the document may look for files later. Empty if the size is
+    /// limited, because the limit ends with this value.
     pub(in crate::gltf) fn later_folders(&self) -> Vec<PathBuf> {
         let folders = if self.left.is_some() { &[] } else { self.folders };
         folders.iter().map(|folder| folder.to_path_buf()).collect()
     }
 
-    /// Reads a file in one of the document's folders, once for all buffers that name it.
+    /// Reads a file in one of the document's directories; each file is read once.
     pub(in crate::gltf) fn load(&mut self, uri: &Located<'_>) -> Result<Arc<Vec<u8>>, Error> {
         let outside = || uri.wrong("a data URI, or a file in the folder of the document");
         let relative =
@@ -48,7 +50,8 @@ impl<'a> BufferFiles<'a> {
         self.load_relative(&relative)?.ok_or_else(outside)
     }
 
-    /// Reads a file by the name that a text file has for it; `None` if the name leads outside the folders, or the folders are not known.
+    /// Reads a file by the name given in a text file. Returns `None` if the name leads outside the
+    /// directories or no directory is known.
     pub(crate) fn load_named(&mut self, name: &str) -> Result<Option<Arc<Vec<u8>>>, Error> {
         match relative_path(name) {
             Some(relative) if !self.folders.is_empty() => self.load_relative(&relative),
@@ -56,7 +59,8 @@ impl<'a> BufferFiles<'a> {
         }
     }
 
-    /// Reads a file in one of the folders; `None` if a link leads outside them, or to something else.
+    /// Reads a file in one of the directories. Returns `None` if a link leads outside them or the
+    /// path is not a file.
     fn load_relative(&mut self, relative: &Path) -> Result<Option<Arc<Vec<u8>>>, Error> {
         if self.left.is_some() && is_hidden(relative) {
             return Ok(None);
@@ -67,7 +71,7 @@ impl<'a> BufferFiles<'a> {
         let folders: Vec<PathBuf> =
             folders.iter().map(real_folder).collect::<Result<_, _>>().map_err(io_error)?;
         let path = find(&folders, relative).map_err(io_error)?;
-        // A link may lead outside the folders although the name does not.
+        // A link may lead outside the directories even if the name does not.
         if !folders.iter().any(|folder| path.starts_with(folder)) || !path.is_file() {
             return Ok(None);
         }
@@ -86,7 +90,7 @@ impl<'a> BufferFiles<'a> {
             return Err(exceeded(found));
         }
         let mut bytes = Vec::new();
-        // The file may have grown.
+        // The file may have grown since `metadata`.
         file.take(left.saturating_add(1)).read_to_end(&mut bytes).map_err(io_error)?;
         let found = bytes.len() as u64;
         let rest = left.checked_sub(found).ok_or_else(|| exceeded(found))?;
@@ -102,19 +106,20 @@ fn is_hidden(relative: &Path) -> bool {
     relative.components().any(|component| matches!(component, Component::Normal(name) if is_dotted(name)))
 }
 
-/// Returns a folder without links; a document named without a folder is in the current one.
+/// Returns a directory with links resolved; the empty path means the current directory.
 fn real_folder(folder: &&Path) -> std::io::Result<PathBuf> {
     if folder.as_os_str().is_empty() { Path::new(".").canonicalize() } else { folder.canonicalize() }
 }
 
-/// Finds a file in the first folder that has it, links followed; the error is that of the first folder.
+/// Returns the canonical path of a file in the first directory that has it. The error is that of
+/// the first directory.
 fn find(folders: &[PathBuf], relative: &Path) -> std::io::Result<PathBuf> {
     let mut found = folders.iter().map(|folder| folder.join(relative).canonicalize());
     let first = found.next().unwrap_or_else(|| Err(std::io::ErrorKind::NotFound.into()));
     first.or_else(|error| found.find_map(Result::ok).ok_or(error))
 }
 
-/// Returns a relative path, if it has no `..`, root or drive.
+/// Returns a relative path if it has no `..`, root or drive.
 fn relative_path(decoded: &str) -> Option<PathBuf> {
     if decoded.contains(['\\', ':', '\0']) {
         return None;

@@ -1,15 +1,15 @@
-//! Ranges of bytes: those that several values share, and those that are removed from a buffer.
+//! Byte ranges: shared ones, and those removed from a buffer.
 //!
 //! ```text
 //! kept     ████████        ████          ██████████
 //! freed          ░░░░░░░░░░░░░░░░░░░░░░░░░░░░░░
-//! removed            ░░░░      ░░░░░░░░            freed and not kept, in whole multiples of the alignment
+//! removed            ░░░░      ░░░░░░░░            freed, not kept; a multiple of the alignment
 //! ```
 
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A range of bytes that are shared, never copied.
+/// A shared range of bytes; cloning does not copy them.
 #[derive(Clone, Default)]
 pub(in crate::gltf) struct SharedBytes {
     pub(in crate::gltf) owner: Arc<Vec<u8>>,
@@ -45,16 +45,18 @@ pub(in crate::gltf) fn whole_of(owner: Arc<Vec<u8>>) -> (Arc<Vec<u8>>, Range<usi
     (owner, range)
 }
 
-/// The largest alignment of buffer views that a known extension requires. Bytes are removed in multiples of it, so that all others
-/// keep their alignment.
+/// The largest alignment of buffer views that a known extension requires. Bytes are removed in
+/// multiples of it, which preserves the alignment of the rest.
 pub(in crate::gltf) const ALIGNMENT: usize = 8;
 
-/// The byte ranges that are removed from a buffer, ascending and disjoint, each with the number of bytes removed up to its end.
+/// The byte ranges to remove from a buffer, ascending and disjoint, each with the number of bytes
+/// removed up to its end.
 #[derive(Default)]
 pub(in crate::gltf) struct RemovedBytes(Vec<(Range<usize>, usize)>);
 
 impl RemovedBytes {
-    /// Plans to remove the bytes that are free and not kept; the ranges may overlap and have any order.
+    /// Plans the removal of bytes that are in `freed` and not in `kept`; the ranges may overlap and
+    /// be in any order.
     pub(in crate::gltf) fn plan(freed: Vec<Range<usize>>, kept: Vec<Range<usize>>) -> Self {
         let mut total = 0;
         let removed = subtract(merge(freed), &merge(kept)).into_iter().map(|range| {
@@ -69,7 +71,8 @@ impl RemovedBytes {
         self.0.last().map_or(0, |(_, total)| *total)
     }
 
-    /// Returns the new offset of a byte; of one that is removed that of the first byte after it that stays.
+    /// Returns the new offset of a byte. For a removed byte, this is the offset of the next
+    /// remaining byte.
     pub(in crate::gltf) fn moved(&self, offset: usize) -> usize {
         let before = self.0.partition_point(|(range, _)| range.end <= offset);
         let removed = before.checked_sub(1).map_or(0, |last| self.0[last].1);
@@ -77,7 +80,7 @@ impl RemovedBytes {
         offset - removed - inside
     }
 
-    /// Iterates over the bytes that stay.
+    /// Iterates over the remaining bytes.
     pub(in crate::gltf) fn slices<'a>(&self, bytes: &'a [u8]) -> impl Iterator<Item = &'a [u8]> {
         let starts = std::iter::once(0).chain(self.0.iter().map(|(range, _)| range.end));
         let ends = self.0.iter().map(|(range, _)| range.start).chain([bytes.len()]);
@@ -85,7 +88,7 @@ impl RemovedBytes {
     }
 }
 
-/// Sorts ranges and joins those that touch.
+/// Sorts ranges and joins those that touch or overlap.
 fn merge(mut ranges: Vec<Range<usize>>) -> Vec<Range<usize>> {
     ranges.sort_unstable_by_key(|r| r.start);
     let mut out: Vec<Range<usize>> = Vec::with_capacity(ranges.len());
@@ -98,7 +101,8 @@ fn merge(mut ranges: Vec<Range<usize>>) -> Vec<Range<usize>> {
     out
 }
 
-/// Subtracts `kept` from `freed`, both sorted and disjoint, and shrinks the resulting ranges to the alignment.
+/// Subtracts `kept` from `freed`, both sorted and disjoint, and shrinks the resulting ranges to the
+/// alignment.
 fn subtract(freed: Vec<Range<usize>>, kept: &[Range<usize>]) -> Vec<Range<usize>> {
     let mut out = Vec::new();
     let mut push = |start: usize, end: usize| {
@@ -137,7 +141,8 @@ mod tests {
             let ranges = |list: &[(usize, usize)]| list.iter().map(|&(s, n)| s..s + n).collect::<Vec<_>>();
             let (free, keep) = (ranges(&free), ranges(&keep));
             let removed = RemovedBytes::plan(free.clone(), keep.clone());
-            // Eight bytes at a multiple of eight are removed if each of them is free and none is kept.
+            // Eight bytes at a multiple of eight are removed if all of them are free and none is
+            // kept.
             let is_removable = |byte: usize| free.iter().any(|r| r.contains(&byte)) && !keep.iter().any(|r| r.contains(&byte));
             let bytes: Vec<u8> = (0..=255).chain(0..45).collect();
             let stays: Vec<usize> = (0..bytes.len())

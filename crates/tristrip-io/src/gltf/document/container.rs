@@ -1,5 +1,6 @@
-//! The GLB container: a header, a JSON chunk, and a binary chunk. A `.gltf` file counts as a JSON chunk alone. [`GlbContent`] is a GLB
-//! before it is written: a document whose buffers are joined into one.
+//! The GLB container: a header, a JSON chunk, and a binary chunk. A `.gltf` file is treated as a
+//! JSON chunk without a binary chunk. [`GlbContent`] is a GLB before it is written: a document with
+//! a single buffer.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -25,8 +26,8 @@ pub(in crate::gltf) struct GlbContainer {
 }
 
 impl GlbContainer {
-    /// Returns the JSON, which shares the bytes of the file, without a byte order mark and without the zeros that some
-    /// writers pad it with.
+    /// Returns the JSON, which shares the bytes of the file, without a byte order mark and without
+    /// the trailing zeros and white space that some writers pad it with.
     pub(in crate::gltf) fn json_bytes(&self) -> SharedBytes {
         let Range { mut start, mut end } = self.json;
         if self.file[start..end].starts_with(BYTE_ORDER_MARK) {
@@ -53,7 +54,7 @@ impl GlbContent {
         Vec::from_iter((self.buffer.len() > 0).then(|| self.buffer.clone()))
     }
 
-    /// Counts the bytes of the file.
+    /// Returns the size of the file in bytes.
     pub(in crate::gltf) fn file_bytes(&self) -> usize {
         file_bytes(self.document.to_bytes().len(), self.buffer.len())
     }
@@ -64,15 +65,16 @@ impl GlbContent {
     }
 }
 
-/// Checks whether bytes start as a GLB does.
+/// Checks whether a file starts with the GLB magic.
 pub(in crate::gltf) fn is_glb(file: &[u8]) -> bool {
     file.starts_with(MAGIC)
 }
 
-/// Returns the offset of the end of the JSON in a GLB, from its first bytes; `None` if more of them are needed.
+/// Returns the offset of the end of the JSON in a GLB from the file's first bytes, or `None` if
+/// more bytes are needed.
 ///
 /// # Errors
-/// The bytes are not those of a GLB of version 2 that begins with JSON.
+/// The bytes are not the start of a GLB of version 2 that begins with JSON.
 pub(in crate::gltf) fn json_end(start: &[u8]) -> Result<Option<u64>, Error> {
     if !start.starts_with(&MAGIC[..start.len().min(MAGIC.len())]) {
         let found = format!("\"{}\"", start[..start.len().min(4)].escape_ascii());
@@ -105,8 +107,8 @@ fn check_json(kind: u32) -> Result<(), Error> {
     Err(Error::format(format!("byte {}", HEADER_BYTES + 4), found, "0x4e4f534a (JSON)"))
 }
 
-/// Finds the chunks of a GLB that may be truncated: its JSON, and as much of the binary chunk as is present. `None` if the JSON is
-/// truncated.
+/// Finds the chunks of a GLB that may be truncated: its JSON, and the available part of the binary
+/// chunk. Returns `None` if the JSON is truncated.
 pub(in crate::gltf) fn open_start(file: Arc<Vec<u8>>) -> Option<GlbContainer> {
     let end = usize::try_from(json_end(&file).ok()??).ok()?;
     let json = HEADER_BYTES + CHUNK_HEADER_BYTES..end;
@@ -121,7 +123,7 @@ pub(in crate::gltf) fn open_start(file: Arc<Vec<u8>>) -> Option<GlbContainer> {
     Some(GlbContainer { file, json, bin })
 }
 
-/// Finds the chunks of a GLB, or treats the whole of a `.gltf` as JSON.
+/// Finds the chunks of a GLB, or treats a whole `.gltf` file as JSON.
 pub(in crate::gltf) fn open(file: Arc<Vec<u8>>, notes: &mut Vec<String>) -> Result<GlbContainer, Error> {
     if !is_glb(&file) {
         return open_json(file);
@@ -138,7 +140,7 @@ pub(in crate::gltf) fn open(file: Arc<Vec<u8>>, notes: &mut Vec<String>) -> Resu
     if length > file.len() || length < least {
         let expected = match file.len() {
             n if n < least => {
-                format!("at least {least}, two headers, in a file of {}", counted(n, "byte"))
+                format!("at least {least}, two headers; the file has {}", counted(n, "byte"))
             }
             n => format!("{least} to {n}, the length of the file"),
         };
@@ -153,7 +155,7 @@ pub(in crate::gltf) fn open(file: Arc<Vec<u8>>, notes: &mut Vec<String>) -> Resu
     let mut at = json.end;
     let mut unknown_count = 0;
     while at < length {
-        // Padding that is shorter than a chunk header may follow the last chunk.
+        // The last chunk may be followed by padding shorter than a chunk header.
         if length - at < CHUNK_HEADER_BYTES && file[at..length].iter().all(|&b| b == 0 || b == b' ') {
             break;
         }
@@ -185,7 +187,7 @@ fn open_json(file: Arc<Vec<u8>>) -> Result<GlbContainer, Error> {
     Ok(GlbContainer { file, json, bin: None })
 }
 
-/// Returns the type and the byte range of the body of the chunk that starts at a byte.
+/// Returns the type and the body's byte range of the chunk at byte `at`.
 fn chunk(file: &[u8], at: usize, end: usize) -> Result<(u32, Range<usize>), Error> {
     let left = end - at;
     let (Some(length), Some(kind), true) = (word(file, at), word(file, at + 4), left >= CHUNK_HEADER_BYTES)
@@ -205,18 +207,18 @@ fn word(file: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.try_into().ok()?))
 }
 
-/// Returns the first byte of the buffer in a GLB with JSON of this length.
+/// Returns the offset of the buffer in a GLB whose JSON has `json` bytes.
 pub(in crate::gltf) fn bin_start(json: usize) -> usize {
     HEADER_BYTES + CHUNK_HEADER_BYTES + json.next_multiple_of(4) + CHUNK_HEADER_BYTES
 }
 
-/// Returns the length of a GLB with JSON and a buffer of these lengths.
+/// Returns the size of a GLB with JSON and a buffer of these sizes.
 pub(in crate::gltf) fn file_bytes(json: usize, bin: usize) -> usize {
     let start = bin_start(json);
     if bin == 0 { start - CHUNK_HEADER_BYTES } else { start + bin.next_multiple_of(4) }
 }
 
-/// Writes a GLB from JSON and from its bytes in several slices, one directly after the other.
+/// Writes a GLB from its JSON and the slices of its buffer, which are concatenated.
 pub(in crate::gltf) fn write(json: &[u8], slices: &[&[u8]]) -> Result<Vec<u8>, Error> {
     let json_bytes = json.len().next_multiple_of(4);
     let bin: usize = slices.iter().map(|s| s.len()).sum();

@@ -1,21 +1,23 @@
-//! JSON values that know their text: what is not changed is written with the bytes that were read.
+//! JSON values that remember their source text: unchanged values are written with the bytes that
+//! were read.
 //!
-//! A value of a document has the range of its text. Access for a change removes the range from the value and, since values
-//! are reached through their owners, from all values around it. Writing copies the text of the values that still have one, and
-//! builds only the others.
+//! Each value of a document stores the range of its text. Mutable access clears the range of the
+//! value and, since values are reached through their parents, of all values around it. Writing
+//! copies the text of values that still have a range, and serializes the others.
 //!
 //! ```text
 //! {"meshes": [ {…} , {…} ], "extras": { "x" : 1E5 }}
-//! └── no text ──────┼───┼─────────────┴─── text ───┘    the first mesh was changed, the second and the extras were not
-//!            no text┘   └text
+//! └── no text ──────┼───┼─────────────┴─── text ───┘
+//!            no text┘   └text                  only the first mesh was changed
 //! ```
 //!
 //! # Algorithm
-//! `serde_json` checks the text, nesting included, and reports what is wrong with it. `jsonc_parser` then finds the range of each
-//! value; `serde_json` has none, and gives numbers and some keys of objects a meaning of its own when it builds values.
+//! `serde_json` checks the text, including the nesting depth, and reports errors. `jsonc_parser`
+//! then finds the range of each value: `serde_json` does not provide ranges, and its values give
+//! numbers and some object keys a special meaning.
 //!
 //! # Complexity
-//! Linear in the text; 56 bytes per value, and the characters of strings.
+//! Linear in the text; 56 bytes per value, plus the characters of strings.
 
 use std::ops::Range;
 
@@ -30,7 +32,7 @@ use crate::error::Error;
 /// The range of a value's text in its document.
 type Span = Range<u32>;
 
-/// A JSON value, with its text as long as it is what was read.
+/// A JSON value, with its source text while it is unchanged.
 #[derive(Debug, Clone)]
 pub(in crate::gltf) struct Value {
     /// `None` for a value that was built or changed.
@@ -38,27 +40,27 @@ pub(in crate::gltf) struct Value {
     pub(in crate::gltf) content: JsonContent,
 }
 
-/// What a value is.
+/// The kind and content of a value.
 #[derive(Debug, Clone)]
 pub(in crate::gltf) enum JsonContent {
     Null,
     Bool(bool),
-    /// A number without sign, fraction and exponent.
+    /// A number without sign, fraction or exponent.
     Whole(u64),
-    /// Any other number, as it is written.
+    /// Any other number, as text.
     Number(Box<str>),
     String(Box<str>),
     Array(Vec<Value>),
     Object(Members),
 }
 
-/// The members of an object in their order; the last one of each name, if a name is repeated.
+/// The members of an object, in order. If a name is repeated, the last member is used.
 #[derive(Debug, Clone, Default)]
 pub(in crate::gltf) struct Members(IndexMap<Box<str>, JsonMember>);
 
 #[derive(Debug, Clone)]
 struct JsonMember {
-    /// The text of the name, quotes included; `None` for a member that was added.
+    /// The text of the name, including quotes; `None` for an added member.
     name: Option<Span>,
     value: Value,
 }
@@ -94,7 +96,7 @@ pub(in crate::gltf) fn parse(text: &[u8]) -> Result<Value, Error> {
     parsed.value.map(Value::of_text).ok_or_else(|| wrong("nothing".into()))
 }
 
-/// Any JSON, nested at most 128 deep. Strings are checked too, unlike by `serde::de::IgnoredAny`.
+/// Any JSON, nested at most 128 deep. Unlike `serde::de::IgnoredAny`, it checks strings.
 struct Checked;
 
 impl<'de> Deserialize<'de> for Checked {
@@ -145,7 +147,7 @@ impl<'de> Visitor<'de> for Checked {
     }
 }
 
-/// Returns the range of a node's text; the text has less than 4 GiB.
+/// Returns the range of a node's text. The text is smaller than 4 GiB.
 fn span(node: &impl Ranged) -> Span {
     let range = node.range();
     range.start as u32..range.end as u32
@@ -194,21 +196,21 @@ impl Value {
         if let JsonContent::Bool(value) = self.content { Some(value) } else { None }
     }
 
-    /// Returns the members of an object for a change.
+    /// Returns the members of an object for modification.
     pub(in crate::gltf) fn as_object_mut(&mut self) -> Option<&mut Members> {
         let JsonContent::Object(members) = &mut self.content else { return None };
         self.text = None;
         Some(members)
     }
 
-    /// Returns the entries of an array for a change.
+    /// Returns the entries of an array for modification.
     pub(in crate::gltf) fn as_array_mut(&mut self) -> Option<&mut Vec<Self>> {
         let JsonContent::Array(items) = &mut self.content else { return None };
         self.text = None;
         Some(items)
     }
 
-    /// Builds a number from its JSON.
+    /// Builds a number from its JSON text.
     pub(in crate::gltf) fn number(text: &str) -> Self {
         JsonContent::number(text).into()
     }
@@ -276,12 +278,12 @@ impl Members {
         self.0.values().map(|member| &member.value)
     }
 
-    /// Iterates over the members for a change.
+    /// Iterates over the members for modification.
     pub(in crate::gltf) fn iter_mut(&mut self) -> impl Iterator<Item = (&str, &mut Value)> {
         self.0.iter_mut().map(|(name, member)| (&**name, &mut member.value))
     }
 
-    /// Sets a member, in the order behind the others if it is new.
+    /// Sets a member; a new one is added at the end.
     pub(in crate::gltf) fn insert(&mut self, name: &str, value: impl Into<Value>) {
         let value = value.into();
         match self.0.get_mut(name) {
@@ -290,14 +292,14 @@ impl Members {
         }
     }
 
-    /// Moves a member out of another object, if it has one of this name.
+    /// Moves the member with this name from another object, if it has one.
     pub(in crate::gltf) fn take_from(&mut self, other: &mut Self, name: &str) {
         if let Some((name, member)) = other.0.shift_remove_entry(name) {
             self.0.insert(name, member);
         }
     }
 
-    /// Removes a member; the others keep their order.
+    /// Removes a member and keeps the order of the others.
     pub(in crate::gltf) fn remove(&mut self, name: &str) {
         self.0.shift_remove(name);
     }
@@ -318,7 +320,7 @@ impl Members {
     }
 }
 
-/// Returns JSON without the spaces between its values; strings and numbers keep their text.
+/// Returns JSON without white space between values; strings and numbers keep their text.
 pub(in crate::gltf) fn without_spaces(json: &[u8]) -> Vec<u8> {
     let (mut in_string, mut escaped) = (false, false);
     let is_kept = |&byte: &u8| {
@@ -330,7 +332,7 @@ pub(in crate::gltf) fn without_spaces(json: &[u8]) -> Vec<u8> {
     json.iter().copied().filter(is_kept).collect()
 }
 
-/// Returns text as a JSON string.
+/// Returns text as a JSON string with quotes.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

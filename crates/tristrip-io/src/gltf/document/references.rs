@@ -1,4 +1,4 @@
-//! References to accessors and buffer views in a document, known ones and possible ones.
+//! References to accessors and buffer views in a document: known and possible ones.
 
 use std::collections::HashSet;
 
@@ -8,8 +8,8 @@ use crate::error::Error;
 use crate::gltf::document::spec::{LEVELS_OF_DETAIL, SCREEN_COVERAGE};
 use crate::gltf::document::{array, index, items};
 
-/// Extensions of which every number is known: none refers to an accessor or a buffer view. Numbers inside their own extensions and
-/// extras count.
+/// Extensions whose numbers are all known: none refers to an accessor or a buffer view. Numbers
+/// inside their own extensions and extras still count.
 const WITHOUT_REFERENCES: [&str; 8] = [
     "EXT_lights_image_based",
     "EXT_texture_avif",
@@ -21,14 +21,14 @@ const WITHOUT_REFERENCES: [&str; 8] = [
     LEVELS_OF_DETAIL,
 ];
 
-/// How the names of further such extensions begin.
+/// Name prefix of further extensions of this kind.
 const MATERIALS: &str = "KHR_materials_";
 
-/// Numbers inside extensions and extras, any of which may be a reference.
+/// Numbers inside extensions and extras. Any of them may be a reference.
 #[derive(Default)]
 pub(in crate::gltf) struct ExtensionNumbers {
     pub(in crate::gltf) numbers: HashSet<usize>,
-    /// Whether an extension may name bytes of a buffer.
+    /// Whether an extension may refer to bytes of a buffer.
     pub(in crate::gltf) names_bytes: bool,
 }
 
@@ -100,7 +100,7 @@ pub(in crate::gltf) fn skin_and_animation_accessors(root: &Members) -> Result<Ha
     Ok(used)
 }
 
-/// Returns the accessors of positions, also those of morph targets.
+/// Returns the accessors of positions, including those of morph targets.
 pub(in crate::gltf) fn position_accessors(root: &Members) -> Result<HashSet<usize>, Error> {
     let primitives = array(root, "meshes")?.iter().flat_map(|mesh| items(mesh, "primitives"));
     let objects = primitives.flat_map(|p| items(p, "targets").iter().chain(p.get("attributes")));

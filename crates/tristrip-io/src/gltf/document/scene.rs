@@ -1,4 +1,4 @@
-//! The glTF document around the parts of a model, kept as it was read.
+//! The glTF document that the parts of a model were read from.
 
 use std::path::PathBuf;
 
@@ -9,16 +9,16 @@ use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::spec::TRIANGLES;
 use crate::gltf::document::{Document, array, items, whole};
 
-/// A glTF document: everything around the parts, kept as it was read.
+/// A glTF document: everything other than the parts, kept as it was read.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
     /// The JSON, with the `uri` of each buffer removed.
     pub(in crate::gltf) document: Document,
-    /// The bytes of each buffer, `byteLength` of them.
+    /// The bytes of each buffer, cut to `byteLength`.
     pub(in crate::gltf) buffers: Vec<SharedBytes>,
     /// The primitive of each part of the model, in order.
     pub(in crate::gltf) primitives: Vec<PrimitiveRef>,
-    /// The folders in which the files of the document are looked for.
+    /// The directories in which files of the document are looked up.
     pub(in crate::gltf) folders: Vec<PathBuf>,
 }
 
@@ -28,12 +28,14 @@ pub(in crate::gltf) struct PrimitiveRef {
     pub(in crate::gltf) mesh: usize,
     pub(in crate::gltf) primitive: usize,
     pub(in crate::gltf) mode: u64,
-    /// Whether the faces of the part differ from its indices in the document, which must then be replaced.
+    /// Whether the part's faces differ from its indices in the document, so the indices must be
+    /// replaced.
     pub(in crate::gltf) is_redrawn: bool,
 }
 
 impl Scene {
-    /// Lists what the document holds besides the parts, in words, with counts. A format without scenes cannot keep it.
+    /// Lists the contents of the document other than the parts, with counts. Formats without scenes
+    /// cannot store them.
     ///
     /// ```
     /// let json = br#"{"asset":{"version":"2.0"},"nodes":[{"scale":[2,2,2]}],"cameras":[{}]}"#;
@@ -65,14 +67,14 @@ impl Scene {
             .collect()
     }
 
-    /// Returns the scene with the indices of all parts to be replaced when it is written, and without the spaces between the values of
-    /// its JSON.
+    /// Marks the indices of all parts for replacement on write, and removes white space from the
+    /// JSON.
     pub(crate) fn redrawn(mut self) -> Result<Self, Error> {
         self.primitives.iter_mut().for_each(|primitive| primitive.is_redrawn = true);
         Ok(Self { document: self.document.without_spaces()?, ..self })
     }
 
-    /// Checks that there are as many parts as the scene had when it was read.
+    /// Checks that the number of parts is the same as when the scene was read.
     pub(in crate::gltf) fn check_part_count(&self, found: usize) -> Result<(), Error> {
         let expected = self.primitives.len();
         if found == expected {

@@ -1,4 +1,5 @@
-//! Numbers, types and names of the glTF specification and of its extensions that several modules use.
+//! Constants, types and names of the glTF specification and its extensions that several modules
+//! use.
 
 use crate::error::Error;
 use crate::gltf::document::Located;
@@ -16,23 +17,26 @@ pub(in crate::gltf) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 /// The extension that allows integer positions.
 pub(in crate::gltf) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
-/// The extensions that compress the bytes of a buffer view; the second is the successor of the first, of the same shape.
+/// Extensions that compress the bytes of a buffer view; the second succeeds the first and has the
+/// same structure.
 pub(in crate::gltf) const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// The extension that allows the restart index.
 pub(in crate::gltf) const RESTART_EXTENSION: &str = "KHR_mesh_primitive_restart";
 
-/// The extension that names the nodes, or materials, of lower levels of detail, and nothing else.
+/// The extension that lists the nodes or materials of lower levels of detail. It contains no other
+/// references.
 pub(in crate::gltf) const LEVELS_OF_DETAIL: &str = "MSFT_lod";
 
-/// The extras of a node with levels of detail: the screen coverages down to which its levels are drawn.
+/// The extras of a node with levels of detail: the screen coverage below which each level is
+/// replaced by the next.
 pub(in crate::gltf) const SCREEN_COVERAGE: &str = "MSFT_screencoverage";
 
-/// Extensions that describe the order of indices, and become invalid when the indices change.
+/// Extensions that describe the order of indices and become invalid when the indices change.
 pub(in crate::gltf) const ORDER_EXTENSIONS: [&str; 3] =
     ["EXT_mesh_manifold", "EXT_mesh_primitive_edge_visibility", "EXT_mesh_primitive_restart"];
 
-/// The type of the numbers in a buffer.
+/// The type of numbers in a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::gltf) enum ComponentType {
     I8,
@@ -75,7 +79,7 @@ impl ComponentType {
         }
     }
 
-    /// Reads an index; there are enough bytes.
+    /// Reads an index; `raw` must have at least [`Self::bytes`] bytes.
     pub(in crate::gltf) fn index(self, raw: &[u8]) -> u32 {
         raw[..self.bytes()].iter().rev().fold(0, |index, &b| index << 8 | u32::from(b))
     }

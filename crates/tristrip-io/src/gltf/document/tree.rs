@@ -1,5 +1,5 @@
-//! The JSON of a document: parsed under a limit, read with errors that name the JSON path, and written with the text of
-//! everything that was not changed.
+//! The JSON of a document: parsed with a limit, read with errors that give the JSON path, and
+//! written with the source text of everything unchanged.
 
 use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::json::{self, JsonContent, Members, Value};
@@ -7,7 +7,7 @@ use tristrip::text::counted;
 
 use crate::error::Error;
 
-/// The largest number of values that the JSON of a document may have.
+/// Maximum number of values in the JSON of a document.
 pub(in crate::gltf) const JSON_VALUE_LIMIT: u64 = 4 << 20;
 
 /// The JSON of a document and the text that it was parsed from.
@@ -28,32 +28,32 @@ impl Document {
         Ok(Self { root, text })
     }
 
-    /// Makes a document of JSON that was built.
+    /// Builds a document from new JSON.
     pub(in crate::gltf) fn of_members(root: Members) -> Self {
         Self { root, text: SharedBytes::default() }
     }
 
-    /// Returns the JSON, with the text that was read for every value that has not been changed.
+    /// Returns the JSON, with the source text of every unchanged value.
     pub(in crate::gltf) fn to_bytes(&self) -> Vec<u8> {
         let mut out = Vec::with_capacity(self.text.len());
         self.root.write(self.text.as_slice(), &mut out);
         out
     }
 
-    /// Returns the JSON of a value of the document, or of one that was built.
+    /// Returns the JSON of a value, which was parsed from this document or built.
     pub(in crate::gltf) fn text_of(&self, value: &Value) -> Vec<u8> {
         let mut out = Vec::new();
         value.write(self.text.as_slice(), &mut out);
         out
     }
 
-    /// Returns the document with its JSON as it is now, without the spaces between values.
+    /// Returns the document with the white space between its values removed.
     pub(in crate::gltf) fn without_spaces(self) -> Result<Self, Error> {
         let text = SharedBytes::from(json::without_spaces(&self.to_bytes()));
         Ok(Self { root: root_of(text.as_slice())?, text })
     }
 
-    /// Parses the JSON as it is now, which drops the text of removed values.
+    /// Reparses the current JSON, which drops the text of removed values.
     pub(in crate::gltf) fn compacted(self) -> Result<Self, Error> {
         let text = SharedBytes::from(self.to_bytes());
         Ok(Self { root: root_of(text.as_slice())?, text })
@@ -61,7 +61,8 @@ impl Document {
 }
 
 fn root_of(json: &[u8]) -> Result<Members, Error> {
-    // Each value but the first follows one of these; inside strings they only make the count too high.
+    // Each value except the first follows one of these characters. Those inside strings only make
+    // the count too high.
     let values = json.iter().filter(|b| matches!(b, b',' | b'[' | b'{')).count() as u64;
     if values > JSON_VALUE_LIMIT {
         return Err(Error::LimitExceeded {
@@ -93,7 +94,7 @@ impl<'a> Located<'a> {
         }
     }
 
-    /// Iterates over the entries of one of the document's arrays.
+    /// Iterates over the entries of a top-level array.
     pub(in crate::gltf) fn entries(
         root: &'a Members,
         list: &'static str,
@@ -102,7 +103,7 @@ impl<'a> Located<'a> {
         Ok(entries.map(move |(i, value)| Self { value, at: format!("{list}[{i}]") }))
     }
 
-    /// Returns an entry of one of the document's arrays by its number.
+    /// Returns an entry of a top-level array by index.
     pub(in crate::gltf) fn entry(root: &'a Members, list: &str, number: usize) -> Result<Self, Error> {
         let entries = array(root, list)?;
         let missing = || {
@@ -113,7 +114,7 @@ impl<'a> Located<'a> {
         Ok(Self { value, at: format!("{list}[{number}]") })
     }
 
-    /// Returns the entry of one of the document's arrays that the value is an index of.
+    /// Returns the entry of a top-level array whose index is this value.
     pub(in crate::gltf) fn target(&self, root: &'a Members, list: &str) -> Result<Self, Error> {
         let (index, entries) = (self.size()?, array(root, list)?);
         match entries.get(index) {
@@ -149,9 +150,9 @@ impl<'a> Located<'a> {
         Ok(members.iter().map(move |(name, value)| (name, Located { value, at: format!("{at}.{name}") })))
     }
 
-    /// Returns the value as an integer of at least 0.
+    /// Returns the value as a non-negative integer.
     pub(in crate::gltf) fn whole(&self) -> Result<u64, Error> {
-        whole(self.value).ok_or_else(|| self.wrong("a whole number"))
+        whole(self.value).ok_or_else(|| self.wrong("a non-negative integer"))
     }
 
     /// Returns the value as a size or an index.
@@ -182,24 +183,24 @@ impl<'a> Located<'a> {
         self.value.as_str().ok_or_else(|| self.wrong("a string"))
     }
 
-    /// Returns the error for a value that is not what was expected.
+    /// Returns the error for a value other than the expected one.
     pub(in crate::gltf) fn wrong(&self, expected: impl Into<String>) -> Error {
         Error::format(self.at.clone(), describe(self.value), expected)
     }
 
-    /// Returns a member that is a size, or a default where it is missing.
+    /// Returns a size member, or the default if it is missing.
     pub(in crate::gltf) fn size_or(&self, name: &str, default: usize) -> Result<usize, Error> {
         self.field(name).map_or(Ok(default), |value| value.size())
     }
 }
 
-/// Returns the entries of one of the document's arrays; none where it is missing.
+/// Returns the entries of a top-level array, or an empty slice if it is missing.
 pub(in crate::gltf) fn array<'a>(root: &'a Members, list: &str) -> Result<&'a [Value], Error> {
     let Some(value) = root.get(list) else { return Ok(&[]) };
     value.as_array().ok_or_else(|| Error::format(list, describe(value), "an array"))
 }
 
-/// Returns a value as an integer of at least 0; some exporters write `3.0` for `3`.
+/// Returns a value as a non-negative integer. Some exporters write `3.0` for `3`.
 pub(in crate::gltf) fn whole(value: &Value) -> Option<u64> {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     match &value.content {
@@ -213,7 +214,7 @@ pub(in crate::gltf) fn whole(value: &Value) -> Option<u64> {
     }
 }
 
-/// Returns the entries of one of the document's arrays, which is created if it is missing.
+/// Returns the entries of a top-level array, creating it if it is missing.
 pub(in crate::gltf) fn list_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut Vec<Value>, Error> {
     if !root.contains_key(list) {
         root.insert(list, Value::from(JsonContent::Array(Vec::new())));
@@ -223,19 +224,19 @@ pub(in crate::gltf) fn list_mut<'a>(root: &'a mut Members, list: &str) -> Result
     entries.ok_or_else(|| Error::format(list, "nothing", "an array"))
 }
 
-/// Returns the entries of one of the document's arrays; none where it is missing.
+/// Returns the entries of a top-level array, or an empty slice if it is missing.
 pub(in crate::gltf) fn entries_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut [Value], Error> {
     array(root, list)?;
     let entries = root.get_mut(list).and_then(Value::as_array_mut);
     Ok(entries.map(Vec::as_mut_slice).unwrap_or_default())
 }
 
-/// Returns the entries of an array that is a member of a value; none where it is missing.
+/// Returns the entries of a member array, or an empty slice if it is missing.
 pub(in crate::gltf) fn items<'a>(value: &'a Value, name: &str) -> &'a [Value] {
     value.get(name).and_then(Value::as_array).unwrap_or_default()
 }
 
-/// Iterates over the member values of an object.
+/// Iterates over the values of an object's members.
 pub(in crate::gltf) fn values(object: &Value) -> impl Iterator<Item = &Value> {
     object.as_object().into_iter().flat_map(Members::values)
 }
@@ -245,7 +246,7 @@ pub(in crate::gltf) fn index(value: &Value) -> Option<usize> {
     usize::try_from(whole(value)?).ok()
 }
 
-/// Checks whether a document declares that it uses an extension.
+/// Checks whether a document declares an extension.
 pub(in crate::gltf) fn uses(root: &Members, extension: &str) -> bool {
     ["extensionsUsed", "extensionsRequired"].into_iter().any(|list| {
         let names = root.get(list).and_then(Value::as_array).unwrap_or_default();
@@ -253,7 +254,7 @@ pub(in crate::gltf) fn uses(root: &Members, extension: &str) -> bool {
     })
 }
 
-/// Describes a value in a few words.
+/// Describes a value briefly for error messages.
 fn describe(value: &Value) -> String {
     match &value.content {
         JsonContent::Null => "null".into(),

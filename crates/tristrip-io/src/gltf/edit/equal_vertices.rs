@@ -1,11 +1,13 @@
-//! Vertices of a scene that are equal in every value that the file has for them.
+//! Vertices of a scene that are equal in all values stored in the file.
 //!
 //! # Algorithm
-//! All vertices of a group begin with one number. Each accessor of the group then splits them: two vertices keep equal numbers if their
-//! values have the same bytes. What is left equal differs in nothing that is drawn, morph targets, joints and weights included.
+//! All vertices of a group start in one class. Each accessor of the group then splits the classes:
+//! two vertices stay in the same class if their values have the same bytes. Vertices still in one
+//! class at the end are interchangeable, including morph targets, joints and weights.
 //!
 //! # Complexity
-//! Linear in the bytes of the accessors, which have the limit of decoded attributes; vertices beyond it count as different.
+//! Linear in the bytes of the accessors, up to the limit for decoded attributes. Groups beyond the
+//! limit count as having only distinct vertices.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,7 +21,8 @@ use crate::gltf::document::scene::Scene;
 use crate::gltf::edit::permute::{AccessorLayout, VERTEX_FACTOR};
 use crate::gltf::edit::renumber::{SceneGroup, groups};
 
-/// Returns for each part the first vertex that each of its vertices equals; `None` where the vertices cannot change, or are all different.
+/// Returns for each part the first equal vertex of each vertex. `None` if the vertices cannot
+/// change or are all different.
 pub(crate) fn first_equal(
     scene: &Scene,
     vertex_counts: &[usize],
@@ -45,7 +48,7 @@ fn of_group(
     vertex_count: usize,
     budget: &mut DecodeBudget,
 ) -> Option<Vec<u32>> {
-    // Only a vertex before another one can be its first equal one.
+    // `first[v]` is at most `v`: the first vertex of a class represents it.
     let mut first: Vec<u32> = vec![0; vertex_count];
     for &accessor in group.accessors() {
         AccessorLayout::of_vertices(resolver, accessor, vertex_count, budget).ok()?;

@@ -1,12 +1,15 @@
-//! A scene with more vertices: the accessors of a group get new buffer views, which hold all values of the old and the new vertices.
+//! Adds vertices to a scene. The accessors of a group get new buffer views with all values of the
+//! old and the new vertices.
 //!
 //! # Algorithm
-//! 1. A group can be extended where no vertex has to keep its number and no other data uses its accessors, as for vertices that are
-//!    dropped (`renumber.rs`), and where the values are within a limit.
-//! 2. The values of each accessor are written one after the other, in the order of the sources, to a buffer of their own. An accessor that was sparse is
-//!    not any more.
-//! 3. The accessor keeps its number, and gets other bounds if values are new. It also keeps its view if nothing else uses that; otherwise it gets a new one.
-//! 4. The bytes that held the old values are removed, as those of dropped vertices.
+//! 1. A group can be extended if no vertex has to keep its index, no other data uses its accessors,
+//!    and the values are within a limit. The first two conditions are those for removing vertices
+//!    (`renumber.rs`).
+//! 2. The values of each accessor are written consecutively, in the order of `sources`, to a new
+//!    buffer. Sparse accessors become dense.
+//! 3. The accessor keeps its index, and gets new bounds if values are new. It keeps its view if
+//!    nothing else uses that view; otherwise it gets a new one.
+//! 4. The bytes of the old values are removed, as for removed vertices.
 //!
 //! # Complexity
 //! Linear in the bytes of the buffers and of the extended accessors.
@@ -33,17 +36,18 @@ use crate::gltf::edit::shrink::Shrink;
 use crate::le_bytes::append;
 use crate::model::Model;
 
-/// The alignment of the values of vertices.
+/// The alignment of vertex values.
 const ALIGNMENT: usize = 4;
 
 /// A group that gets vertices.
 pub(crate) struct Extension<'a> {
     pub(crate) group: &'a SceneGroup,
-    /// The old vertex that each vertex is a copy of.
+    /// The old vertex that each vertex is copied from.
     pub(crate) sources: Vec<u32>,
 }
 
-/// Returns for each part why it cannot have vertices with new values; in a file that is not a GLB only for what these mean.
+/// Returns for each part why its vertices cannot get new values. If the scene is not written
+/// (`is_written` is false), only morph targets that change these values count.
 pub(crate) fn fixed_parts(
     scene: &Scene,
     model: &Model,
@@ -66,7 +70,7 @@ pub(crate) fn fixed_parts(
             *why = Some("other values share their accessor".into());
         }
         if why.is_none() && values == NewValues::Positions && !accessors().all(is_float) {
-            *why = Some("they are stored as whole numbers".into());
+            *why = Some("they are stored as integers".into());
         }
     }
     let resolver = AccessorResolver { root: &scene.document.root, buffers: &scene.buffers };
@@ -92,7 +96,7 @@ pub(crate) fn fixed_parts(
     Ok(fixed)
 }
 
-/// Checks that the values of an accessor are understood, and few enough with the new vertices.
+/// Checks that an accessor can be decoded and stays within the budget with the new vertices.
 fn check_accessor(
     resolver: &AccessorResolver<'_>,
     accessor: usize,
@@ -107,7 +111,7 @@ fn check_accessor(
     budget.charge("values of new vertices", most, element).map_err(|error| error.to_string())
 }
 
-/// Returns the accessors that hold values of vertices and have another meaning, too.
+/// Returns the accessors of vertex values that are used for more than one attribute.
 fn shared_roles(scene: &Scene) -> Result<HashSet<usize>, Error> {
     let mut roles: HashMap<usize, &str> = HashMap::new();
     let mut shared = HashSet::new();
@@ -126,7 +130,7 @@ fn shared_roles(scene: &Scene) -> Result<HashSet<usize>, Error> {
     Ok(shared)
 }
 
-/// Returns why values of a part must stay, if a morph target changes them.
+/// Returns why values of a part must not change, if a morph target changes them.
 fn morphs(scene: &Scene, part: usize, values: NewValues) -> Option<String> {
     let targets = items(primitive(scene, part)?, "targets");
     let changes = targets.iter().any(|target| values.names().iter().any(|name| target.get(name).is_some()));
@@ -139,7 +143,8 @@ fn primitive(scene: &Scene, part: usize) -> Option<&Value> {
     items(mesh, "primitives").get(source.primitive)
 }
 
-/// Extends groups; `meshes` are the parts with their new vertices, which are those in `added`, and the first of which has the number in `first`.
+/// Extends groups. `meshes` are the parts with their new vertices; `added` has the values of the
+/// new vertices, and `first` the index of the first.
 pub(crate) fn apply(
     scene: &Scene,
     extensions: &[Extension<'_>],
@@ -187,7 +192,8 @@ pub(crate) fn apply(
     shrink.apply(extended)
 }
 
-/// Removes the stride of views that accessors used and use no more: few of their bytes stay, and a stride must fit into them.
+/// Removes the stride of views that accessors no longer use: most of their bytes are removed, and a
+/// stride must fit into the rest.
 fn clear_unused_views(root: &mut Members, uses: &HashMap<usize, usize>) -> Result<(), Error> {
     let used: HashSet<usize> =
         (0..array(root, "accessors")?.len()).flat_map(|a| views_of_accessor(root, a)).collect();
@@ -199,7 +205,8 @@ fn clear_unused_views(root: &mut Members, uses: &HashMap<usize, usize>) -> Resul
     Ok(())
 }
 
-/// Returns where the values of extended accessors are, unless the bytes belong to other data too.
+/// Returns the old locations of the values of extended accessors, except bytes that other data uses
+/// too.
 fn freed_bytes(scene: &Scene, extensions: &[Extension<'_>]) -> Result<Vec<AccessorLayout>, Error> {
     let resolver = AccessorResolver { root: &scene.document.root, buffers: &scene.buffers };
     let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, VERTEX_FACTOR, &scene.buffers);
@@ -215,7 +222,7 @@ fn freed_bytes(scene: &Scene, extensions: &[Extension<'_>]) -> Result<Vec<Access
     Ok(freed)
 }
 
-/// Returns the bytes of new values by their accessors, each with the vertex from which on they are new.
+/// Returns the bytes of new values by accessor, each with the first vertex to which they apply.
 fn rebuilt_values(
     scene: &Scene,
     group: &SceneGroup,
@@ -245,12 +252,12 @@ fn rebuilt_values(
             put(name, bytes);
         }
     }
-    // The values from a later part's first vertex on are that part's.
+    // Values from the first vertex of a later part on belong to that part.
     rebuilt.values_mut().for_each(|list| list.sort_unstable_by_key(|&(first, _)| first));
     rebuilt
 }
 
-/// Returns the bytes of an attribute from a vertex on.
+/// Returns the bytes of an attribute from `vertex` on.
 fn bytes_from(attribute: &Attribute, vertex: usize) -> Vec<u8> {
     let from = vertex * usize::from(attribute.components);
     let mut out = Vec::new();
@@ -270,9 +277,9 @@ fn bytes_from(attribute: &Attribute, vertex: usize) -> Vec<u8> {
 /// The values of extended accessors, one accessor after the other.
 struct ValueWriter {
     bytes: Vec<u8>,
-    /// The number of uses of each view by accessors and images.
+    /// The number of accessors and images that use each view.
     uses: HashMap<usize, usize>,
-    /// Numbers inside extensions and extras, any of which may be a view.
+    /// Numbers inside extensions and extras; any of them may be a view.
     possible: HashSet<usize>,
 }
 
@@ -302,7 +309,8 @@ impl ValueWriter {
         Ok(())
     }
 
-    /// Replaces the view of an accessor if nothing else uses it; otherwise appends the new one. Returns its number.
+    /// Replaces the view of an accessor if nothing else uses it; otherwise appends `view`. Returns
+    /// the index of the view.
     fn put_view(&self, root: &mut Members, accessor: usize, view: Value) -> Result<usize, Error> {
         let old = array(root, "accessors")?.get(accessor).and_then(|a| index(a.get("bufferView")?));
         let views = list_mut(root, "bufferViews")?;
@@ -324,7 +332,7 @@ impl ValueWriter {
     }
 }
 
-/// Lets an accessor refer to all values of a view.
+/// Points an accessor at all values of a view.
 fn update(root: &mut Members, accessor: usize, view: usize, count: usize) -> Result<(), Error> {
     let accessor = list_mut(root, "accessors")?.get_mut(accessor).and_then(Value::as_object_mut);
     let Some(members) = accessor else { return Ok(()) };

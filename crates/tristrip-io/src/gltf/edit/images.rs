@@ -1,7 +1,7 @@
-//! Images in separate files are embedded: a file that is written to another folder then has its textures.
+//! Embeds images from separate files, so the model can be written to another directory.
 //!
-//! Each file becomes a buffer of its own with one view, which the writer joins with the others. Images that cannot be read keep
-//! their URI.
+//! Each file becomes a new buffer with one view; the writer merges it with the others. Images that
+//! cannot be read keep their URI.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,19 +16,19 @@ use crate::gltf::document::references::ExtensionNumbers;
 use crate::gltf::document::scene::Scene;
 use crate::gltf::document::{Located, entries_mut, list_mut};
 
-/// What became of the images of a model that are in separate files.
+/// The result of embedding image files.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct EmbeddedImages {
-    /// The number of images that the model now holds.
+    /// Number of images that are now embedded.
     pub embedded: usize,
-    /// The images that it still refers to: where, and why.
+    /// The images that are still references, each with its location and the reason.
     pub left: Vec<String>,
 }
 
-/// Takes the images of a scene that are files into the scene.
+/// Embeds the images of a scene that are in separate files.
 ///
 /// # Errors
-/// The document's lists are not arrays.
+/// `images`, `buffers` or `bufferViews` of the document is not an array.
 pub(crate) fn embed(scene: &mut Scene, files: &mut BufferFiles<'_>) -> Result<EmbeddedImages, Error> {
     let mut out = EmbeddedImages::default();
     let root = &scene.document.root;
@@ -38,13 +38,13 @@ pub(crate) fn embed(scene: &mut Scene, files: &mut BufferFiles<'_>) -> Result<Em
         let Some(uri) = image.field("uri") else { continue };
         let loaded = match uri.text() {
             Ok(text) if text.starts_with("data:") => continue,
-            // A buffer cannot be joined with others if an extension names bytes of it.
+            // Buffers cannot be merged if an extension refers to bytes of one.
             Ok(_) if bytes_named => {
-                Err(uri.wrong("no extension that names bytes of a buffer beside images in files"))
+                Err(uri.wrong("no extension that refers to bytes of a buffer, or embedded images"))
             }
             Ok(text) => files.load(&uri).and_then(|bytes| match mime_type(&bytes) {
                 Some(mime_type) => Ok((text.to_owned(), bytes, mime_type)),
-                None => Err(uri.wrong("a file in PNG, JPEG, WebP, KTX2, DDS or AVIF")),
+                None => Err(uri.wrong("a PNG, JPEG, WebP, KTX2, DDS or AVIF file")),
             }),
             Err(error) => Err(error),
         };
@@ -70,7 +70,7 @@ pub(crate) fn embed(scene: &mut Scene, files: &mut BufferFiles<'_>) -> Result<Em
     Ok(out)
 }
 
-/// Appends a buffer with one view; returns the view.
+/// Appends a buffer with one view and returns the index of the view.
 fn append(scene: &mut Scene, bytes: Arc<Vec<u8>>) -> Result<usize, Error> {
     let (owner, range) = whole_of(bytes);
     let length = range.len();
@@ -83,7 +83,8 @@ fn append(scene: &mut Scene, bytes: Arc<Vec<u8>>) -> Result<usize, Error> {
     Ok(views.len() - 1)
 }
 
-/// Returns the type of an image by its first bytes: those of core glTF, and of the extensions for textures.
+/// Returns the MIME type of an image from its magic bytes: the types of core glTF and of the
+/// texture extensions.
 fn mime_type(bytes: &[u8]) -> Option<&'static str> {
     let at = |offset: usize, magic: &[u8]| bytes.get(offset..).is_some_and(|rest| rest.starts_with(magic));
     let types: [(bool, &str); 6] = [

@@ -1,21 +1,25 @@
-//! Nodes with levels of detail: `MSFT_lod` names the nodes that are drawn instead of a node, `MSFT_screencoverage` says when.
+//! Nodes with levels of detail: `MSFT_lod` lists the nodes that replace a node at lower levels,
+//! `MSFT_screencoverage` the screen coverage of each.
 //!
 //! ```text
 //! a node that only places its mesh               any other node, such as an animated one
 //!   wall: mesh 0, translation                      wheel: rotation, animated, children …
-//!     MSFT_lod ids ─▶ wall: mesh 3, translation      └ wheel: mesh 1            a new child, without a transform
+//!     MSFT_lod ids ─▶ wall: mesh 3, translation      └ wheel: mesh 1     new child, no transform
 //!              └────▶ wall: mesh 6, translation           MSFT_lod ids ─▶ wheel: mesh 4 …
 //! ```
-//! # Where the levels stand
-//! A level replaces the node that names it, under the same parent and with its own transform, children and animations: the extension
-//! has no transform of its own. The levels of a node that only places a mesh therefore repeat its transform. A node that does more
-//! keeps its transform, animations, children, camera and extensions, which would otherwise have to be copied for every level: its mesh
-//! moves to a new child without a transform, together with what belongs to the mesh: skin, morph weights, and extensions that draw
-//! the mesh several times. So whatever moves the node moves all its levels, a viewer that ignores the extension shows the finest
-//! level, and the number of no node changes. The nodes of lower levels are in no scene.
+//! # Where the levels are attached
+//! A level replaces the node that lists it. It has the same parent and its own transform, children
+//! and animations, because the extension has no transform of its own. If a node only places a mesh,
+//! its levels repeat its transform. Any other node keeps its transform, animations, children,
+//! camera and extensions, which would otherwise have to be copied per level. Its mesh moves to a
+//! new child without a transform, together with everything that belongs to the mesh: skin, morph
+//! weights, and extensions that instance it. An animation of the node then moves all its levels, a
+//! viewer that ignores the extension shows the finest level, and no node changes its index. The
+//! nodes of lower levels are not listed in any scene.
 //!
-//! Morph weights are on the node with the mesh. An animation of the weights gets a channel for every level with the same sampler;
-//! where `KHR_animation_pointer` animates the weights of a node, the node has no levels.
+//! Morph weights are on the node with the mesh. An animation of the weights gets a channel per
+//! level with the same sampler. Nodes whose weights are animated by `KHR_animation_pointer` get no
+//! levels.
 //!
 //! # References
 //! S. Bhatia, G. Hsu et al.: *`MSFT_lod`*, 2018.
@@ -29,26 +33,27 @@ use crate::gltf::document::json::{JsonContent, Members, Value};
 use crate::gltf::document::spec::{LEVELS_OF_DETAIL, SCREEN_COVERAGE};
 use crate::gltf::document::{array, index, items, list_mut, uses};
 
-/// What belongs to the mesh of a node.
+/// Members of a node that belong to its mesh.
 const OF_MESH: [&str; 3] = ["mesh", "skin", "weights"];
 
-/// What places a node.
+/// Members of a node that form its transform.
 const TRANSFORM: [&str; 4] = ["matrix", "translation", "rotation", "scale"];
 
-/// Extensions of nodes that belong to the mesh.
+/// Node extensions that belong to the mesh.
 const MESH_EXTENSIONS: [&str; 2] = ["EXT_mesh_gpu_instancing", "EXT_instance_features"];
 
 const ANIMATION_POINTER: &str = "KHR_animation_pointer";
 
 /// The lower levels of a mesh.
 pub(in crate::gltf) struct MeshLevels {
-    /// The mesh of each lower level, the finer ones first.
+    /// The mesh of each lower level, finest first.
     pub(in crate::gltf) lower: Vec<usize>,
-    /// For all levels, the finest first, the screen coverage down to which each is drawn.
+    /// The minimum screen coverage at which each level is drawn, for all levels, finest first.
     pub(in crate::gltf) coverage: Vec<f64>,
 }
 
-/// Adds nodes for the lower levels of meshes; returns the number of nodes that get none although their mesh has levels.
+/// Adds nodes for the lower levels of meshes. Returns the number of nodes without levels although
+/// their mesh has some.
 ///
 /// # Errors
 /// The document already has levels of detail.
@@ -56,7 +61,7 @@ pub(in crate::gltf) fn add(root: &mut Members, levels: &BTreeMap<usize, MeshLeve
     let old = array(root, "nodes")?;
     if uses(root, LEVELS_OF_DETAIL) || old.iter().any(has_levels) {
         return Err(Error::Unsupported(format!(
-            "the scene has levels of detail already ({LEVELS_OF_DETAIL}): name a directory to write a file per level"
+            "the scene already has levels of detail ({LEVELS_OF_DETAIL}); specify a directory to write one file per level"
         )));
     }
     let motion = Motion::of(root)?;
@@ -73,7 +78,7 @@ pub(in crate::gltf) fn add(root: &mut Members, levels: &BTreeMap<usize, MeshLeve
             without += 1;
             continue;
         }
-        // 1. The node with the mesh: the node itself, or a new child.
+        // 1. The node with the mesh: the node itself or a new child.
         let mut node = node.clone();
         let is_plain = !motion.of_nodes.contains(&number) && !joints.contains(&number) && only_places(&node);
         let mut drawn = if is_plain { node.clone() } else { without_mesh(&mut node) };
@@ -108,18 +113,18 @@ pub(in crate::gltf) fn add(root: &mut Members, levels: &BTreeMap<usize, MeshLeve
     Ok(without)
 }
 
-/// Appends the number of a level to the name of an object, if it has one.
+/// Appends a level number to the name of an object, if it has a name.
 pub(in crate::gltf) fn name_level(members: &mut Members, level: usize) {
     let name = members.get("name").and_then(Value::as_str).map(|name| format!("{name}_lod{level}"));
     name.into_iter().for_each(|name| members.insert("name", name.as_str()));
 }
 
-/// Checks whether a node names lower levels, which counts even if the document does not declare the extension.
+/// Checks whether a node lists lower levels, even if the document does not declare the extension.
 fn has_levels(node: &Value) -> bool {
     node.get("extensions").is_some_and(|extensions| extensions.get(LEVELS_OF_DETAIL).is_some())
 }
 
-/// Checks whether a node does nothing but place a mesh.
+/// Checks whether a node only places a mesh.
 fn only_places(node: &Value) -> bool {
     let is_of_mesh = |name: &str| MESH_EXTENSIONS.contains(&name);
     items(node, "children").is_empty()
@@ -130,7 +135,7 @@ fn only_places(node: &Value) -> bool {
         })
 }
 
-/// Moves the mesh of a node, and what belongs to it, to a new node.
+/// Moves the mesh of a node, and everything that belongs to it, to a new node.
 fn without_mesh(node: &mut Value) -> Value {
     let mut moved = Members::default();
     let Some(members) = node.as_object_mut() else { return JsonContent::Object(moved).into() };
@@ -163,7 +168,7 @@ fn add_child(node: &mut Value, child: usize) {
     children.into_iter().for_each(|children| children.push(child.into()));
 }
 
-/// Returns the node of a lower level, at the same place.
+/// Returns the node of a lower level, with the same transform.
 fn node_at_level(drawn: &Value, level: usize, mesh: usize) -> Value {
     let mut copy = Members::default();
     let names = ["name"].iter().chain(&OF_MESH).chain(&TRANSFORM).chain(&["extensions"]);
@@ -173,7 +178,7 @@ fn node_at_level(drawn: &Value, level: usize, mesh: usize) -> Value {
         }
     }
     copy.insert("mesh", mesh);
-    // The finest level of a node whose mesh moved to a child has a name with its number.
+    // If the mesh was moved to a child, the name of the finest level ends in `_lod0`.
     let name = copy
         .get("name")
         .and_then(Value::as_str)
@@ -185,14 +190,14 @@ fn node_at_level(drawn: &Value, level: usize, mesh: usize) -> Value {
     JsonContent::Object(copy).into()
 }
 
-/// Names the lower levels of a node, and the screen coverages of all.
+/// Sets the lower levels of a node and the screen coverages of all levels.
 fn name_levels(node: &mut Value, lower: &[usize], coverage: &[f64]) {
     let Some(members) = node.as_object_mut() else { return };
     set_inside(members, "extensions", LEVELS_OF_DETAIL, json!({ "ids": lower }));
     set_inside(members, "extras", SCREEN_COVERAGE, json!(coverage));
 }
 
-/// Sets a member of an object that is itself a member, created if it is missing.
+/// Sets a member of a nested object, which is created if it is missing.
 fn set_inside(members: &mut Members, object: &str, name: &str, value: impl Into<Value>) {
     if !members.contains_key(object) {
         members.insert(object, JsonContent::Object(Members::default()));
@@ -202,7 +207,7 @@ fn set_inside(members: &mut Members, object: &str, name: &str, value: impl Into<
     }
 }
 
-/// Repeats the animations of morph weights for the nodes that draw the levels of each node.
+/// Copies the animation channels of morph weights to the nodes that draw the levels of each node.
 fn animate_levels(root: &mut Members, levels: &HashMap<usize, Vec<usize>>) -> Result<(), Error> {
     if levels.is_empty() {
         return Ok(());
@@ -239,10 +244,10 @@ fn weights_target(channel: &Value) -> Option<usize> {
         .filter(|_| target.get("path").and_then(Value::as_str) == Some("weights"))
 }
 
-/// What animations move.
+/// The nodes that animations change.
 #[derive(Default)]
 struct Motion {
-    /// Nodes with an animation of more than their morph weights, or that may have one.
+    /// Nodes with an animation of anything other than morph weights.
     of_nodes: HashSet<usize>,
     /// Nodes with animated morph weights.
     weights_of_nodes: HashSet<usize>,
@@ -274,7 +279,7 @@ impl Motion {
     }
 }
 
-/// Returns the nodes that are joints of skins, or the roots of their joints.
+/// Returns the nodes that are joints of skins or roots of their skeletons.
 fn joints(root: &Members) -> Result<HashSet<usize>, Error> {
     let skins = array(root, "skins")?.iter();
     Ok(skins

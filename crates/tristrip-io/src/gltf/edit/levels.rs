@@ -1,14 +1,18 @@
-//! A scene with meshes for lower levels of detail, which draw the first vertices of the meshes that they simplify.
+//! A scene with meshes for lower levels of detail, which use the first vertices of the full meshes.
 //!
 //! # Algorithm
-//! 1. A mesh is copied if a part of it changes from one level to the next: names, materials, morph weights, points and lines stay;
-//!    the vertex accessors of a part become accessors over their first values ([`crate::gltf::edit::prefixes`]). A mesh that does not change
-//!    is drawn at both levels.
-//! 2. Each copied primitive is a further part of the model, so that the writer gives it indices of its own.
-//! 3. Every node with such a mesh gets nodes for the lower levels ([`crate::gltf::edit::level_nodes`]).
+//! 1. A mesh is copied if one of its parts changes from one level to the next. The copy keeps
+//!    names, materials, morph weights, points and lines. The vertex accessors of a part become
+//!    accessors over their first values ([`crate::gltf::edit::prefixes`]). An unchanged mesh is
+//!    used at both levels.
+//! 2. Each copied primitive becomes an additional part of the model, so the writer gives it its own
+//!    indices.
+//! 3. Every node with such a mesh gets nodes for the lower levels
+//!    ([`crate::gltf::edit::level_nodes`]).
 //!
 //! # Complexity
-//! Linear in the document for each level, and in the values of the new accessors. [`JSON_VALUE_LIMIT`] bounds the document.
+//! Linear in the document per level, and in the values of the new accessors. [`JSON_VALUE_LIMIT`]
+//! bounds the document.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -24,25 +28,25 @@ use crate::gltf::edit::renumber::vertex_accessors;
 /// A part at a lower level of detail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PartAtLevel {
-    /// The number of vertices, from the first on, that its triangles may use.
+    /// The number of vertices that its triangles may use, from the first on.
     pub(crate) vertex_count: usize,
-    /// Whether the triangles are those of the next finer level.
+    /// Whether the triangles are the same as at the next finer level.
     pub(crate) is_same: bool,
 }
 
 /// A scene with lower levels.
 pub(crate) struct WithLevels {
     pub(crate) scene: Scene,
-    /// For each level, the finest first, the part of the new scene that draws each part.
+    /// For each level, finest first: the part of the new scene that draws each part.
     pub(crate) parts: Vec<Vec<usize>>,
-    /// For each level the meshes with triangles, in the order of those of the finest level.
+    /// For each level: the meshes with triangles, in the order of those of the finest level.
     pub(crate) meshes: Vec<Vec<usize>>,
-    /// The number of nodes that show their finest level only.
+    /// The number of nodes that have only their finest level.
     pub(crate) nodes_without: usize,
 }
 
-/// Adds lower levels to a scene: for each of them, the finer ones first, what it draws of each part. `coverage` returns the screen
-/// coverages of all levels of a mesh, given its parts.
+/// Adds lower levels to a scene. `lower` has the parts of each level, finest first. `coverage`
+/// returns the screen coverages of all levels of a mesh, given its parts.
 pub(crate) fn add(
     scene: &Scene,
     lower: &[Vec<PartAtLevel>],
@@ -95,9 +99,9 @@ pub(crate) fn add(
     Ok(WithLevels { scene, parts, meshes, nodes_without })
 }
 
-/// Checks that a document with so many more levels can be read again.
+/// Checks that the document stays below the reader's limit with this many levels.
 fn check_size(root: &Members, lower: usize) -> Result<(), Error> {
-    // Nodes, primitives and accessors each have about this many values.
+    // Approximate number of JSON values per node, primitive and accessor.
     const VALUES: usize = 8;
     let primitives = array(root, "meshes")?.iter().map(|mesh| items(mesh, "primitives").len());
     let entries = primitives.sum::<usize>() + array(root, "nodes")?.len() + array(root, "accessors")?.len();
@@ -112,7 +116,7 @@ fn check_size(root: &Members, lower: usize) -> Result<(), Error> {
     })
 }
 
-/// Returns a mesh with its primitives of triangles over their first vertices.
+/// Returns a copy of a mesh whose triangle primitives use only their first vertices.
 fn mesh_at_level(
     mesh: &Value,
     level: usize,
@@ -155,7 +159,7 @@ fn replace_accessors(primitive: &mut Value, replaced: &HashMap<usize, usize>) {
 }
 
 impl Scene {
-    /// Returns the mesh of the document that each part is a primitive of.
+    /// Returns the index of the document's mesh that each part belongs to.
     ///
     /// ```
     /// let model = tristrip_io::read(br#"{"asset":{"version":"2.0"}}"#, tristrip_io::Format::Gltf)?;
@@ -166,7 +170,8 @@ impl Scene {
         self.primitives.iter().map(|primitive| primitive.mesh).collect()
     }
 
-    /// Returns the bytes of all values that some of the meshes use: indices, vertices and morph targets, each accessor once.
+    /// Returns the size in bytes of all values used by the given meshes: indices, vertices and
+    /// morph targets. Shared accessors count once.
     ///
     /// # Errors
     /// An accessor is invalid.

@@ -1,5 +1,5 @@
-//! Vertex data of accessors moved into a new vertex order, within the bytes that the accessors already have. Of vertices that are
-//! dropped nothing is moved: the values of those that stay come first, and what is behind them has no meaning.
+//! Permutes vertex data of accessors in place. Values of removed vertices are not moved: the
+//! remaining values come first, and the bytes after them are undefined.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -20,7 +20,7 @@ pub(in crate::gltf) const VERTEX_FACTOR: u64 = 16;
 
 pub(in crate::gltf) const OVER_BUDGET: &str = "the buffers hold more data than the limits allow to check";
 
-/// Values at a constant stride within a buffer, one slot each.
+/// Values at a constant stride within a buffer; each value occupies one slot.
 #[derive(Clone, Copy)]
 pub(in crate::gltf) struct StridedRange {
     pub(in crate::gltf) buffer: usize,
@@ -33,7 +33,8 @@ pub(in crate::gltf) struct StridedRange {
 }
 
 impl StridedRange {
-    /// Returns the slots of `count` values in the view that `holder` refers to; the reader has checked their range.
+    /// Returns the slots of `count` values in the view that `holder` refers to. The reader has
+    /// checked their range.
     fn of(root: &Members, holder: &Value, element: usize, count: usize) -> Option<Self> {
         let view = array(root, "bufferViews").ok()?.get(holder.get("bufferView").and_then(index)?)?;
         let field = |object: &Value, name| object.get(name).and_then(index);
@@ -62,35 +63,35 @@ impl StridedRange {
         (0..slots.count).map(move |slot| slots.range(slot))
     }
 
-    /// Returns the bytes from the first value to the end of the last one.
+    /// Returns the byte range from the first value to the end of the last.
     pub(in crate::gltf) fn span(&self) -> Range<usize> {
         let end = self.count.checked_sub(1).map_or(self.start, |last| self.range(last).end);
         self.start..end
     }
 
-    /// Returns the bytes behind the first `left` values, with those between the values.
+    /// Returns the byte range after the first `left` values, including the padding between values.
     pub(in crate::gltf) fn tail(&self, left: usize) -> Range<usize> {
         let end = (self.span().end + (self.stride - self.element)).min(self.end);
         (self.start + left * self.stride).min(end)..end
     }
 }
 
-/// The slots of the values of an accessor.
+/// The slots of an accessor's values.
 pub(in crate::gltf) struct AccessorLayout {
-    /// The number of the accessor.
+    /// The index of the accessor.
     pub(in crate::gltf) accessor: usize,
-    /// Whether the values are vertex numbers, which stay where they are and change.
+    /// Whether the values are vertex indices, which are renamed in place instead of moved.
     pub(in crate::gltf) holds_indices: bool,
     count: usize,
-    /// `None` for zeros.
+    /// `None` if all base values are zero.
     pub(in crate::gltf) base: Option<StridedRange>,
     /// Indices and values of the vertices that differ from the base.
     pub(in crate::gltf) sparse: Option<[StridedRange; 2]>,
 }
 
 impl AccessorLayout {
-    /// Finds the slots of an accessor that has a value for each of `vertex_count` vertices, or returns why they cannot be
-    /// permuted.
+    /// Finds the slots of an accessor that has a value for each of `vertex_count` vertices, or
+    /// returns why they cannot be permuted.
     pub(in crate::gltf) fn of_vertices(
         resolver: &AccessorResolver<'_>,
         accessor: usize,
@@ -99,12 +100,12 @@ impl AccessorLayout {
     ) -> Result<Self, String> {
         let array = Self::find(resolver, accessor, budget)?;
         if array.count != vertex_count {
-            return Err(format!("accessors[{accessor}] does not have a value for each vertex"));
+            return Err(format!("accessors[{accessor}] does not have one value per vertex"));
         }
         Ok(array)
     }
 
-    /// Finds the slots of the indices that points or lines draw, or returns why they cannot be changed.
+    /// Finds the slots of the indices of points or lines, or returns why they cannot be changed.
     pub(in crate::gltf) fn of_indices(
         resolver: &AccessorResolver<'_>,
         accessor: usize,
@@ -125,7 +126,7 @@ impl AccessorLayout {
     ) -> Result<Self, String> {
         let object = array(resolver.root, "accessors").ok().and_then(|all| all.get(accessor));
         let object = object.ok_or("an accessor is missing")?;
-        // Finding them reads the sparse indices.
+        // The next step reads the sparse indices.
         let sparse_count = object.get("sparse").and_then(|sparse| index(sparse.get("count")?)).unwrap_or(0);
         if !budget.try_charge(sparse_count, size_of::<u32>()) {
             return Err(OVER_BUDGET.into());
@@ -160,7 +161,7 @@ impl AccessorLayout {
             .any(|holder| may_name_vertices(holder) || view(holder).is_some_and(may_name_vertices))
         {
             return Err(
-                "an extension or extras of an accessor or view may refer to vertices by number".into()
+                "an extension or extras of an accessor or view may refer to vertices by index".into()
             );
         }
         let base = StridedRange::of(resolver.root, object, element, count);
@@ -178,7 +179,7 @@ impl AccessorLayout {
     }
 }
 
-/// Flags of a byte: data that is not permuted, a group, a second group.
+/// Flags of a byte: used by data that is not permuted, by one group, by a second group.
 const OTHER: u8 = 1;
 const ONE_GROUP: u8 = 2;
 const TWO_GROUPS: u8 = 4;
@@ -191,7 +192,8 @@ impl ByteOwners {
         Self(buffers.iter().map(|bytes| vec![0; bytes.len()]).collect())
     }
 
-    /// Marks the bytes of everything that is not permuted; returns false if that exceeds the budget.
+    /// Marks the bytes of everything that is not permuted. Returns false if this exceeds the
+    /// budget.
     pub(in crate::gltf) fn mark_others(
         &mut self,
         resolver: &AccessorResolver<'_>,
@@ -248,7 +250,7 @@ impl ByteOwners {
         slots.all(|slots| self.bytes(&slots).all(|byte| *byte == ONE_GROUP))
     }
 
-    /// Checks whether other data has bytes of an accessor.
+    /// Checks whether other data uses bytes of an accessor.
     pub(in crate::gltf) fn has_others(&mut self, array: &AccessorLayout) -> bool {
         array.slots().any(|slots| self.bytes(&slots).any(|byte| *byte & OTHER != 0))
     }
@@ -268,7 +270,7 @@ impl ByteOwners {
 /// Buffers with the values of some accessors in a new order.
 pub(in crate::gltf) struct PermutedBuffers<'a> {
     old: &'a [SharedBytes],
-    /// `None` for a buffer that does not change.
+    /// `None` for an unchanged buffer.
     new: Vec<Option<Vec<u8>>>,
 }
 
@@ -277,14 +279,14 @@ impl<'a> PermutedBuffers<'a> {
         Self { old: buffers, new: vec![None; buffers.len()] }
     }
 
-    /// Returns the buffers; those without changes are shared with the old ones.
+    /// Returns the buffers; unchanged ones share their bytes with the old ones.
     pub(in crate::gltf) fn finish(self) -> Vec<SharedBytes> {
         (self.old.iter().zip(self.new))
             .map(|(old, new)| new.map_or_else(|| old.clone(), SharedBytes::from))
             .collect()
     }
 
-    /// Moves the values of a group, and checks that all of them arrived.
+    /// Moves the values of a group and checks the result.
     pub(in crate::gltf) fn permute(
         &mut self,
         arrays: &[AccessorLayout],
@@ -296,7 +298,7 @@ impl<'a> PermutedBuffers<'a> {
         if arrays.iter().all(|array| self.has_new_order(array, renumbering)) {
             return Ok(());
         }
-        Err("accessors overlap other than by the same vertices".into())
+        Err("accessors overlap at different vertices".into())
     }
 
     fn permute_accessor(&mut self, array: &AccessorLayout, renumbering: &Renumbering) -> Result<(), String> {
@@ -313,7 +315,7 @@ impl<'a> PermutedBuffers<'a> {
         let renamed = self.renamed(&indices, renumbering);
         let highest = renamed.last().map_or(0, |&(vertex, _)| u64::from(vertex));
         if highest >> (8 * indices.element) > 0 {
-            return Err("the new vertex numbers do not fit the index type of a sparse accessor".into());
+            return Err("the new vertex indices do not fit the index type of a sparse accessor".into());
         }
         for (slot, (vertex, from)) in renamed.into_iter().enumerate() {
             let (_, new) = self.buffer(indices.buffer).ok_or("a buffer is missing")?;
@@ -324,20 +326,20 @@ impl<'a> PermutedBuffers<'a> {
         Ok(())
     }
 
-    /// Changes the vertex numbers in the indices of points or lines; restarts stay.
+    /// Renames the vertices in the indices of points or lines; restarts are unchanged.
     fn rename_indices(&mut self, array: &AccessorLayout, order: &VertexOrder) -> Result<(), String> {
         let Some(base) = array.base else { return Ok(()) };
         let (old, new) = self.buffer(base.buffer).ok_or("a buffer is missing")?;
         for range in base.ranges() {
             let vertex = renamed_index(&old[range.clone()], order);
-            let vertex = vertex.ok_or("the new vertex numbers do not fit the indices of points or lines")?;
+            let vertex = vertex.ok_or("the new vertex indices do not fit the index type of points or lines")?;
             new[range].copy_from_slice(&vertex.to_le_bytes()[..base.element]);
         }
         Ok(())
     }
 
-    /// Returns the new vertex numbers of sparse indices in ascending order, each with the slot of its value; those of vertices
-    /// that are dropped are left out.
+    /// Returns the new vertex indices of sparse values in ascending order, each with the slot of
+    /// its value. Removed vertices are omitted.
     fn renamed(&self, indices: &StridedRange, renumbering: &Renumbering) -> Vec<(u32, usize)> {
         let Some(old) = self.old.get(indices.buffer).map(SharedBytes::as_slice) else { return Vec::new() };
         let new =
@@ -349,7 +351,7 @@ impl<'a> PermutedBuffers<'a> {
         renamed
     }
 
-    /// Returns the number of sparse values of an accessor whose vertices stay.
+    /// Returns the number of sparse values of an accessor whose vertices are kept.
     pub(in crate::gltf) fn sparse_left(&self, array: &AccessorLayout, renumbering: &Renumbering) -> usize {
         array.sparse.map_or(0, |[indices, _]| self.renamed(&indices, renumbering).len())
     }
@@ -388,7 +390,7 @@ impl<'a> PermutedBuffers<'a> {
         base && sparse
     }
 
-    /// Restores the old values of an accessor, whose bytes belong to no other group.
+    /// Restores the old values of an accessor whose bytes belong to no other group.
     pub(in crate::gltf) fn restore(&mut self, array: &AccessorLayout) {
         for slots in array.slots() {
             let Some((old, new)) = self.buffer(slots.buffer) else { continue };
@@ -405,13 +407,13 @@ impl<'a> PermutedBuffers<'a> {
     }
 }
 
-/// Returns the little-endian number of at most four bytes.
+/// Reads a little-endian integer of at most four bytes.
 fn number(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |n, &b| n << 8 | u32::from(b))
 }
 
-/// Returns the new number of the vertex that an index names, if it fits the type of the index; a restart, which is the highest value
-/// of the type, stays.
+/// Returns the new vertex of an index if it fits the index type. A restart, the highest value of
+/// the type, is unchanged.
 fn renamed_index(index: &[u8], order: &VertexOrder) -> Option<u32> {
     let restart = u32::MAX.checked_shr(32 - 8 * index.len() as u32)?;
     let vertex = number(index);

@@ -1,15 +1,17 @@
-//! Accessors over the first values of others: what a lower level of detail reads of the vertices.
+//! Accessors over the first values of other accessors: the vertices of a lower level of detail.
 //!
 //! ```text
 //! view        ├ positions ───────────────┤├ normals ─────────────────┤
 //! full mesh   ├──────────────────────────┤├──────────────────────────┤
-//! a level     ├──────────┤                ├──────────┤                    the same views and offsets, fewer values
+//! a level     ├──────────┤                ├──────────┤           same views and offsets
 //! ```
-//! A view over which several accessors read must state its stride. It is set to the size of a value where it was not stated, unless
-//! the view also holds something else than vertex data of this size: the vertices of such a primitive are not cut.
+//! A view that several accessors use must declare its stride. A view without one gets the size of
+//! its values. This requires that the view holds only vertex data of this size; otherwise the level
+//! uses all vertices of the primitive.
 //!
 //! # Complexity
-//! Linear in the values of the new accessors, whose bounds are computed, with the limit of decoded values.
+//! Linear in the values of the new accessors, whose bounds are computed within the limit for
+//! decoded values.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -27,19 +29,19 @@ use crate::gltf::edit::renumber::vertex_accessors;
 /// The strides that the specification allows for vertex data.
 const STRIDES: std::ops::RangeInclusive<usize> = 4..=252;
 
-/// New accessors over the first values of those of a document, not yet in its list.
+/// New accessors over the first values of a document's accessors, not yet added to it.
 pub(in crate::gltf) struct Prefixes<'a> {
     resolver: AccessorResolver<'a>,
     budget: DecodeBudget,
-    /// The size of the values of each view without a stride that may get one.
+    /// The value size of each view that has no stride and may get one.
     sizes: HashMap<usize, usize>,
     positions: HashSet<usize>,
-    /// The new accessors by the old accessor and the number of values.
+    /// The new accessors by old accessor and number of values.
     made: HashMap<(usize, usize), usize>,
     new: PrefixAccessors,
 }
 
-/// Accessors and strides to be written into a document.
+/// Accessors and strides to be added to a document.
 #[derive(Default)]
 pub(in crate::gltf) struct PrefixAccessors {
     accessors: Vec<Value>,
@@ -60,7 +62,8 @@ impl<'a> Prefixes<'a> {
         })
     }
 
-    /// Returns for each vertex accessor of a primitive the one over its first values; none if the accessors stay as they are.
+    /// Returns the prefix accessor for each vertex accessor of a primitive. Empty if the accessors
+    /// are unchanged.
     pub(in crate::gltf) fn of_primitive(
         &mut self,
         primitive: &Value,
@@ -91,7 +94,7 @@ impl<'a> Prefixes<'a> {
         self.resolver.values_of(Located::entry(self.resolver.root, "accessors", accessor)?)
     }
 
-    /// Checks whether the view of an accessor has a stride or may get one.
+    /// Checks whether the view of an accessor has a stride or can get one.
     fn has_stride(&self, accessor: usize) -> Result<bool, Error> {
         let object = array(self.resolver.root, "accessors")?.get(accessor);
         let Some(view) = object.and_then(|object| index(object.get("bufferView")?)) else { return Ok(true) };
@@ -99,7 +102,7 @@ impl<'a> Prefixes<'a> {
         Ok(stated.is_some() || self.sizes.contains_key(&view))
     }
 
-    /// Returns the accessor over the first values of another.
+    /// Returns the accessor over the first `count` values of another.
     fn prefix(&mut self, accessor: usize, count: usize) -> Result<usize, Error> {
         if let Some(&known) = self.made.get(&(accessor, count)) {
             return Ok(known);
@@ -113,7 +116,7 @@ impl<'a> Prefixes<'a> {
         if let Some(members) = new.as_object_mut() {
             members.insert("count", values.count);
             match (values.sparse_count(), members.get_mut("sparse").and_then(Value::as_object_mut)) {
-                // A sparse accessor must have a sparse value.
+                // A sparse accessor must have at least one sparse value.
                 (0, _) => members.remove("sparse"),
                 (left, Some(sparse)) => sparse.insert("count", left),
                 (_, None) => {}
@@ -133,7 +136,7 @@ impl<'a> Prefixes<'a> {
 }
 
 impl PrefixAccessors {
-    /// Adds the accessors to the document that they were made for.
+    /// Adds the accessors and strides to the document for which they were built.
     pub(in crate::gltf) fn apply(self, root: &mut Members) -> Result<(), Error> {
         if self.accessors.is_empty() {
             return Ok(());
@@ -147,7 +150,8 @@ impl PrefixAccessors {
     }
 }
 
-/// Returns the size of the values of each view that has no stride and may get one: it holds vertex data of one size, and nothing else.
+/// Returns the value size of each view that has no stride and can get one, because it holds only
+/// vertex data of one size.
 fn sizes_of_views(resolver: &AccessorResolver<'_>) -> Result<HashMap<usize, usize>, Error> {
     let root = resolver.root;
     let primitives = array(root, "meshes")?.iter().flat_map(|mesh| items(mesh, "primitives"));

@@ -1,26 +1,29 @@
-//! The vertices of a scene with new numbers, or fewer of them: their values are permuted in the buffers and, where vertices are
-//! dropped, cut off behind those that stay.
+//! Renumbers or removes vertices of a scene: values are permuted in the buffers, and the values of
+//! removed vertices are cut off.
 //!
 //! ```text
 //! values of an accessor    a b c d e f      used: b d e
-//! permuted                 b d e . . .      in the bytes that they have
-//! cut off                  b d e            the accessor has another count, and the buffer fewer bytes
+//! values of an accessor    a b c d e f      used: b d e
+//! permuted                 b d e . . .      in place
+//! cut off                  b d e            smaller count, shorter buffer
 //! ```
 //! # Algorithm
-//! 1. Primitives with an accessor in common, as an attribute or in a morph target, form one group with one order.
-//! 2. A group keeps its vertices where something else depends on their numbers: another use of one of the accessors,
-//!    extensions or extras of the primitives, accessors or views that hold whole numbers of unknown meaning, or bytes that
-//!    belong to other data too. It keeps their order where points or lines use them. To drop vertices, the indices of points and
-//!    lines are changed as well, and no extension or extras anywhere may hold the number of one of the accessors or views.
-//! 3. Every value moves to the slot of its new index, within its accessor, whether a view holds one accessor or several
-//!    interleaved ones. A sparse accessor lists the new indices in ascending order.
-//! 4. The moved values are compared with the old ones. Accessors that overlap in any way other than by the same vertices
-//!    differ there, and their group is restored.
-//! 5. Where vertices are dropped, [`crate::gltf::edit::shrink`] cuts the accessors off and removes the bytes.
+//! 1. Primitives that share an accessor, as an attribute or in a morph target, form a group with a
+//!    common vertex order.
+//! 2. A group keeps its vertices if other data depends on their indices: another use of one of the
+//!    accessors, extensions or extras of the primitives, integers of unknown meaning on accessors
+//!    or views, or bytes shared with other data. It keeps their order if points or lines use them.
+//!    Removing vertices also renames the indices of points and lines. It requires that no extension
+//!    or extras in the document contains the index of one of the accessors or views.
+//! 3. Every value moves to the slot of its new index within its accessor; views may be interleaved.
+//!    A sparse accessor lists the new indices in ascending order.
+//! 4. The moved values are compared with the old ones. If accessors overlap in any way other than
+//!    by the same vertices, the values differ, and the group is restored.
+//! 5. [`crate::gltf::edit::shrink`] removes the values of removed vertices and their bytes.
 //!
 //! # Complexity
-//! Linear in the bytes of the accessors, which have the same limit as decoded ones. Memory: two bytes for each byte of the
-//! buffers that change.
+//! Linear in the bytes of the accessors, with the same limit as decoded values. Memory: two bytes
+//! per byte of the changed buffers.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -39,35 +42,35 @@ use crate::gltf::document::{Located, array, index, items, values};
 use crate::gltf::edit::permute::{AccessorLayout, ByteOwners, OVER_BUDGET, PermutedBuffers, VERTEX_FACTOR};
 use crate::gltf::edit::shrink::Shrink;
 
-/// Extensions of primitives that do not refer to vertices by number.
+/// Extensions of primitives that do not refer to vertices by index.
 const HARMLESS_EXTENSIONS: [&str; 2] = ["KHR_materials_variants", "EXT_structural_metadata"];
 
-/// The extension for features of vertices: identified by an attribute or texture, or else by vertex number.
+/// The extension for vertex features, identified by an attribute, a texture or the vertex index.
 const FEATURES: &str = "EXT_mesh_features";
 
-/// Why the vertices keep their order where points or lines are drawn from them.
+/// Why vertices keep their order if points or lines use them.
 const POINTS_OR_LINES: &str = "points or lines use the same vertices";
 
-/// Parts over the same vertices.
+/// Parts that share vertices.
 pub(crate) struct SceneGroup {
     pub(crate) parts: Vec<usize>,
-    /// Why the vertices must keep their numbers.
+    /// Why the vertices must keep their indices, if they must.
     kept: Option<String>,
-    /// Why none of the vertices can be dropped, where only that is impossible.
+    /// Why no vertex can be removed, if the vertices could otherwise change.
     complete: Option<String>,
-    /// Whether there are points or lines over the vertices.
+    /// Whether points or lines use the vertices.
     has_others: bool,
-    /// Whether points or lines without indices draw all vertices.
+    /// Whether points or lines without indices use all vertices.
     draws_all: bool,
     /// The accessors with the indices of points and lines.
     other_indices: BTreeSet<usize>,
-    /// The accessors with a value for each vertex.
+    /// The accessors with a value per vertex.
     accessors: BTreeSet<usize>,
 }
 
 /// A primitive of the document.
 struct Primitive {
-    /// The number of its set of primitives with accessors in common.
+    /// The set of primitives that share accessors with this one.
     set: usize,
     /// `None` for points and lines.
     part: Option<usize>,
@@ -79,7 +82,7 @@ struct Primitive {
 /// Finds the groups of a scene's parts, in the order of their first parts.
 ///
 /// # Errors
-/// The scene has another number of parts.
+/// `part_count` is not the number of parts of the scene.
 pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>, Error> {
     scene.check_part_count(part_count)?;
     let root = &scene.document.root;
@@ -110,7 +113,7 @@ pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>
         });
         groups[group].parts.push(part);
     }
-    // The set of primitives whose points or lines have the indices; `None` for several sets.
+    // The set of primitives whose points or lines use the indices; `None` if there are several.
     let mut owners: HashMap<usize, Option<usize>> = HashMap::new();
     for primitive in primitives.iter().filter(|primitive| primitive.part.is_none()) {
         let set = sets.root(primitive.set);
@@ -127,10 +130,10 @@ pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>
         let set = sets.root(primitive.set);
         let Some(group) = by_number.get(&set).map(|&group| &mut groups[group]) else { continue };
         if names.names_bytes {
-            group.keep("an extension names bytes of a buffer");
+            group.keep("an extension refers to bytes of a buffer");
         }
         if primitive.may_name_vertices {
-            group.keep("an extension or extras may refer to vertices by number");
+            group.keep("an extension or extras may refer to vertices by index");
         }
         if primitive
             .accessors
@@ -150,14 +153,14 @@ pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>
         let mut views = all().flat_map(|accessor| views_of_accessor(root, accessor));
         if all().any(|a| names.numbers.contains(&a)) || views.any(|view| names.numbers.contains(&view)) {
             group.stay_complete(
-                "an extension or extras may refer to their accessors or buffer views by number",
+                "an extension or extras may refer to their accessors or buffer views by index",
             );
         }
     }
     Ok(groups)
 }
 
-/// Finds the vertices that points and lines draw, within the limit of decoded values for all groups together.
+/// Finds the vertices used by points and lines. One limit on decoded values covers all groups.
 pub(crate) struct OtherVertices<'a> {
     resolver: AccessorResolver<'a>,
     budget: DecodeBudget,
@@ -171,10 +174,10 @@ impl<'a> OtherVertices<'a> {
         }
     }
 
-    /// Marks the vertices of a group that its points and lines draw.
+    /// Marks the vertices of a group that its points and lines use.
     ///
     /// # Errors
-    /// Returns why these vertices are not known.
+    /// The reason why these vertices are unknown.
     pub(crate) fn mark(&mut self, group: &SceneGroup, is_used: &mut [bool]) -> Result<(), String> {
         if group.draws_all {
             is_used.fill(true);
@@ -187,7 +190,7 @@ impl<'a> OtherVertices<'a> {
             let indices = indices.map_err(|error| error.to_string())?;
             let highest = u32::MAX >> (32 - 8 * values.component.bytes());
             if is_used.len() > highest as usize && indices.runs().count() > 1 {
-                return Err("an index of points or lines is either a vertex or a restart".into());
+                return Err("the highest index of points or lines may be a vertex or a restart".into());
             }
             indices.runs().flatten().for_each(|&vertex| is_used[vertex as usize] = true);
         }
@@ -195,8 +198,8 @@ impl<'a> OtherVertices<'a> {
     }
 }
 
-/// Returns the scene with the new numbers of each group's vertices, without those that are dropped. A group for which that is not
-/// possible keeps its vertices, with the reason in [`Renumbering::kept`].
+/// Returns the scene with renumbered vertices and without the removed ones. A group that cannot
+/// change keeps its vertices; [`Renumbering::kept`] has the reason.
 pub(crate) fn apply(
     scene: &Scene,
     found: &[SceneGroup],
@@ -224,7 +227,7 @@ pub(crate) fn apply(
     let moving: HashSet<usize> = arrays.iter().flatten().map(|array| array.accessor).collect();
     let mut owners = ByteOwners::new(&scene.buffers);
     let all_marked = owners.mark_others(&resolver, &moving, &mut budget)?;
-    let shared = if all_marked { "their bytes belong to other data too" } else { OVER_BUDGET };
+    let shared = if all_marked { "other data uses the same bytes" } else { OVER_BUDGET };
     arrays.iter().for_each(|arrays| owners.mark_group(arrays));
     let mut permuted = PermutedBuffers::new(&scene.buffers);
     let mut shrink = Shrink::default();
@@ -294,31 +297,31 @@ impl SceneGroup {
         self.kept.clone().or_else(|| self.has_others.then(|| POINTS_OR_LINES.to_owned()))
     }
 
-    /// Returns the accessors with a value for each vertex, ascending.
+    /// Returns the accessors with a value per vertex, in ascending order.
     pub(in crate::gltf) fn accessors(&self) -> &BTreeSet<usize> {
         &self.accessors
     }
 
-    /// Returns why no vertex can be dropped, if none can.
+    /// Returns why no vertex can be removed, if none can.
     pub(crate) fn why_complete(&self) -> Option<String> {
         self.kept.clone().or_else(|| self.complete.clone())
     }
 }
 
-/// Iterates over the accessors that have a value for each vertex of a primitive.
+/// Iterates over the accessors that have a value per vertex of a primitive.
 pub(in crate::gltf) fn vertex_accessors(primitive: &Value) -> impl Iterator<Item = usize> {
     let attributes = primitive.get("attributes").into_iter().flat_map(values);
     let targets = items(primitive, "targets").iter().flat_map(values);
     attributes.chain(targets).filter_map(index)
 }
 
-/// Checks whether extensions or extras of a mesh or a primitive may refer to vertices by number.
+/// Checks whether extensions or extras of a mesh or a primitive may refer to vertices by index.
 fn may_name_vertices(object: &Value) -> bool {
     let mut extensions =
         object.get("extensions").and_then(Value::as_object).into_iter().flat_map(Members::iter);
     let names_vertices = |(name, value): (&str, &Value)| match name {
         FEATURES => !items(value, "featureIds").iter().all(has_stored_ids),
-        // Extensions about the index order are dropped with the old indices.
+        // Extensions that describe the index order are dropped together with the old indices.
         name => {
             !HARMLESS_EXTENSIONS.contains(&name) && !ORDER_EXTENSIONS.contains(&name) && has_number(value)
         }
@@ -326,18 +329,18 @@ fn may_name_vertices(object: &Value) -> bool {
     object.get("extras").is_some_and(has_number) || extensions.any(names_vertices)
 }
 
-/// Checks whether the ids of a set of features are stored in an attribute or texture.
+/// Checks whether feature ids are stored in an attribute or a texture.
 fn has_stored_ids(features: &Value) -> bool {
     ["attribute", "texture"].iter().any(|key| features.get(key).is_some())
 }
 
 /// The uses of accessors.
 struct OtherUses {
-    /// Those with indices of primitives.
+    /// Accessors with indices of primitives.
     of_indices: HashSet<usize>,
-    /// Those with values of vertices.
+    /// Accessors with vertex values.
     of_vertices: HashSet<usize>,
-    /// Those with a use of another kind.
+    /// Accessors with any other use.
     others: HashSet<usize>,
 }
 
@@ -351,7 +354,7 @@ impl OtherUses {
         }
         let mut others = skin_and_animation_accessors(root)?;
         for node in array(root, "nodes")? {
-            // Instances of a mesh have attributes of their own.
+            // Mesh instances have their own attributes.
             let attributes =
                 node.get("extensions").into_iter().flat_map(values).filter_map(|e| e.get("attributes"));
             others.extend(attributes.flat_map(values).filter_map(index));
@@ -360,7 +363,7 @@ impl OtherUses {
     }
 }
 
-/// Disjoint sets of primitives, joined through the accessors that they share.
+/// Disjoint sets of primitives, joined by shared accessors.
 #[derive(Default)]
 struct PrimitiveSets {
     parents: Vec<usize>,

@@ -1,24 +1,25 @@
-//! Accessors with fewer values, and buffers without the bytes of those that were dropped.
+//! Shortens accessors and removes the bytes of removed values from the buffers.
 //!
 //! ```text
-//! view      ├ positions ──────────┤├ normals ────────────┤├ …      two accessors over the vertices of one group
+//! view      ├ positions ──────────┤├ normals ────────────┤├ …   two accessors of one group
 //! cut off   ├ positions ─┤░░░░░░░░░├ normals ───┤░░░░░░░░░├ …
 //! written   ├ positions ─┤├ normals ───┤├ …
 //! ```
 //! # Algorithm
-//! 1. The accessors of a group get their new count, a sparse one also the new number of its sparse values; the values that stay
-//!    come first already.
-//! 2. Minimum and maximum are computed from the values that stay, for positions, which must have them, and for accessors that
-//!    had them.
-//! 3. The bytes that held the other values are removed, in multiples of 8 bytes so that the alignment of all others stays, unless
-//!    anything else uses them: another accessor, an image, a view without an accessor, a view that an extension or extras
-//!    may name. The values of interleaved accessors end together, so that whole rows are removed.
-//! 4. Views move, and end earlier; accessors keep their distance to the bytes before them. The number of accessors and views stays,
-//!    since anything may refer to them.
+//! 1. The accessors of a group get their new count, sparse accessors also their new number of
+//!    sparse values. The remaining values are already first.
+//! 2. Minimum and maximum are recomputed for positions, which must have them, and for accessors
+//!    that had them.
+//! 3. The bytes of removed values are deleted unless other data uses them: another accessor, an
+//!    image, a view without an accessor, or a view that an extension or extras may refer to. Bytes
+//!    are deleted in multiples of 8, which keeps the alignment of all others. Interleaved accessors
+//!    have the same count, so whole rows are deleted.
+//! 4. Views move and become shorter; accessor offsets are adjusted to match. No accessor or view is
+//!    removed, because anything may refer to them by index.
 //!
 //! # Complexity
-//! Linear in the bytes of the buffers and of the accessors, with the limits of decoded ones; n log n in the number of accessors and
-//! views.
+//! Linear in the bytes of the buffers and of the accessors, with the limits for decoded values; n
+//! log n in the number of accessors and views.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -41,9 +42,9 @@ use crate::gltf::edit::permute::{AccessorLayout, PermutedBuffers, VERTEX_FACTOR}
 #[derive(Default)]
 pub(in crate::gltf) struct Shrink {
     cuts: Vec<Cut>,
-    /// Accessors whose values change: their bounds may, too.
+    /// Accessors whose values change; their bounds may change too.
     changed: BTreeSet<usize>,
-    /// The ranges of each buffer that held values of vertices that are dropped.
+    /// The range of each buffer that held values of removed vertices.
     freed: Vec<(usize, Range<usize>)>,
 }
 
@@ -51,12 +52,12 @@ pub(in crate::gltf) struct Shrink {
 struct Cut {
     accessor: usize,
     count: usize,
-    /// The number of sparse values that stay, if it is a sparse accessor.
+    /// The number of remaining sparse values, for a sparse accessor.
     sparse: Option<usize>,
 }
 
 impl Shrink {
-    /// Adds the accessors of a group whose values are permuted.
+    /// Adds the accessors of a group whose values were permuted.
     pub(in crate::gltf) fn add(
         &mut self,
         arrays: &[AccessorLayout],
@@ -83,12 +84,12 @@ impl Shrink {
         self.changed.insert(accessor);
     }
 
-    /// Adds bytes that held values of an accessor whose values are elsewhere now.
+    /// Adds the old bytes of an accessor whose values were moved.
     pub(in crate::gltf) fn free(&mut self, layout: &AccessorLayout) {
         self.freed.extend(layout.slots().map(|slots| (slots.buffer, slots.span())));
     }
 
-    /// Returns the scene with the accessors cut off, and without the bytes that nothing uses any more.
+    /// Returns the scene with shortened accessors and without unused bytes.
     pub(in crate::gltf) fn apply(self, mut scene: Scene) -> Result<Scene, Error> {
         if self.cuts.is_empty() && self.freed.is_empty() && self.changed.is_empty() {
             return Ok(scene);
@@ -115,7 +116,7 @@ impl Shrink {
             accessor.insert("count", cut.count);
             match cut.sparse {
                 None => {}
-                // A sparse accessor must have a sparse value.
+                // A sparse accessor must have at least one sparse value.
                 Some(0) => accessor.remove("sparse"),
                 Some(count) => {
                     let sparse = accessor.get_mut("sparse").and_then(Value::as_object_mut);
@@ -148,20 +149,20 @@ impl Shrink {
                     members.insert("min", lowest);
                     members.insert("max", highest);
                 }
-                // JSON has no words for values that are not finite.
+                // JSON cannot represent values that are not finite.
                 None => ["min", "max"].into_iter().for_each(|name| members.remove(name)),
             }
         }
         Ok(())
     }
 
-    /// Plans the bytes that are removed from each buffer.
+    /// Plans which bytes are removed from each buffer.
     fn plan_removal(self, scene: &Scene) -> Result<Vec<RemovedBytes>, Error> {
         let (root, buffers) = (&scene.document.root, &scene.buffers);
         let resolver = AccessorResolver { root, buffers };
         let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, VERTEX_FACTOR, buffers);
         let mut kept: Vec<Vec<Range<usize>>> = vec![Vec::new(); buffers.len()];
-        // 1. Values of accessors. The views of an accessor that is not understood stay whole.
+        // 1. Values of accessors. If an accessor cannot be decoded, its views are kept completely.
         let mut whole = ExtensionNumbers::of(root).numbers;
         for accessor in 0..array(root, "accessors")?.len() {
             match AccessorLayout::find(&resolver, accessor, &mut budget) {
@@ -169,13 +170,13 @@ impl Shrink {
                 Err(_) => whole.extend(views_of_accessor(root, accessor)),
             }
         }
-        // 2. Views that are more than the values of accessors.
+        // 2. Views that hold more than values of accessors.
         let images = array(root, "images")?.iter();
         whole.extend(images.filter_map(|image| index(image.get("bufferView")?)));
         for (v, view) in array(root, "bufferViews")?.iter().enumerate() {
             let (buffer, range) = view_range(v, view, buffers)?;
             let is_whole = whole.contains(&v) || view.get("extensions").is_some();
-            // A view must have a byte, also if no accessor uses it any more.
+            // A view must have at least one byte, even if no accessor uses it.
             let is_empty = range.is_empty();
             let end = if is_whole || is_empty { range.end } else { range.start + 1 };
             kept[buffer].push(range.start..end);
@@ -186,7 +187,7 @@ impl Shrink {
     }
 }
 
-/// Moves the views and the accessors to the bytes that stay.
+/// Moves views and accessors to the new offsets of the remaining bytes.
 fn move_views(scene: &mut Scene, removed: &[RemovedBytes]) -> Result<(), Error> {
     let (root, buffers) = (&mut scene.document.root, &scene.buffers);
     let views = array(root, "bufferViews")?.iter().enumerate();
@@ -196,7 +197,7 @@ fn move_views(scene: &mut Scene, removed: &[RemovedBytes]) -> Result<(), Error> 
         set(view, "byteOffset", range.start, start);
         set(view, "byteLength", range.len(), end - start);
     }
-    // The offset of values that begin within a view.
+    // The old and new offset of values within their view.
     let moved = |holder: &Value| {
         let (buffer, range) = old.get(index(holder.get("bufferView")?)?)?;
         let offset = holder.get("byteOffset").and_then(index).unwrap_or(0);
@@ -228,7 +229,7 @@ fn move_views(scene: &mut Scene, removed: &[RemovedBytes]) -> Result<(), Error> 
     Ok(())
 }
 
-/// Sets a member that changes.
+/// Sets a member if its value changes.
 fn set(object: &mut Value, name: &str, old: usize, new: usize) {
     if let Some(members) = Some(object).filter(|_| old != new).and_then(Value::as_object_mut) {
         members.insert(name, new);

@@ -1,22 +1,27 @@
-//! Animations with fewer keyframes: those that the interpolation of their neighbours gives back are removed.
+//! Reduces the keyframes of animations: removes those that interpolation of their neighbours
+//! reproduces.
 //!
 //! ```text
-//! value      ·   ·                       kept: the first, the last, and where the direction changes
+//! value      ·   ·                       kept: first, last, and changes of direction
 //!          ·       ·   ·   ·   ·
 //!        ·
 //! kept   x       x     x           x
 //! ```
 //! # Algorithm
-//! 1. Each sampler of translations, rotations, scales or morph weights becomes a track: times, and the values at them.
-//! 2. A track whose values are all equal keeps its first keyframe, if other tracks of the animation have its first and its last time, so
-//!    that the animation begins and ends as before; otherwise the first and the last one. If moreover the value is the one that the node
-//!    has without the animation, and no other animation moves that property, the channel is removed.
-//! 3. In other linear tracks a keyframe is kept where the segment from the last one that was kept, which ends one keyframe later, would be
-//!    further than the tolerance from one of the keyframes inside it. Between keyframes both are segments, or arcs of the same circle,
-//!    so that no point is further. A segment has a bounded number of keyframes inside, and an arc of a rotation at most 46 degrees, so that
-//!    players that interpolate rotations in another way show the same.
-//! 4. In tracks with steps a keyframe is kept where its value differs from the one before. Cubic splines keep all keyframes.
-//! 5. Samplers without a channel are removed. Rotations are rounded to 16 bits, if that is asked for.
+//! 1. Each sampler of translations, rotations, scales or morph weights becomes a track of times and
+//!    values.
+//! 2. A track with equal values keeps its first keyframe if other tracks of the animation have its
+//!    first and its last time, so the animation keeps its start and end; otherwise it keeps the
+//!    first and the last. If the value also equals the node's own value, and no other animation
+//!    changes that property, the channel is removed.
+//! 3. In other linear tracks, a keyframe is kept if the segment from the last kept keyframe to the
+//!    next one would deviate from a keyframe in between by more than the tolerance. Between
+//!    keyframes, both curves are line segments or arcs of the same circle, so the error is largest
+//!    at the keyframes. The number of keyframes per segment is bounded. An arc of a rotation spans
+//!    at most 46 degrees, because players may interpolate rotations differently.
+//! 4. In step tracks, a keyframe is kept if its value differs from the previous one. Cubic splines
+//!    keep all keyframes.
+//! 5. Samplers without a channel are removed. Rotations are rounded to 16 bits if requested.
 
 mod track;
 
@@ -34,10 +39,10 @@ use crate::gltf::document::spec::ComponentType;
 use crate::gltf::document::{Located, array, index, items, uses};
 use crate::gltf::edit::permute::VERTEX_FACTOR;
 
-/// The bytes of the JSON of an accessor, about: what keyframes of its own cost a track.
+/// Approximate JSON size of an accessor in bytes: the cost of separate keyframe times for a track.
 const ACCESSOR_BYTES: usize = 120;
 
-/// Removes keyframes, and channels that change nothing.
+/// Removes keyframes, and channels without effect.
 pub(super) fn reduce(scene: &mut Packing, rounding: Rounding) -> Result<(), Error> {
     let root = &scene.document.root;
     let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, VERTEX_FACTOR, &scene.buffers);
@@ -57,13 +62,13 @@ pub(super) fn reduce(scene: &mut Packing, rounding: Rounding) -> Result<(), Erro
     Ok(())
 }
 
-/// Decodes the samplers of an animation; `None` for those that must stay.
+/// Decodes the samplers of an animation; `None` for samplers that must not change.
 fn tracks(scene: &Packing, animation: &Value, budget: &mut DecodeBudget) -> Vec<Option<Track>> {
     let samplers = items(animation, "samplers");
     let mut paths: Vec<HashSet<&str>> = vec![HashSet::new(); samplers.len()];
     for channel in items(animation, "channels") {
         let sampler = channel.get("sampler").and_then(index).and_then(|sampler| paths.get_mut(sampler));
-        // What an extension moves has no path of the specification.
+        // A channel that an extension targets has no path of the specification.
         let path = target(channel).map_or("", |(_, path)| path);
         sampler.into_iter().for_each(|paths| paths.extend([path]));
     }
@@ -75,18 +80,18 @@ fn tracks(scene: &Packing, animation: &Value, budget: &mut DecodeBudget) -> Vec<
     decoded.collect()
 }
 
-/// Returns the node and the property that a channel moves.
+/// Returns the node and the property that a channel animates.
 fn target(channel: &Value) -> Option<(usize, &str)> {
     let target = channel.get("target").filter(|target| target.get("extensions").is_none())?;
     Some((target.get("node").and_then(index)?, target.get("path")?.as_str()?))
 }
 
-/// The properties that animations move.
+/// The animated properties.
 struct Targets<'a> {
     root: &'a Members,
     /// The number of channels by node and property.
     channels: HashMap<(usize, &'a str), usize>,
-    /// Whether an extension may move properties, too.
+    /// Whether an extension may animate further properties.
     has_pointers: bool,
 }
 
@@ -99,7 +104,7 @@ impl<'a> Targets<'a> {
         Ok(Self { root, channels, has_pointers: uses(root, "KHR_animation_pointer") })
     }
 
-    /// Checks whether a channel only sets what its node has anyway, and nothing else moves it.
+    /// Checks whether a channel only sets its node's own value and nothing else animates it.
     fn is_at_rest(&self, channel: &Value, track: &Track) -> bool {
         let Some((number, path)) = target(channel).filter(|_| !self.has_pointers) else { return false };
         let default: &[f64] = match path {
@@ -122,12 +127,12 @@ impl<'a> Targets<'a> {
     }
 }
 
-/// How an animation changes.
+/// The changes of an animation.
 #[derive(Default)]
 struct AnimationChange {
     /// The new times and values of samplers.
     samplers: HashMap<usize, (usize, usize)>,
-    /// The channels that are removed.
+    /// The removed channels.
     channels: HashSet<usize>,
 }
 
@@ -145,7 +150,7 @@ impl AnimationChange {
         let last = known().map(Track::last_time).fold(f32::NEG_INFINITY, f32::max);
         let mut moving = known().filter(|track| !track.is_constant());
         let begins = moving.clone().any(|track| track.first_time() <= first);
-        // The animation begins and ends with tracks that keep their first and last keyframes.
+        // The tracks that keep their first and last keyframes cover the whole animation.
         let is_covered = begins && moving.any(|track| track.last_time() >= last);
         for (number, track) in tracks.iter().enumerate() {
             let Some(track) = track else { continue };
@@ -155,7 +160,7 @@ impl AnimationChange {
                 false => track.kept(),
             };
             let removed = track.len().saturating_sub(kept.len());
-            // Tracks of one or two keyframes have the same times as others.
+            // Tracks of one or two keyframes share their times with others.
             let cost = if kept.len() <= 2 { 0 } else { ACCESSOR_BYTES + 4 * kept.len() };
             let rounds = rounding == Rounding::WeightsAndRotations && track.rounded(0).is_some();
             let pays = removed * track.key_bytes() > cost;
@@ -193,7 +198,7 @@ impl AnimationChange {
         let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else { return };
         let mut number = 0..;
         channels.retain(|_| number.next().is_none_or(|number| !self.channels.contains(&number)));
-        // The samplers of the other channels, with their new numbers.
+        // The samplers that are still used, by their new indices.
         let mut used: Vec<usize> =
             channels.iter().filter_map(|channel| channel.get("sampler").and_then(index)).collect();
         used.sort_unstable();
@@ -212,7 +217,7 @@ impl AnimationChange {
     }
 }
 
-/// Adds the times and the values of the keyframes that are kept.
+/// Adds the times and values of the kept keyframes.
 fn add(track: &Track, kept: &[usize], rounds: bool, new: &mut AppendedAccessors) -> (usize, usize) {
     let times: Vec<f32> = kept.iter().map(|&key| track.time(key)).collect();
     let bytes: Vec<u8> = times.iter().flat_map(|time| time.to_le_bytes()).collect();

@@ -1,16 +1,21 @@
-//! The buffer laid out again: arrays of one kind in one buffer view, equal ones once, without accessors and bytes that nothing uses.
+//! Lays out the buffer again: arrays of one kind share a buffer view, identical arrays are stored
+//! once, and unused accessors and bytes are removed.
 //!
 //! ```text
 //! views before   ├positions┤├joints┤├positions┤├image┤├times┤├times┤├indices┤
 //! views after    ├positions positions┤├joints┤├indices┤├times┤├image┤
 //! ```
 //! # Algorithm
-//! 1. Accessors that meshes, skins or animations refer to stay, and all up to the last that an extension may name.
-//! 2. A view that only accessors of one kind use, and that no other view overlaps, is taken apart into arrays. Accessors whose values
-//!    interleave or overlap are one array; the rows of others are written without the bytes between them.
-//! 3. Arrays of one kind and stride share a view, each from a multiple of 4 bytes on. Of arrays with equal bytes one is written.
-//! 4. All other views stay whole. Those that overlap are written as one range of bytes, so that nothing is written twice.
-//! 5. Accessors that are equal then are one, unless they have a name, extensions or extras.
+//! 1. Keep accessors that meshes, skins or animations use, and all accessors up to the highest
+//!    index that an extension may contain.
+//! 2. Split a view into arrays if only accessors of one kind use it and no other view overlaps it.
+//!    Accessors whose values interleave or overlap form one array; the values of other arrays are
+//!    written without padding between them.
+//! 3. Write arrays of one kind and stride to a common view, each aligned to 4 bytes. Write
+//!    identical arrays once.
+//! 4. Copy all other views unchanged. Overlapping views are copied as one byte range, so no byte is
+//!    written twice.
+//! 5. Merge accessors that are now equal, unless they have a name, extensions or extras.
 
 mod arrays;
 mod bytes;
@@ -28,19 +33,19 @@ use crate::gltf::document::json::{JsonContent, Members, Value};
 use crate::gltf::document::{Document, array};
 use crate::gltf::write::keep::compact::set_buffer;
 
-/// Lays the scene out; `None` if a reference of the document leads nowhere.
+/// Lays out the scene. Returns `None` if a reference in the document is invalid.
 pub(super) fn lay_out(scene: Packing) -> Result<Option<GlbContent>, Error> {
     let Some(uses) = Uses::of(&scene)? else { return Ok(None) };
     let Some(views) = ViewArrays::of(&scene, &uses)? else { return Ok(None) };
     let layout = BufferLayout::of(&scene, &views)?;
     let Packing { mut document, fixed, .. } = scene;
 
-    // 1. The accessors, of which equal ones become one.
+    // 1. The accessors; equal ones are merged.
     let (accessors, numbers) = accessors(&document, &uses, &layout, fixed.accessors)?;
     let root = &mut document.root;
     for (list, entries) in [("accessors", accessors), ("bufferViews", layout.views)] {
         root.remove(list);
-        // An empty list is not allowed.
+        // glTF does not allow empty lists.
         if !entries.is_empty() {
             root.insert(list, JsonContent::Array(entries));
         }
@@ -52,7 +57,7 @@ pub(super) fn lay_out(scene: Packing) -> Result<Option<GlbContent>, Error> {
     Ok(Some(GlbContent { document, buffer: layout.bytes.into() }))
 }
 
-/// Returns the accessors that stay, and the new number of each old one.
+/// Returns the remaining accessors and the new index of each old one.
 fn accessors(
     document: &Document,
     uses: &Uses,
@@ -72,7 +77,7 @@ fn accessors(
         let new = if is_own {
             kept.len()
         } else {
-            // In any order of the members.
+            // The key is independent of the order of members.
             let members = moved.as_object().into_iter().flat_map(Members::iter);
             let mut key: Vec<_> =
                 members.map(|(name, value)| (name.to_owned(), document.text_of(value))).collect();

@@ -1,4 +1,4 @@
-//! A document while it is packed: what must stay, and accessors that are added.
+//! A document during packing: fixed entries and appended accessors.
 
 use serde_json::json;
 
@@ -9,26 +9,28 @@ use crate::gltf::document::json::{Members, Value};
 use crate::gltf::document::references::ExtensionNumbers;
 use crate::gltf::document::{Document, array, entries_mut, list_mut};
 
-/// Members of an accessor, or of a view, that must not be lost.
+/// Members of accessors and views that must be preserved.
 pub(super) const OWN_MEMBERS: [&str; 3] = ["name", "extensions", "extras"];
 
 /// What [`pack`](super::pack()) may round.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Rounding {
-    /// Nothing: vertices and the JSON keep their values, and a track of an animation is nowhere further than a millionth of
-    /// its greatest value from what it was.
+    /// Nothing. Vertices and JSON values are preserved exactly; animation tracks change by at most
+    /// a millionth of their largest absolute value.
     #[default]
     None,
-    /// Weights of joints to 16 bits, which changes each by less than 1/65535 where those of a vertex sum to 1. Numbers that place nodes, where
-    /// they are 32-bit floats, are written with the fewest digits of these: as 64-bit floats they change by less than 1e-7 of their value.
+    /// Joint weights to 16 bits: each changes by less than 1/65535 if the weights of a vertex sum
+    /// to 1. Node transforms that are exact 32-bit floats are written with the fewest digits of
+    /// these; as 64-bit floats, they change by a relative error below 1e-7.
     Weights,
-    /// Weights of joints to 8 bits, which changes each by less than 1/255; rotations of animations to 16 bits, which changes each
-    /// component of a quaternion by at most 1/65534, the angle by less than 0.004 degrees; numbers that place nodes as by `Weights`.
+    /// Joint weights to 8 bits: each changes by less than 1/255. Animated rotations to 16 bits:
+    /// each quaternion component changes by at most 1/65534, the angle by less than 0.004 degrees.
+    /// Node transforms as with `Weights`.
     WeightsAndRotations,
 }
 
-/// A document while it is packed.
+/// A document during packing.
 pub(super) struct Packing {
     pub(super) document: Document,
     pub(super) buffers: Vec<SharedBytes>,
@@ -40,7 +42,8 @@ impl Packing {
         AccessorResolver { root: &self.document.root, buffers: &self.buffers }
     }
 
-    /// Appends accessors with values of their own, from the number on that [`AppendedAccessors::of`] found.
+    /// Appends accessors and their values, starting at the index that [`AppendedAccessors::of`]
+    /// determined.
     pub(super) fn append(&mut self, new: AppendedAccessors) -> Result<(), Error> {
         if new.accessors.is_empty() {
             return Ok(());
@@ -62,9 +65,9 @@ impl Packing {
     }
 }
 
-/// Accessors that are to be appended, each with a view of its own.
+/// Accessors to append, each with its own view.
 pub(super) struct AppendedAccessors {
-    /// The number of accessors that are there already.
+    /// The number of existing accessors.
     first: usize,
     bytes: Vec<u8>,
     views: Vec<(usize, usize)>,
@@ -77,7 +80,7 @@ impl AppendedAccessors {
         Ok(Self { first, bytes: Vec::new(), views: Vec::new(), accessors: Vec::new() })
     }
 
-    /// Adds an accessor over at least one byte; returns its number.
+    /// Adds an accessor over at least one byte and returns its index.
     pub(super) fn add(&mut self, bytes: &[u8], accessor: impl Into<Value>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         self.views.push((self.bytes.len(), bytes.len()));
@@ -87,7 +90,8 @@ impl AppendedAccessors {
     }
 }
 
-/// How many of the first accessors and buffer views keep their numbers and values, since extensions or extras may name them.
+/// The number of leading accessors and buffer views that keep their indices and values, because
+/// extensions or extras may refer to them.
 #[derive(Clone, Copy)]
 pub(super) struct Fixed {
     pub(super) accessors: usize,
@@ -105,7 +109,8 @@ impl Fixed {
     }
 }
 
-/// Returns the members of an entry of one of the document's arrays for a change, if it is an object.
+/// Returns the members of an entry of a top-level array for modification, if the entry is an
+/// object.
 pub(super) fn entry_mut<'a>(
     root: &'a mut Members,
     list: &str,

@@ -1,8 +1,9 @@
-//! JSON without what it need not say: members with the value that a missing member has, bounds that are not required, and digits.
+//! Removes redundant JSON: members that equal the default, optional bounds, and unnecessary digits.
 //!
-//! Nothing inside extensions and extras changes. A number keeps its value as a 64-bit float; only the bounds of 32-bit floats, which the
-//! specification says are to be rounded to these, are written with the fewest digits of the 32-bit float. With rounding so are the numbers
-//! that place nodes, where they are exactly 32-bit floats: programs that read them as such read the same.
+//! Extensions and extras are not changed. Numbers keep their value as 64-bit floats, with two
+//! exceptions. The bounds of 32-bit floats, which the specification rounds to that type, are
+//! written with the fewest digits of the 32-bit float. With rounding, so are node transforms that
+//! are exact 32-bit floats, which is lossless for programs that read them as such.
 
 use std::collections::HashSet;
 
@@ -12,7 +13,7 @@ use crate::gltf::document::json::{JsonContent, Members, Value};
 use crate::gltf::document::references::position_accessors;
 use crate::gltf::document::{array, entries_mut, index, items};
 
-/// Removes what need not be said.
+/// Removes redundant JSON.
 pub(super) fn tidy(scene: &mut Packing, rounding: Rounding) -> Result<(), Error> {
     let fixed = scene.fixed.accessors;
     let root = &mut scene.document.root;
@@ -52,10 +53,10 @@ pub(super) fn tidy(scene: &mut Packing, rounding: Rounding) -> Result<(), Error>
     Ok(())
 }
 
-/// Members that place a node.
+/// Members of a node's transform.
 const PLACES: [&str; 4] = ["translation", "rotation", "scale", "matrix"];
 
-/// Members whose default the specification states, as JSON, by the array of the document.
+/// Members with defaults in the specification, as JSON, by top-level array.
 const DEFAULTS: [(&str, &[(&str, &str)]); 5] = [
     ("accessors", &[("byteOffset", "0"), ("normalized", "false")]),
     ("bufferViews", &[("byteOffset", "0")]),
@@ -86,7 +87,7 @@ fn remove_defaults(entry: &mut Value, defaults: &[(&str, &str)]) {
     }
 }
 
-/// Compares a value with JSON of an array of numbers, a number, a string or a bool.
+/// Compares a value with the JSON of an array of numbers, a number, a string or a bool.
 fn equals(value: &Value, json: &str) -> bool {
     match &value.content {
         JsonContent::Array(items) => {
@@ -96,7 +97,7 @@ fn equals(value: &Value, json: &str) -> bool {
             })
         }
         JsonContent::Whole(_) | JsonContent::Number(_) => {
-            // A negative zero is not the default: its sign may count.
+            // Negative zero is not the default, because its sign may matter.
             number(value)
                 .zip(json.parse::<f64>().ok())
                 .is_some_and(|(found, default)| found.to_bits() == default.to_bits())
@@ -115,7 +116,8 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// Writes all numbers with the fewest digits of the same 64-bit float, except inside extensions and extras.
+/// Writes all numbers outside extensions and extras with the fewest digits of the same 64-bit
+/// float.
 fn shorten_numbers(value: &mut Value) {
     match &value.content {
         JsonContent::Array(items) if items.iter().any(may_shorten) => {
@@ -140,7 +142,7 @@ fn may_shorten(value: &Value) -> bool {
     matches!(value.content, JsonContent::Number(_) | JsonContent::Array(_) | JsonContent::Object(_))
 }
 
-/// Checks whether a number is exactly a 32-bit float.
+/// Checks whether a number is exactly representable as a 32-bit float.
 fn is_float(value: &Value) -> bool {
     number(value).is_some_and(|x| f64::from(x as f32).to_bits() == x.to_bits())
 }
@@ -153,13 +155,13 @@ fn shorten_float(value: &mut Value) {
     }
 }
 
-/// Returns the shorter one of the two notations of a float.
+/// Returns the shorter of the decimal and the exponent notation of a float.
 fn shortest(x: &(impl std::fmt::Display + std::fmt::LowerExp)) -> String {
     let (plain, exponent) = (x.to_string(), format!("{x:e}"));
     if exponent.len() < plain.len() { exponent } else { plain }
 }
 
-/// Returns the accessors with the times of keyframes.
+/// Returns the accessors of keyframe times.
 fn times(root: &Members) -> Result<HashSet<usize>, Error> {
     let samplers = array(root, "animations")?.iter().flat_map(|animation| items(animation, "samplers"));
     Ok(samplers.filter_map(|sampler| index(sampler.get("input")?)).collect())

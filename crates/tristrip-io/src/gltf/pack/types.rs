@@ -1,12 +1,14 @@
-//! Arrays in smaller types: joints and indices where the smaller type holds every value; weights where it holds every value exactly, or
-//! rounded on request.
+//! Stores arrays in smaller types: joints and indices if the type can represent every value,
+//! weights if it represents every value exactly or if rounding is requested.
 //!
 //! # Algorithm
-//! 1. Each accessor that has one meaning everywhere, with values one directly after the other, is decoded.
-//! 2. Joints become 8 bits, and indices of points, lines and triangle lists the smallest type in which no index has the highest value.
-//! 3. Weights become 8 bits where each is exactly k/255, 16 where each is exactly k/65535. With rounding to h = 255 or 65535 each becomes
-//!    ⌊h w⌋/h, and those with the largest remainders 1/h more, so that the four of a vertex sum to 1 as the specification requires, if they
-//!    did before.
+//! 1. Decode each accessor that has the same use everywhere and contiguous values.
+//! 2. Store joints in 8 bits if possible, and indices of points, lines and triangle lists in the
+//!    smallest type whose highest value no index has.
+//! 3. Store weights in 8 bits if each is exactly k/255, in 16 bits if each is exactly k/65535. With
+//!    rounding to h = 255 or 65535, each weight becomes ⌊h w⌋/h, and the weights with the largest
+//!    remainders get 1/h more until the four weights of a vertex sum to 1, if they did before. The
+//!    specification requires this sum.
 
 #![allow(clippy::cast_sign_loss, reason = "indices, joints and weights are not negative")]
 
@@ -26,20 +28,20 @@ use crate::gltf::document::spec::TRIANGLES;
 use crate::gltf::document::{Located, array, index, items, values, whole};
 use crate::gltf::edit::permute::VERTEX_FACTOR;
 
-/// The greatest difference between 1 and the sum of a vertex's weights, above which the sum is not meant to be 1.
+/// Maximum difference between 1 and the sum of a vertex's weights for the sum to count as 1.
 const SUM_TOLERANCE: f64 = 1e-3;
 
-/// What the values of an accessor mean.
+/// The use of an accessor's values.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Meaning {
     Joints,
-    /// All weights of a vertex.
+    /// The only weights of each vertex.
     Weights,
     Indices,
     Other,
 }
 
-/// Gives accessors smaller types.
+/// Stores accessors in smaller types.
 pub(super) fn narrow(scene: &mut Packing, rounding: Rounding) -> Result<(), Error> {
     let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, VERTEX_FACTOR, &scene.buffers);
     let root = &scene.document.root;
@@ -51,14 +53,14 @@ pub(super) fn narrow(scene: &mut Packing, rounding: Rounding) -> Result<(), Erro
         }
         let number = Value::from(accessor);
         let reference = Located { value: &number, at: format!("accessors[{accessor}]") };
-        // What cannot be decoded stays as it is.
+        // Values that cannot be decoded are not changed.
         let Ok(values) = scene.resolver().values(&reference) else { continue };
         let is_plain =
             values.is_packed() && !values.matrix && budget.try_charge(values.count, 2 * values.element);
         if let Some((component, bytes)) =
             Some(values).filter(|_| is_plain).and_then(|v| narrowed(&v, meaning, rounding))
         {
-            // The smaller values are elsewhere, without their old bounds.
+            // The smaller values are in a new view and have no bounds.
             let old = array(root, "accessors")?.get(accessor).and_then(Value::as_object);
             let Some(mut members) = old.cloned() else { continue };
             ["byteOffset", "min", "max", "sparse"].into_iter().for_each(|name| members.remove(name));
@@ -81,7 +83,7 @@ pub(super) fn narrow(scene: &mut Packing, rounding: Rounding) -> Result<(), Erro
     Ok(())
 }
 
-/// Returns the meaning of each accessor that primitives use.
+/// Returns the use of each accessor that primitives refer to.
 fn meanings(root: &Members) -> Result<BTreeMap<usize, Meaning>, Error> {
     let mut found: BTreeMap<usize, Meaning> = BTreeMap::new();
     let mut add = |value: &Value, meaning: Meaning| {
@@ -105,7 +107,7 @@ fn meanings(root: &Members) -> Result<BTreeMap<usize, Meaning>, Error> {
         }
         items(primitive, "targets").iter().flat_map(values).for_each(|value| add(value, Meaning::Other));
         if let Some(indices) = primitive.get("indices") {
-            // In the other modes the highest value may be a restart.
+            // In the other modes, the highest value may be a restart.
             let mode = primitive.get("mode").map_or(Some(TRIANGLES), whole);
             let is_list = matches!(mode, Some(0 | 1 | TRIANGLES));
             add(indices, if is_list { Meaning::Indices } else { Meaning::Other });
@@ -117,7 +119,7 @@ fn meanings(root: &Members) -> Result<BTreeMap<usize, Meaning>, Error> {
     Ok(found)
 }
 
-/// Returns the values in a smaller type.
+/// Returns the values in a smaller type, if there is one.
 fn narrowed(
     values: &AccessorValues<'_>,
     meaning: Meaning,
@@ -136,7 +138,7 @@ fn narrowed(
         return weights(all.as_chunks::<4>().0, rounding);
     }
     let highest = all.clone().fold(0.0, f64::max);
-    // An index may not have the highest value of its type.
+    // An index must not have the highest value of its type.
     let one = f64::from(u8::from(meaning == Meaning::Indices));
     match component {
         _ if highest + one <= 255.0 => Some((ComponentType::U8, all.map(|x| x as u8).collect())),
@@ -147,7 +149,7 @@ fn narrowed(
     }
 }
 
-/// Returns weights in fewer bits: the same ones or, with rounding, those with a sum of 1 that are nearest.
+/// Returns weights in fewer bits: exactly, or rounded to the nearest values with the same sum.
 fn weights(all: &[[f64; 4]], rounding: Rounding) -> Option<(ComponentType, Vec<u8>)> {
     let exact = [ComponentType::U8, ComponentType::U16].into_iter().find_map(|component| {
         let fours = all.iter().map(|&four| exact(four, highest(component)));
@@ -162,7 +164,7 @@ fn weights(all: &[[f64; 4]], rounding: Rounding) -> Option<(ComponentType, Vec<u
         let fours = all.iter().map(|&four| nearest(four, highest(component)));
         Some((component, fours.collect::<Option<Vec<_>>>()?))
     };
-    // Rounding to fewer bits than the exact weights need is a request.
+    // If 8 bits were requested, an exact 16-bit result does not suffice.
     let is_enough = |(component, _): &(ComponentType, _)| {
         rounding != Rounding::WeightsAndRotations || *component == ComponentType::U8
     };
@@ -176,12 +178,13 @@ fn weights(all: &[[f64; 4]], rounding: Rounding) -> Option<(ComponentType, Vec<u
     Some((component, bytes))
 }
 
-/// Returns the value of the weight 1 in a type of 8 or 16 bits.
+/// Returns the integer that represents the weight 1 in 8 or 16 bits.
 fn highest(component: ComponentType) -> u16 {
     if component == ComponentType::U8 { 255 } else { u16::MAX }
 }
 
-/// Returns four weights as parts of a highest number, if they have exactly these values, and the sum 1.
+/// Returns four weights as multiples of 1/`highest`, if they are exactly representable and sum to
+/// 1.
 fn exact(four: [f64; 4], highest: u16) -> Option<[u16; 4]> {
     let parts = four.map(|weight| (weight * f64::from(highest)).round());
     let is_exact = four.iter().zip(&parts).all(|(weight, &part)| {
@@ -193,8 +196,8 @@ fn exact(four: [f64; 4], highest: u16) -> Option<[u16; 4]> {
     (is_exact && sum == u32::from(highest)).then_some(parts)
 }
 
-/// Returns four weights as the nearest parts of a highest number; `None` if one is no weight. If their sum is 1, that of the parts is the
-/// highest number.
+/// Returns four weights as the nearest multiples of 1/`highest`, or `None` if one is outside 0 to
+/// 1. If the weights sum to 1, the results sum to `highest`.
 fn nearest(four: [f64; 4], highest: u16) -> Option<[u16; 4]> {
     if !four.iter().all(|weight| (0.0..=1.0 + SUM_TOLERANCE).contains(weight)) {
         return None;

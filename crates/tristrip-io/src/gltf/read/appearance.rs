@@ -1,17 +1,20 @@
-//! What a scene shows: where its nodes place each part, and the base colours of its materials, for images.
+//! The appearance of a scene for rendering: the instances of its parts, and the base colours of its
+//! materials.
 //!
 //! ```text
-//! scene ─▶ nodes ─▶ mesh ─▶ primitives that became parts: one instance each, with the product of the nodes' transforms
+//! scene ─▶ nodes ─▶ mesh ─▶ primitives: one instance per part, transformed by the nodes
 //!                └▶ skin ─▶ the matrices of its joints
 //! part ─▶ material ─▶ base colour factor, texture ─▶ sampler: wrapping
 //!                                                 └▶ image ─▶ buffer view, data URI or file
 //! ```
-//! The pose is the rest pose of the file ([`Skin`], [`Scene::morph_reader`]): animations are not applied. As the specification requires,
-//! the transform of a node with a skin is ignored. Images are found, not decoded.
+//! The pose is the rest pose of the file ([`Skin`], [`Scene::morph_reader`]); animations are not
+//! applied. As the specification requires, the transform of a node with a skin is ignored. Images
+//! are located but not decoded.
 //!
 //! # Complexity
-//! Linear in nodes, instances and materials; an image in a buffer is shared, not copied. Many nodes that place a mesh with many primitives
-//! would have more instances than the file has bytes: their number is limited.
+//! Linear in nodes, instances and materials; an image in a buffer is shared, not copied. The number
+//! of instances is limited, because many nodes that share a mesh of many primitives could produce
+//! more instances than the file has bytes.
 
 use std::path::Path;
 
@@ -26,20 +29,21 @@ use crate::gltf::read::placements::Placement;
 use crate::gltf::read::pose::{Skin, SkinReader};
 use crate::materials::image_size;
 
-/// The extension that moves texture coordinates.
+/// The extension that transforms texture coordinates.
 const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
-/// The number of instances that any scene may have.
+/// Maximum number of instances of a scene, plus [`INSTANCES_PER_NODE`] per node with a mesh.
 const FREE_INSTANCES: usize = 1 << 20;
 
-/// The further instances per node that places a mesh.
+/// Additional instances allowed per node with a mesh.
 const INSTANCES_PER_NODE: usize = 4;
 
-/// What a scene shows.
+/// The appearance of a scene.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Appearance {
-    /// The parts in the places where the scene shows them, in the order of its nodes. A scene without meshes shows each part once.
+    /// The instances of the parts, in the order of the scene's nodes. If the scene has no meshes,
+    /// each part has one instance.
     pub instances: Vec<Instance>,
     /// The distinct skins of the instances.
     pub skins: Vec<Skin>,
@@ -47,35 +51,37 @@ pub struct Appearance {
     pub materials: Vec<Material>,
     /// The distinct images of the materials.
     pub images: Vec<Image>,
-    /// What is not shown as the file has it, in words.
+    /// The differences between this appearance and the file, as text.
     pub notes: Vec<String>,
 }
 
-/// A part in a place of the scene.
+/// A part at a position in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
-    /// The number of the part.
+    /// The index of the part.
     pub part: usize,
-    /// The rows of the affine transform from the part to the scene: three columns of the linear map, then the translation.
+    /// The rows of the affine transform from the part to the scene: three columns of the linear
+    /// map, then the translation.
     pub transform: [[f64; 4]; 3],
-    /// The number of the node that places it; `None` in a library of meshes.
+    /// The index of the node; `None` if the document has no node with a mesh.
     pub node: Option<usize>,
-    /// The index in [`Appearance::skins`] of the joints that place its vertices.
+    /// The index in [`Appearance::skins`] of the skin that deforms the vertices.
     pub skin: Option<usize>,
 }
 
-/// The surface of a material, without maps other than that of the base colour. The default is that of glTF: white metal without a texture.
+/// A material, without maps other than the base colour. The default is that of glTF: white metal
+/// without a texture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Red, green and blue in linear light, and alpha.
     pub base_colour: [f32; 4],
-    /// The texture that the base colour is multiplied by.
+    /// The texture that is multiplied with the base colour.
     pub texture: Option<Texture>,
-    /// The factor of the metalness, from 0 to 1.
+    /// The metalness factor, from 0 to 1.
     pub metalness: f32,
-    /// The factor of the roughness, from 0 to 1.
+    /// The roughness factor, from 0 to 1.
     pub roughness: f32,
-    /// Whether the alpha of the base colour mixes it with what is behind.
+    /// Whether the alpha of the base colour blends it with the background.
     pub is_blended: bool,
 }
 
@@ -90,28 +96,28 @@ impl Default for Material {
 pub struct Texture {
     /// The index in [`Appearance::images`].
     pub image: usize,
-    /// The number of the texture coordinates: 0 for `TEXCOORD_0`.
+    /// The set of texture coordinates: 0 for `TEXCOORD_0`.
     pub coordinates: u32,
-    /// What happens outside 0 to 1, in u and v.
+    /// Wrapping in u and v.
     pub wrap: [Wrap; 2],
 }
 
-/// What a texture shows outside the coordinates 0 to 1.
+/// How a texture continues outside the coordinates 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wrap {
-    /// The image again.
+    /// The image repeats.
     #[default]
     Repeat,
-    /// The image again, every other time mirrored.
+    /// The image repeats; every other copy is mirrored.
     Mirror,
-    /// The pixels of its border.
+    /// The border pixels are extended.
     Clamp,
 }
 
-/// An image as the file has it: PNG or JPEG.
+/// An image in its encoded form: PNG or JPEG.
 #[derive(Debug, Clone)]
 pub struct Image {
-    /// Where the document has it, for messages: `images[3]`.
+    /// Its location in the document, for messages: `images[3]`.
     pub at: String,
     bytes: SharedBytes,
 }
@@ -122,14 +128,15 @@ impl Image {
         self.bytes.as_slice()
     }
 
-    /// Returns the width and height in pixels; `None` if the bytes are no PNG or JPEG, or have none.
+    /// Returns the width and height in pixels, or `None` if the bytes are not a PNG or JPEG with a
+    /// size.
     pub fn size(&self) -> Option<[u32; 2]> {
         image_size(self.bytes())
     }
 }
 
 impl Scene {
-    /// Counts the materials that have more than a base colour.
+    /// Counts the materials with more than a base colour.
     #[cfg(feature = "fs")]
     pub(crate) fn shaded_material_count(&self) -> usize {
         const MORE: [&str; 4] = ["normalTexture", "occlusionTexture", "emissiveTexture", "emissiveFactor"];
@@ -146,12 +153,13 @@ impl Scene {
         array(&self.document.root, "materials").is_ok_and(|materials| !materials.is_empty())
     }
 
-    /// Returns the parts in their places, with their materials and images.
+    /// Returns the instances of the parts, with their materials and images.
     ///
-    /// An image file that cannot be read is noted, and its materials have no texture.
+    /// If an image file cannot be read, a note is added and its materials have no texture.
     ///
     /// # Errors
-    /// The nodes, materials, textures or images that the scene uses are not valid glTF 2.0, or nodes place too many parts.
+    /// The nodes, materials, textures or images used by the scene are not valid glTF 2.0, or there
+    /// are too many instances.
     ///
     /// ```
     /// let json = br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"translation":[1,2,3]}]}"#;
@@ -169,7 +177,7 @@ impl Scene {
         Ok(Appearance { skins, ..appearance })
     }
 
-    /// Returns the parts in their places.
+    /// Returns the instances of the parts.
     fn instances(&self, skins: &mut SkinReader<'_>) -> Result<Vec<Instance>, Error> {
         let placements = self.placements()?;
         let found = placements.iter().map(|place| place.parts.len()).fold(0, usize::saturating_add);
@@ -229,23 +237,23 @@ impl Scene {
     }
 }
 
-/// What is known of an image of the document.
+/// The state of an image of the document.
 #[derive(Debug, Clone, Copy)]
 enum KnownImage {
     NotLookedFor,
     Unreadable,
-    /// The index in the images that were found.
+    /// The index in the list of found images.
     Found(usize),
 }
 
-/// Reads materials, and finds their images.
+/// Reads materials and locates their images.
 struct MaterialReader<'a> {
     resolver: AccessorResolver<'a>,
     files: BufferFiles<'a>,
     images: Vec<Image>,
-    /// What is known of each image of the document.
+    /// The state of each image of the document.
     known_images: Vec<KnownImage>,
-    /// Textures with a transform.
+    /// The number of textures with a transform.
     moved: usize,
     notes: Vec<String>,
 }
@@ -278,7 +286,7 @@ impl<'a> MaterialReader<'a> {
         }
         let at = info.field("texCoord");
         let coordinates = at.map_or(Ok(0), |at| {
-            u32::try_from(at.whole()?).map_err(|_| at.wrong("the number of texture coordinates"))
+            u32::try_from(at.whole()?).map_err(|_| at.wrong("the index of a set of texture coordinates"))
         })?;
         let texture = info.need("index")?.target(root, "textures")?;
         let mut wrap = [Wrap::Repeat; 2];
@@ -294,16 +302,16 @@ impl<'a> MaterialReader<'a> {
                 };
             }
         }
-        // An extension may name an image in another format instead.
+        // An extension may refer to an image in another format instead.
         let Some(source) = texture.field("source") else {
-            self.notes.push(format!("{}: no PNG or JPEG image; drawn without it", texture.at));
+            self.notes.push(format!("{}: no PNG or JPEG image; drawn without a texture", texture.at));
             return Ok(None);
         };
         let image = self.image(&source)?;
         Ok(image.map(|image| Texture { image, coordinates, wrap }))
     }
 
-    /// Finds an image, once for all textures that use it.
+    /// Locates an image, once for all textures that use it.
     fn image(&mut self, source: &Located<'a>) -> Result<Option<usize>, Error> {
         let image = source.target(self.resolver.root, "images")?;
         let number = source.size()?;
@@ -325,7 +333,7 @@ impl<'a> MaterialReader<'a> {
         Ok(found)
     }
 
-    /// Returns the bytes at a URI; a file that cannot be read is noted.
+    /// Returns the bytes at a URI. If a file cannot be read, a note is added.
     fn at_uri(&mut self, uri: &Located<'a>) -> Result<Option<SharedBytes>, Error> {
         let owner = match uri.text()?.strip_prefix("data:") {
             Some(data) => std::sync::Arc::new(decode_data_uri(uri, data)?),
@@ -347,7 +355,7 @@ mod tests {
     use super::*;
     use crate::gltf::read::placements::Transform;
 
-    /// Returns the appearance of a document with a triangle in mesh 0 and these further members.
+    /// Returns the appearance of a document with a triangle in mesh 0 and these additional members.
     fn appearance(members: &str) -> Result<Appearance, Error> {
         let json = format!(
             r#"{{"asset":{{"version":"2.0"}},
@@ -369,7 +377,7 @@ mod tests {
             |scene: &str| appearance(&format!(r#"{scene}{nodes},"materials":[{{}}]"#)).unwrap().instances;
         let all = found("");
         assert_eq!(all.iter().map(|instance| instance.part).collect::<Vec<_>>(), [0, 1, 0, 1, 0, 1, 0, 1]);
-        // A quarter turn around z takes x, doubled, to y.
+        // A quarter turn around z maps x, scaled by 2, to y.
         let expected = [[0.0, -3.0, 0.0, 10.0], [2.0, 0.0, 0.0, 20.0], [0.0, 0.0, 4.0, 30.0]];
         for (found, expected) in all[0].transform.iter().flatten().zip(expected.iter().flatten()) {
             assert!((found - expected).abs() < 1e-12, "{all:?}");

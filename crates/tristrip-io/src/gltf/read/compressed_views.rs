@@ -1,10 +1,10 @@
-//! Compressed buffer views: decodes those of `EXT_meshopt_compression` and of its successor `KHR_meshopt_compression`, so that
-//! the rest of the reader and the writer find uncompressed buffers.
+//! Compressed buffer views: decodes `EXT_meshopt_compression` and its successor
+//! `KHR_meshopt_compression`. The rest of the reader and the writer see only uncompressed buffers.
 //!
 //! ```text
-//! bufferViews[i]: { buffer: 1, byteLength: 48,     the layout of the uncompressed bytes, in a fallback buffer that may be
-//!   extensions: { EXT_meshopt_compression:         empty
-//!     { buffer: 0, byteOffset: 96, byteLength: 37, where the compressed bytes are
+//! bufferViews[i]: { buffer: 1, byteLength: 48,     uncompressed layout; the fallback buffer may be empty
+//!   extensions: { EXT_meshopt_compression:
+//!     { buffer: 0, byteOffset: 96, byteLength: 37, range of the compressed bytes
 //!       mode: ATTRIBUTES, filter: OCTAHEDRAL, byteStride: 8, count: 6 } } }
 //!
 //!  buffers[0]                        buffers[1]                     one buffer
@@ -12,23 +12,27 @@
 //! ```
 //!
 //! # Algorithm
-//! 1. A buffer is a fallback if it says so, or if only compressed views are in it. Fallbacks are not loaded.
-//! 2. Each compressed view is checked against the least number of bytes that its count can take, and against the budget, before
-//!    memory is allocated for it; then it is decoded, and its filter undone.
-//! 3. All buffers are joined into one: the bytes of other views, then the decoded ones. What no view names in a buffer with
-//!    compressed bytes is dropped with them. The extension is removed from views, buffers and the lists of extensions.
-//! 4. Filters are not exact, and an encoder may have taken `min` and `max` of an accessor before them: those of accessors over views
-//!    with a filter are made exact.
+//! 1. A buffer is a fallback if it is marked as one or if only compressed views use it. Fallbacks
+//!    are not loaded.
+//! 2. Each compressed view is checked against the minimum encoded size for its count, and against
+//!    the budget, before memory is allocated. Then it is decoded and its filter is inverted.
+//! 3. All buffers are merged into one: the bytes of other views, then the decoded ones. Bytes that
+//!    no view uses are dropped from buffers with compressed data. The extension is removed from
+//!    views, buffers and the extension lists.
+//! 4. Filters are lossy, and an encoder may have computed `min` and `max` of an accessor before
+//!    filtering. The bounds of accessors over filtered views are recomputed.
 //!
-//! The codecs are those of the crate `draco-gltf`. The reader accepts more than the extensions allow: version 1 of the codec of
-//! attributes and the filter `COLOR` under either name, and buffers that both extensions use.
+//! The crate `draco-gltf` implements the codecs. The reader accepts more than the extensions allow:
+//! version 1 of the attribute codec and the filter `COLOR` under either name, and buffers used by
+//! both extensions.
 //!
 //! # References
-//! A. Kapoulkine, J. St. Pierre: *`EXT_meshopt_compression`*, 2021. A. Kapoulkine and others: *`KHR_meshopt_compression`*, 2025.
+//! A. Kapoulkine, J. St. Pierre: *`EXT_meshopt_compression`*, 2021. A. Kapoulkine and others:
+//! *`KHR_meshopt_compression`*, 2025.
 //!
 //! # Complexity
-//! Linear in the compressed and decoded bytes. A byte of the codec of attributes can stand for 1024 decoded bytes, so that
-//! [`DECOMPRESSED_LIMIT`] bounds what is decoded.
+//! Linear in the compressed and decoded bytes. One byte of the attribute codec can encode 1024
+//! bytes, so [`DECOMPRESSED_LIMIT`] bounds the decoded size.
 
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
@@ -52,13 +56,14 @@ use crate::gltf::write::keep::extensions::{remove_extensions, undeclare};
 
 /// Decompressed bytes allowed per byte of the buffers.
 const FACTOR: u64 = 32;
-/// The largest size of an element of the codec of attributes.
+/// Maximum element size of the attribute codec.
 const MAX_ATTRIBUTE_STRIDE: usize = 256;
 
-/// Finds the buffers whose bytes are not read: those that are marked as fallbacks, and those that only compressed views are in.
+/// Finds the buffers that are not loaded: those marked as fallbacks, and those used only by
+/// compressed views.
 ///
 /// # Errors
-/// A view that is not compressed is in a buffer that is marked, or compressed bytes are.
+/// An uncompressed view, or the compressed bytes of a view, are in a buffer marked as a fallback.
 pub(in crate::gltf) fn fallback_buffers(root: &Members) -> Result<Vec<bool>, Error> {
     let mut marked = Vec::new();
     for buffer in Located::entries(root, "buffers")? {
@@ -72,7 +77,7 @@ pub(in crate::gltf) fn fallback_buffers(root: &Members) -> Result<Vec<bool>, Err
     for view in Located::entries(root, "bufferViews")? {
         let mut data_in = view.field("buffer");
         if let Some(extension) = extension(&view) {
-            // References are checked where they are followed.
+            // References are checked where they are resolved.
             let fallback = data_in.and_then(|buffer| buffer.size().ok());
             if let Some(holds) = fallback.and_then(|buffer| holds_compressed_views.get_mut(buffer)) {
                 *holds = true;
@@ -93,11 +98,12 @@ pub(in crate::gltf) fn fallback_buffers(root: &Members) -> Result<Vec<bool>, Err
     Ok(marked.iter().zip(unread).map(|(&marked, unread)| marked || unread).collect())
 }
 
-/// Decodes all compressed views and joins the buffers into one. A document without such views, and without fallbacks, does
-/// not change.
+/// Decodes all compressed views and merges the buffers into one. A document without compressed
+/// views and fallbacks is not changed.
 ///
 /// # Errors
-/// A view's extension is not valid, its bytes cannot be decoded, or the decoded bytes exceed the budget.
+/// A view's extension is invalid, its bytes cannot be decoded, or the decoded bytes exceed the
+/// budget.
 pub(in crate::gltf) fn decompress(
     document: &mut Document,
     buffers: Vec<SharedBytes>,
@@ -125,11 +131,11 @@ pub(in crate::gltf) fn decompress(
     }
     if !views.is_empty() {
         notes
-            .push(format!("compressed buffer views, which a GLB holds without compression: {}", views.len()));
+            .push(format!("compressed buffer views, uncompressed when written as GLB: {}", views.len()));
     }
     remove_declarations(document)?;
     let joined = join(&mut document.root, &buffers, freed, &views, &decoded)?;
-    // The same budget again: accessors over different bytes never exceed it.
+    // A new budget of the same size: accessors over distinct bytes never exceed it.
     let mut budget = DecodeBudget::new(DECOMPRESSED_LIMIT, FACTOR, &buffers);
     for (index, bounds) in inexact_bounds(&document.root, &joined, &filtered, &mut budget)? {
         let accessor = entries_mut(&mut document.root, "accessors")?.get_mut(index);
@@ -140,10 +146,10 @@ pub(in crate::gltf) fn decompress(
     Ok(joined)
 }
 
-/// A new `min` or `max` of an accessor, by its name.
+/// A new `min` or `max` of an accessor, with its name.
 type NewBound = (&'static str, serde_json::Value);
 
-/// Finds the accessors over filtered views whose `min` or `max` are not those of their values.
+/// Finds the accessors over filtered views whose `min` or `max` do not match their values.
 fn inexact_bounds(
     root: &Members,
     buffers: &[SharedBytes],
@@ -159,7 +165,7 @@ fn inexact_bounds(
         if declared.is_empty() || !view.is_some_and(|view| filtered.contains(&view)) {
             continue;
         }
-        // An accessor that is not valid is refused where it is used.
+        // An invalid accessor is rejected where it is used.
         let Ok(values) = resolver.values_of(accessor.clone()) else { continue };
         if values.matrix {
             continue;
@@ -182,7 +188,7 @@ fn inexact_bounds(
     Ok(out)
 }
 
-/// Returns the lowest and highest value of each component; `None` where one is not finite.
+/// Returns the minimum and maximum of each component, or `None` if a value is not finite.
 fn bounds_of(data: &AttributeData, components: usize) -> Option<[Vec<f64>; 2]> {
     fn of<T: Copy + Into<f64>>(values: &[T], components: usize) -> Option<[Vec<f64>; 2]> {
         let mut bounds = [vec![f64::INFINITY; components], vec![f64::NEG_INFINITY; components]];
@@ -210,19 +216,19 @@ fn bounds_of(data: &AttributeData, components: usize) -> Option<[Vec<f64>; 2]> {
     }
 }
 
-/// Returns a number in JSON, whole ones without a fraction.
+/// Returns a number as JSON; integers have no fraction.
 fn json_number(x: f64) -> serde_json::Value {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     if x.fract() == 0.0 && x.abs() < EXACT { (x as i64).into() } else { x.into() }
 }
 
-/// Returns the object of the first extension that compresses a view, or that a buffer has for it.
+/// Returns the object of the first compression extension of a view or buffer.
 fn extension<'a>(object: &Located<'a>) -> Option<Located<'a>> {
     let extensions = object.field("extensions")?;
     COMPRESSIONS.iter().find_map(|name| extensions.field(name))
 }
 
-/// A compressed view whose description has been checked.
+/// A compressed view with a checked description.
 struct CompressedView<'a> {
     /// The JSON path of the extension's object.
     at: String,
@@ -268,11 +274,11 @@ impl<'a> CompressedView<'a> {
                 return Err(count_at.wrong("a multiple of 3 for TRIANGLES"));
             }
         }
-        // The bytes pay for the count: nothing is allocated for one that they cannot hold.
+        // Check that the bytes can encode this count before allocating memory for it.
         let least = least_bytes(mode, bytes, count, stride);
         if least > bytes.len() as u64 {
             let held = counted(bytes.len(), "byte");
-            let expected = format!("a count that {held} can hold; this one takes {least} or more");
+            let expected = format!("a count that fits into {held}; this count needs at least {least}");
             return Err(count_at.wrong(expected));
         }
         let length_at = view.need("byteLength")?;
@@ -285,7 +291,7 @@ impl<'a> CompressedView<'a> {
         Ok(Self { at: extension.at.clone(), buffer, bytes, mode, filter, count, stride })
     }
 
-    /// Appends the decoded bytes, aligned; returns where they begin.
+    /// Appends the decoded bytes, aligned, and returns their start.
     fn decode(&self, budget: &mut DecodeBudget, out: &mut Vec<u8>) -> Result<usize, Error> {
         budget.charge(&self.at, self.count, self.stride)?;
         let start = out.len().next_multiple_of(ALIGNMENT);
@@ -302,7 +308,7 @@ impl<'a> CompressedView<'a> {
     }
 }
 
-/// Returns the buffer and the bytes that an extension's object names.
+/// Returns the buffer and the bytes that an extension object refers to.
 fn compressed_bytes<'a>(
     extension: &Located<'_>,
     buffers: &'a [SharedBytes],
@@ -342,27 +348,28 @@ fn filter_of(extension: &Located<'_>) -> Result<MeshoptFilter, Error> {
     }
 }
 
-/// Returns a lower bound on the bytes of any encoding of `count` elements, whose first byte is the header.
+/// Returns a lower bound on the size of `count` encoded elements. The first byte of `bytes` is the
+/// header.
 fn least_bytes(mode: MeshoptMode, bytes: &[u8], count: usize, stride: usize) -> u64 {
     const HEADER: u64 = 1;
     let count = count as u64;
     match mode {
-        // A code per triangle, and a table.
+        // One code per triangle, and a table.
         MeshoptMode::Triangles => HEADER + count / 3 + 16,
-        // A byte per index, and padding.
+        // One byte per index, and padding.
         MeshoptMode::Indices => (HEADER + 4).saturating_add(count),
         MeshoptMode::Attributes => {
             let stride = stride as u64;
-            // Blocks of at most 256 elements and 8 KiB; the padded first element at the end.
+            // Blocks of at most 256 elements and 8 KiB, and the padded first element at the end.
             let elements = (8192 / stride / 16 * 16).min(256);
             let (blocks, rest) = (count / elements, count % elements);
             let is_version_0 = bytes.first().is_none_or(|header| header % 16 == 0);
             let (tail, blocks) = if is_version_0 {
-                // For each byte of an element: two bits per group of 16 elements, rounded up to bytes.
+                // Per byte of an element: two bits per group of 16 elements, rounded up to bytes.
                 let header = |elements: u64| elements.div_ceil(16 * 4);
                 (stride.max(32), stride.saturating_mul(blocks * header(elements) + header(rest)))
             } else {
-                // Two bits for each byte of an element.
+                // Two bits per byte of an element.
                 let control = stride / 4;
                 ((stride + control).max(24), control.saturating_mul(blocks + u64::from(rest > 0)))
             };
@@ -371,7 +378,7 @@ fn least_bytes(mode: MeshoptMode, bytes: &[u8], count: usize, stride: usize) -> 
     }
 }
 
-/// Removes the extensions from views, buffers and the lists of extensions.
+/// Removes the extensions from views, buffers and the extension lists.
 fn remove_declarations(document: &mut Document) -> Result<(), Error> {
     let root = &mut document.root;
     for list in ["buffers", "bufferViews"] {
@@ -383,7 +390,8 @@ fn remove_declarations(document: &mut Document) -> Result<(), Error> {
     Ok(())
 }
 
-/// Joins all buffers into one: without the freed ranges, except for what uncompressed views name, and with the decoded views.
+/// Merges all buffers into one, with the decoded views, and without the freed ranges that no
+/// uncompressed view uses.
 pub(in crate::gltf) fn join(
     root: &mut Members,
     buffers: &[SharedBytes],
@@ -394,7 +402,7 @@ pub(in crate::gltf) fn join(
     if ExtensionNumbers::of(root).names_bytes {
         if buffers.iter().skip(1).any(|buffer| buffer.len() > 0) {
             return Err(Error::Unsupported(
-                "an extension names bytes of a buffer: compressed buffer views cannot be joined with it"
+                "an extension refers to bytes of a buffer: the buffers cannot be merged for decompression"
                     .into(),
             ));
         }

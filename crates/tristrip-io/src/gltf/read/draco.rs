@@ -1,26 +1,31 @@
-//! Primitives compressed by Draco are decoded: the rest of the reader and the writer see ordinary accessors.
+//! Decodes primitives compressed with Draco. The rest of the reader and the writer see ordinary
+//! accessors.
 //!
 //! ```text
-//! primitive: { attributes: { POSITION: 0 }, indices: 1,      accessors 0 and 1 state type and count, without a buffer view
+//! primitive: { attributes: { POSITION: 0 }, indices: 1,  accessors with type, count, no view
 //!   extensions: { KHR_draco_mesh_compression:
-//!     { bufferView: 4, attributes: { POSITION: 7 } } } }     the stream, and the number of the attribute in it
+//!     { bufferView: 4, attributes: { POSITION: 7 } } } } the stream, and the attribute id in it
 //!
-//! ─▶ { attributes: { POSITION: 0 }, indices: 1 }             accessors over new buffer views
+//! ─▶ { attributes: { POSITION: 0 }, indices: 1 }         accessors over new buffer views
 //! ```
 //!
 //! # Algorithm
-//! 1. Before a stream is decoded, its bytes and the values that its accessors state are charged to the budget; the decoder may give no
-//!    more. Attributes of the stream that the primitive does not have are left out.
-//! 2. Each decoded attribute, and the indices, becomes a buffer view of its own; accessors that several primitives name are decoded once.
-//! 3. The buffers are joined into one, without the streams. The extension is removed from primitives and from the lists of extensions.
+//! 1. Before a stream is decoded, its size and the size declared by its accessors are charged to
+//!    the budget. The decoder must not produce more. Attributes of the stream that the primitive
+//!    does not use are skipped.
+//! 2. Each decoded attribute, and the indices, get their own buffer view. Accessors that several
+//!    primitives use are decoded once.
+//! 3. The buffers are merged into one without the streams. The extension is removed from primitives
+//!    and from the extension lists.
 //!
-//! A primitive whose accessors have uncompressed values as well keeps these.
+//! If the accessors of a primitive also have uncompressed values, these are used.
 //!
 //! # References
-//! Google: *Draco 3D data compression*, 2017; the crate `draco-gltf` decodes it. The Khronos Group: *`KHR_draco_mesh_compression`*, 2018.
+//! Google: *Draco 3D data compression*, 2017; the crate `draco-gltf` decodes it. The Khronos Group:
+//! *`KHR_draco_mesh_compression`*, 2018.
 //!
 //! # Complexity
-//! Linear in the decoded bytes, which [`DECOMPRESSED_LIMIT`] and the size of the file bound.
+//! Linear in the decoded bytes, which are bounded by [`DECOMPRESSED_LIMIT`] and the file size.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -43,26 +48,26 @@ use crate::gltf::read::compressed_views::join;
 use crate::gltf::write::keep::extensions::{remove_extensions, undeclare};
 
 pub(in crate::gltf) const DRACO: &str = "KHR_draco_mesh_compression";
-/// Bytes that streams may decode to per byte of the buffers: a vertex of a regular surface takes a few bits.
+/// Decoded bytes allowed per byte of the buffers: a vertex of a regular surface takes a few bits.
 const FACTOR: u64 = 256;
-/// The most bytes of a value: four floats.
+/// Maximum size of a value: four floats.
 const VALUE_BYTES: usize = 16;
 
-/// The bytes that any stream may decode to.
+/// Decoded bytes that are always allowed per stream.
 const MIN_DECODED_BYTES: usize = 1 << 16;
 
-/// The values of an accessor that was compressed.
+/// The decoded values of a compressed accessor.
 struct DecodedAccessor {
     bytes: Vec<u8>,
     component_type: usize,
     count: usize,
     kind: &'static str,
-    /// The bytes from an element to the next, where elements are padded.
+    /// The stride in bytes, if elements are padded.
     stride: Option<usize>,
 }
 
 impl DecodedAccessor {
-    /// Takes decoded vertices; glTF has each at a multiple of four bytes.
+    /// Converts a decoded attribute, padding each value to a multiple of [`ALIGNMENT`] bytes.
     fn of_vertices(attribute: &PackedAttribute) -> Self {
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][usize::from(attribute.components().clamp(1, 4)) - 1];
         let (count, component_type) = (attribute.count(), attribute.component_type() as usize);
@@ -85,20 +90,22 @@ impl DecodedAccessor {
     }
 }
 
-/// What all compressed primitives of a document decode to.
+/// The decoded values of all compressed primitives of a document.
 #[derive(Default)]
 struct DecodedDraco {
-    /// The compressed primitives: meshes, and numbers there.
+    /// The compressed primitives: mesh index, and primitive index in the mesh.
     primitives: Vec<(usize, usize)>,
     accessors: BTreeMap<usize, DecodedAccessor>,
     /// The buffer views of the streams.
     streams: BTreeSet<usize>,
 }
 
-/// Decodes all compressed primitives and joins the buffers into one. A document without such primitives does not change.
+/// Decodes all compressed primitives and merges the buffers into one. A document without such
+/// primitives is not changed.
 ///
 /// # Errors
-/// A primitive's extension is not valid, its stream cannot be decoded, or the decoded bytes exceed the budget.
+/// A primitive's extension is invalid, its stream cannot be decoded, or the decoded bytes exceed
+/// the budget.
 pub(in crate::gltf) fn decompress(
     document: &mut Document,
     buffers: Vec<SharedBytes>,
@@ -109,11 +116,11 @@ pub(in crate::gltf) fn decompress(
         return Ok(buffers);
     }
     notes.push(format!(
-        "primitives compressed by Draco, which a GLB holds without compression: {}",
+        "primitives compressed with Draco, uncompressed when written as GLB: {}",
         primitives.len()
     ));
     let root = &mut document.root;
-    // 1. The ranges of the streams; bytes that another view names stay.
+    // 1. The ranges of the streams, except bytes that another view uses.
     let mut freed = vec![Vec::new(); buffers.len()];
     for &view in &streams {
         if let Some(value) = array(root, "bufferViews")?.get(view) {
@@ -121,7 +128,8 @@ pub(in crate::gltf) fn decompress(
             freed[buffer].push(range);
         }
     }
-    // 2. The decoded values, each in a view, those of the streams first: a stream has positions at least.
+    // 2. A view for each decoded accessor. The views of the streams are reused first; each stream
+    //    has at least positions.
     let (mut bytes, mut views): (Vec<u8>, BTreeMap<usize, usize>) = (Vec::new(), BTreeMap::new());
     let mut unused: Vec<usize> = streams.into_iter().rev().collect();
     for (index, accessor) in accessors {
@@ -152,7 +160,7 @@ pub(in crate::gltf) fn decompress(
         let list = mesh.and_then(|mesh| mesh.get_mut("primitives")).and_then(Value::as_array_mut);
         if let Some(primitive) = list.and_then(|list| list.get_mut(primitive)) {
             remove_extensions(primitive, &[DRACO]);
-            // A stream has a list of triangles, whatever the mode.
+            // A stream contains a triangle list, whatever the declared mode.
             if let Some(members) = primitive.as_object_mut().filter(|members| members.contains_key("mode")) {
                 members.insert("mode", TRIANGLES);
             }
@@ -167,7 +175,7 @@ fn decode(root: &Members, buffers: &[SharedBytes]) -> Result<DecodedDraco, Error
     let resolver = AccessorResolver { root, buffers };
     let mut budget = DecodeBudget::new(DECOMPRESSED_LIMIT, FACTOR, buffers);
     let mut decoded = DecodedDraco::default();
-    // The stream that each accessor is in.
+    // The stream of each accessor.
     let mut stream_of: HashMap<usize, usize> = HashMap::new();
     for (mesh, located_mesh) in Located::entries(root, "meshes")?.enumerate() {
         let Some(primitives) = located_mesh.field("primitives") else { continue };
@@ -202,7 +210,7 @@ fn decode(root: &Members, buffers: &[SharedBytes]) -> Result<DecodedDraco, Error
     Ok(decoded)
 }
 
-/// A compressed primitive: the stream, and the accessors by the names of their attributes.
+/// A compressed primitive: its stream, and its accessors by attribute name.
 struct CompressedPrimitive<'a> {
     stream: usize,
     attributes: BTreeMap<&'a str, usize>,
@@ -220,7 +228,7 @@ impl<'a> CompressedPrimitive<'a> {
         Ok(Self { stream: view.size()?, attributes, indices })
     }
 
-    /// Decodes the stream, within the counts that the accessors state.
+    /// Decodes the stream, limited by the declared counts of the accessors.
     fn decode(
         &self,
         extension: &Located<'a>,
@@ -246,14 +254,14 @@ impl<'a> CompressedPrimitive<'a> {
         budget.charge(&extension.at, vertices, vertex_bytes)?;
         let numbers = self.numbers(extension)?;
         let decoded = vertices.saturating_mul(vertex_bytes).max(MIN_DECODED_BYTES);
-        // The decoder copies an attribute for each of its names.
+        // The decoder copies an attribute once per name.
         let distinct: BTreeSet<u64> = numbers.values().copied().collect();
         budget.charge(&extension.at, numbers.len() - distinct.len(), decoded)?;
         let mut limits = DecodeLimits::default();
         limits.max_points = vertices as u64;
         limits.max_faces = corners as u64 / 3;
         limits.max_decoded_bytes = decoded as u64;
-        let failed = |why: String| Error::format(extension.at.clone(), why, "a stream of Draco");
+        let failed = |why: String| Error::format(extension.at.clone(), why, "a Draco stream");
         let text = json!({ "bufferView": self.stream, "attributes": numbers }).to_string().into_bytes();
         let json = JsonValue::parse(&text).map_err(failed)?;
         let parsed = DracoPrimitiveExtension::from_json(&json).map_err(|error| failed(error.to_string()))?;
@@ -261,7 +269,7 @@ impl<'a> CompressedPrimitive<'a> {
         geometry.map_err(|error| failed(error.to_string()))
     }
 
-    /// Returns the numbers in the stream of the attributes that the primitive has.
+    /// Returns the ids in the stream of the primitive's attributes.
     fn numbers(&self, extension: &Located<'a>) -> Result<BTreeMap<&'a str, u64>, Error> {
         let all = extension.need("attributes")?.members()?;
         let own = all.filter(|(name, _)| self.attributes.contains_key(name));
@@ -269,21 +277,21 @@ impl<'a> CompressedPrimitive<'a> {
     }
 }
 
-/// Returns whether an accessor has values without the stream.
+/// Returns whether an accessor has values outside the stream.
 fn has_values(root: &Members, accessor: usize) -> bool {
     let accessor = array(root, "accessors").unwrap_or_default().get(accessor);
     accessor.is_some_and(|accessor| accessor.get("bufferView").is_some() || accessor.get("sparse").is_some())
 }
 
-/// Checks that glTF has a type of components.
+/// Checks that glTF supports a component type.
 fn check_type(primitive: &Located<'_>, component_type: ComponentType) -> Result<(), Error> {
     use ComponentType::{F32, I8, I16, U8, U16, U32};
     match component_type {
         I8 | U8 | I16 | U16 | U32 | F32 => Ok(()),
         other => Err(Error::format(
             primitive.at.clone(),
-            format!("{other:?} in a stream of Draco"),
-            "a type of glTF 2.0",
+            format!("{other:?} in a Draco stream"),
+            "a component type of glTF 2.0",
         )),
     }
 }

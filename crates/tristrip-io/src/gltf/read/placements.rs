@@ -1,10 +1,11 @@
-//! Where the nodes of a scene place the meshes of a document: the transforms of nodes, and their products.
+//! The positions of meshes in a scene: the transforms of nodes, and their products.
 //!
-//! Animations are not applied. As the specification requires, the transform of a node with a skin is ignored; its joints, which `pose.rs`
-//! finds, place the vertices instead.
+//! Animations are not applied. As the specification requires, the transform of a node with a skin
+//! is ignored; `pose.rs` computes the joint matrices that replace it.
 //!
 //! # Complexity
-//! Linear in nodes and parts, however many primitives a mesh has that many nodes place.
+//! Linear in nodes and parts: a node with a mesh adds one [`Placement`], whatever the number of
+//! primitives.
 
 use std::ops::Range;
 
@@ -13,23 +14,24 @@ use crate::gltf::document::json::Members;
 use crate::gltf::document::scene::Scene;
 use crate::gltf::document::{Located, array};
 
-/// The parts of a mesh in a place of the scene.
+/// The parts of a mesh at a position in the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement {
-    /// The numbers of the parts, at least one.
+    /// The range of part indices; not empty.
     pub parts: Range<usize>,
-    /// The rows of the affine transform from the parts to the scene: three columns of the linear map, then the translation.
+    /// The rows of the affine transform from the parts to the scene: three columns of the linear
+    /// map, then the translation.
     pub transform: [[f64; 4]; 3],
-    /// The number of the node; `None` for all parts of a library of meshes.
+    /// The index of the node; `None` if no node of the scene has a mesh.
     pub node: Option<usize>,
 }
 
 impl Scene {
-    /// Returns the places where the scene that the document shows first has its meshes, in the order of its nodes. A scene without
-    /// meshes, which is a library of them, has all parts in one place.
+    /// Returns the positions of all meshes in the default scene, in the order of its nodes. If the
+    /// scene has no meshes, the result is one placement of all parts.
     ///
     /// # Errors
-    /// The nodes that the scene uses are not valid glTF 2.0.
+    /// The nodes used by the scene are not valid glTF 2.0.
     ///
     /// ```
     /// let json = br#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0,"translation":[1,2,3]},{"mesh":0}],
@@ -44,7 +46,7 @@ impl Scene {
         let root = &self.document.root;
         let nodes: Vec<Located<'_>> = Located::entries(root, "nodes")?.collect();
         let parts_of = self.parts_of_meshes()?;
-        // The nodes from the roots of the scene down.
+        // Nodes to visit, starting at the roots of the scene.
         let mut open: Vec<(usize, Transform)> = roots(root, nodes.len())?;
         open.reverse();
         let mut seen = vec![false; nodes.len()];
@@ -63,8 +65,8 @@ impl Scene {
                 let skinned = node.field("skin").is_some();
                 let shown = if skinned { Transform::IDENTITY } else { transform };
                 if !shown.is_finite() {
-                    let found = "a transform beyond the largest number";
-                    return Err(Error::format(node.at.clone(), found, "finite products of transforms"));
+                    let found = "a transform that overflows";
+                    return Err(Error::format(node.at.clone(), found, "a finite transform"));
                 }
                 if !parts.is_empty() {
                     let (parts, transform) = (parts.clone(), shown.rows());
@@ -76,7 +78,7 @@ impl Scene {
                 open.extend(children.into_iter().rev().map(|child| (child, transform)));
             }
         }
-        // A document without such nodes is a library of meshes.
+        // A document without nodes that have meshes is a library of meshes.
         if placements.is_empty() && !self.primitives.is_empty() {
             let parts = 0..self.primitives.len();
             placements.push(Placement { parts, transform: Transform::IDENTITY.rows(), node: None });
@@ -84,7 +86,7 @@ impl Scene {
         Ok(placements)
     }
 
-    /// Returns the parts of each mesh; they are in the order of the meshes.
+    /// Returns the parts of each mesh. Parts are in the order of the meshes.
     fn parts_of_meshes(&self) -> Result<Vec<Range<usize>>, Error> {
         let mut parts_of = vec![0..0; array(&self.document.root, "meshes")?.len()];
         for (part, source) in self.primitives.iter().enumerate() {
@@ -97,7 +99,7 @@ impl Scene {
     }
 }
 
-/// Returns the roots of the scene that the document shows first; without scenes, the nodes that are no children.
+/// Returns the roots of the default scene. Without scenes, these are the nodes without a parent.
 fn roots(root: &Members, node_count: usize) -> Result<Vec<(usize, Transform)>, Error> {
     let scenes: Vec<Located<'_>> = Located::entries(root, "scenes")?.collect();
     let shown = match Located::root(root, "scene") {
@@ -136,7 +138,7 @@ impl Transform {
     pub(in crate::gltf) const IDENTITY: Self =
         Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
 
-    /// Returns the transform of a matrix in the order of files, column after column; the last row of a matrix there is 0 0 0 1.
+    /// Returns the transform of a column-major matrix whose last row is 0 0 0 1.
     pub(in crate::gltf) fn of_columns(columns: [f64; 16]) -> Self {
         Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| columns[4 * column + row])))
     }
@@ -151,7 +153,7 @@ impl Transform {
         }))
     }
 
-    /// Returns whether all numbers are finite: products of finite ones may not be.
+    /// Returns whether all numbers are finite. Products of finite transforms can overflow.
     pub(in crate::gltf) fn is_finite(&self) -> bool {
         self.0.iter().flatten().all(|x| x.is_finite())
     }

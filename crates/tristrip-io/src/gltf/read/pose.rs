@@ -1,15 +1,16 @@
-//! The rest pose of a scene: the vertices of a part as morph weights and joints place them, for images.
+//! The rest pose of a scene for rendering: vertices of a part deformed by morph weights and joints.
 //!
 //! ```text
-//! vertex ─▶ + sum of weight × displacement of each morph target ─▶ sum of weight × matrix of each joint ─▶ place in the scene
-//!           matrix of a joint = transform of its node in the scene × its inverse bind matrix
+//! vertex ─▶ + Σ weight × displacement (morph targets) ─▶ Σ weight × matrix (joints) ─▶ scene
+//! matrix of a joint = transform of its node in the scene × its inverse bind matrix
 //! ```
-//! Animations are not applied. The joints and weights of a vertex are the attributes `JOINTS_0` and `WEIGHTS_0` of its mesh, which readers
-//! have already; here are the matrices, and the displacements.
+//! Animations are not applied. The joints and weights of a vertex are the attributes `JOINTS_0` and
+//! `WEIGHTS_0` of its mesh. This module provides the joint matrices and the morph displacements.
 //!
 //! # Complexity
-//! Linear in nodes and joints; each skin is read once. The displacements of an instance take 12 bytes per vertex, and a budget limits what
-//! all of them decode: many nodes may place one mesh with weights of their own.
+//! Linear in nodes and joints; each skin is read once. Displacements take 12 bytes per vertex of an
+//! instance. A budget limits their total size, because many nodes may use one mesh with different
+//! weights.
 
 use std::collections::HashMap;
 
@@ -24,7 +25,7 @@ use crate::gltf::document::scene::Scene;
 use crate::gltf::document::{Located, items};
 use crate::gltf::read::placements::{Transform, of_node};
 
-/// The bytes of displacements that may be decoded for any scene; 16 for each byte of its buffers are added.
+/// Maximum number of bytes of decoded displacements, plus 16 per byte of the buffers.
 const FREE_BYTES: u64 = 64 << 20;
 const BYTES_FACTOR: u64 = 16;
 
@@ -32,17 +33,17 @@ const BYTES_FACTOR: u64 = 16;
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Skin {
-    /// The rows of the affine transform from the mesh to the scene that each joint has, in the order of `JOINTS_0`: its place in the scene
-    /// after its inverse bind matrix.
+    /// The rows of each joint's affine transform from the mesh to the scene, in the order of
+    /// `JOINTS_0`: the transform of the joint times its inverse bind matrix.
     pub joints: Vec<[[f64; 4]; 3]>,
 }
 
-/// Reads the distinct skins of nodes.
+/// Reads the distinct skins used by nodes.
 pub(in crate::gltf) struct SkinReader<'a> {
     resolver: AccessorResolver<'a>,
-    /// The transforms of all nodes, once a skin is read.
+    /// The transforms of all nodes, after the first skin was read.
     transforms: Option<Vec<Transform>>,
-    /// The index of each skin of the document; `None` for one that cannot be read.
+    /// The index of each skin of the document; `None` if it cannot be read.
     known: HashMap<usize, Option<usize>>,
     pub(in crate::gltf) skins: Vec<Skin>,
     pub(in crate::gltf) notes: Vec<String>,
@@ -54,7 +55,8 @@ impl<'a> SkinReader<'a> {
         Self { resolver, transforms: None, known: HashMap::new(), skins: Vec::new(), notes: Vec::new() }
     }
 
-    /// Returns the index of the skin of a node; `None` if it has none, or one that cannot be read, which is noted.
+    /// Returns the index of a node's skin, or `None` if it has none or it cannot be read. The
+    /// latter adds a note.
     pub(in crate::gltf) fn of_node(&mut self, node: usize) -> Option<usize> {
         let node = Located::entry(self.resolver.root, "nodes", node).ok()?;
         let skin = node.field("skin")?;
@@ -87,18 +89,18 @@ impl<'a> SkinReader<'a> {
             let expected = || joint.wrong(format!("less than {}, the number of nodes", transforms.len()));
             let place = place.ok_or_else(expected)?;
             let matrix = binds.as_ref().map_or(*place, |binds| place.of(&binds[number]));
-            let found = "a transform beyond the largest number";
-            let wrong = || Error::format(joint.at.clone(), found, "finite products of transforms");
+            let found = "a transform that overflows";
+            let wrong = || Error::format(joint.at.clone(), found, "a finite transform");
             if matrix.is_finite() { Ok(matrix.rows()) } else { Err(wrong()) }
         };
         Ok(Skin { joints: joints.iter().enumerate().map(matrix).collect::<Result<_, Error>>()? })
     }
 
-    /// Returns the first matrices of an accessor.
+    /// Returns the first `count` matrices of an accessor.
     fn matrices(&self, accessor: &Located<'a>, count: usize) -> Result<Vec<Transform>, Error> {
         let values = self.resolver.values(accessor)?;
         if values.count < count {
-            let expected = format!("at least {count}, one for each joint");
+            let expected = format!("at least {count}, one per joint");
             return Err(Error::format(format!("{}.count", values.at), values.count.to_string(), expected));
         }
         let at = values.at.clone();
@@ -108,12 +110,13 @@ impl<'a> SkinReader<'a> {
                 let matrices = all.as_chunks::<16>().0.iter();
                 Ok(matrices.map(|columns| Transform::of_columns(columns.map(f64::from))).collect())
             }
-            _ => Err(Error::format(at, "other values", "MAT4 of 5126 (FLOAT) for `inverseBindMatrices`")),
+            _ => Err(Error::format(at, "values of another type", "MAT4 of 5126 (FLOAT) for `inverseBindMatrices`")),
         }
     }
 }
 
-/// Returns where each node stands, also outside the scene that is shown: a joint may be anywhere.
+/// Returns the global transform of every node, including those outside the default scene, because a
+/// joint may be any node.
 fn node_transforms(root: &Members) -> Result<Vec<Transform>, Error> {
     let nodes: Vec<Located<'_>> = Located::entries(root, "nodes")?.collect();
     let mut children: Vec<Vec<usize>> = Vec::with_capacity(nodes.len());
@@ -137,11 +140,11 @@ fn node_transforms(root: &Members) -> Result<Vec<Transform>, Error> {
         *transform = Some(here);
         open.extend(children[number].iter().map(|&child| (child, here)));
     }
-    // Readers refuse circles, so that every node is below a root.
+    // Readers reject cycles, so every node is reachable from a root.
     Ok(transforms.into_iter().map(|transform| transform.unwrap_or(Transform::IDENTITY)).collect())
 }
 
-/// Reads how far morph targets move the vertices of instances, within a limit for all of them together.
+/// Reads the morph displacements of instances, with a common limit on their size.
 #[derive(Debug)]
 pub struct MorphReader<'a> {
     scene: &'a Scene,
@@ -156,11 +159,13 @@ impl Scene {
 }
 
 impl MorphReader<'_> {
-    /// Returns how far the morph targets move each vertex of a part that a node places, by the weights of the node or else of the mesh: the weighted sum
-    /// of the targets' values of an attribute, `POSITION` or `NORMAL`. `None` where no target has such values and a weight other than 0.
+    /// Returns the morph displacement of each vertex of a part at a node: the weighted sum of the
+    /// targets' values of `attribute`, which is `POSITION` or `NORMAL`. The weights are those of
+    /// the node, or else those of the mesh. Returns `None` if no target with a nonzero weight has
+    /// such values.
     ///
     /// # Errors
-    /// The weights or targets are not valid glTF 2.0, or all displacements together would take too many bytes.
+    /// The weights or targets are not valid glTF 2.0, or the displacements exceed the limit.
     ///
     /// ```
     /// let json = br#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0,"weights":[0.5]}],
@@ -213,7 +218,8 @@ mod tests {
 
     use super::*;
 
-    /// Returns the scene of a triangle with these nodes and further members; floats are in accessor 1 on.
+    /// Returns the scene of a triangle with these nodes and additional members; accessors from 1 on
+    /// contain floats.
     fn scene(members: &str) -> Scene {
         let json = format!(
             r#"{{"asset":{{"version":"2.0"}},
@@ -236,7 +242,7 @@ mod tests {
         let skins = r#""skins":[{"joints":[2,1],"inverseBindMatrices":1}]"#;
         let appearance = scene(&format!("{nodes},{skins}")).appearance().unwrap();
         assert_eq!((appearance.instances[0].skin, appearance.skins.len()), (Some(0), 1));
-        // The first matrix moves by 1, 2, 3, the second by 4, 5, 6; the first joint then doubles.
+        // The bind matrices translate by 1, 2, 3 and 4, 5, 6; the first joint then scales by 2.
         let joints = &appearance.skins[0].joints;
         assert_eq!(joints[0], [[2.0, 0.0, 0.0, 2.0], [0.0, 2.0, 0.0, 4.0], [0.0, 0.0, 2.0, 9.0]]);
         assert_eq!(joints[1], [[1.0, 0.0, 0.0, 4.0], [0.0, 1.0, 0.0, 5.0], [0.0, 0.0, 1.0, 9.0]]);
@@ -289,7 +295,7 @@ mod tests {
         assert_eq!(results, [true, true, false, false]);
     }
 
-    /// Returns two matrices that move, as base64.
+    /// Returns two translation matrices as base64.
     fn bytes() -> String {
         let matrix = |x, y, z| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, y, z, 1.0_f32];
         let floats = [matrix(1.0, 2.0, 3.0), matrix(4.0, 5.0, 6.0)].concat();

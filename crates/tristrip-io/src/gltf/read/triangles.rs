@@ -1,4 +1,5 @@
-//! The triangles of primitives: decoded once for each array of indices, and copied for other primitives with the same indices.
+//! The triangles of primitives: each index array is decoded once, and copied for other primitives
+//! with the same indices.
 
 use std::collections::HashMap;
 
@@ -11,7 +12,8 @@ use crate::gltf::document::budget::{DecodeBudget, DrawBudget};
 use crate::gltf::document::spec::{TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES};
 use crate::model::{Part, StoredStrips};
 
-/// The most indices of a strip that a triangle takes in a layout that is written: an isolated triangle, joined to the next.
+/// Maximum number of indices per triangle in a strip layout that this crate writes: an isolated
+/// triangle with degenerate joins.
 const INDICES_PER_TRIANGLE: u64 = 6;
 
 /// Reads the triangles of primitives.
@@ -24,7 +26,7 @@ pub(in crate::gltf) struct TriangleReader {
     pub(in crate::gltf) counts: TriangleCounts,
 }
 
-/// Where the indices of a primitive are.
+/// The source of a primitive's indices.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum IndexSource {
     Accessor(usize),
@@ -32,10 +34,10 @@ enum IndexSource {
     AllVertices(usize),
 }
 
-/// Triangles that an earlier primitive has.
+/// The triangles of an earlier primitive.
 struct KnownTriangles {
     part: usize,
-    /// What they count as in the budget.
+    /// Their weight in the budget.
     weight: u64,
     counts: TriangleCounts,
 }
@@ -65,7 +67,8 @@ struct DecodedTriangles {
 }
 
 impl TriangleReader {
-    /// Reads the triangles of a primitive over its vertices; `parts` has those of the primitives before it.
+    /// Reads the triangles of a primitive over its vertices; `parts` contains the parts of earlier
+    /// primitives.
     pub(in crate::gltf) fn read<'a>(
         &mut self,
         resolver: &AccessorResolver<'a>,
@@ -101,7 +104,7 @@ impl TriangleReader {
     }
 }
 
-/// Checks whether all indices of a part are below a number of vertices.
+/// Checks whether all indices of a part are below `vertex_count`.
 fn fits(part: &Part, vertex_count: usize) -> bool {
     let indices = part.stored.as_ref().map_or(part.mesh.faces().corners(), |stored| stored.runs.vertices());
     indices.iter().all(|&v| (v as usize) < vertex_count)
@@ -146,7 +149,7 @@ fn from_list(mut corners: Vec<u32>) -> DecodedTriangles {
     DecodedTriangles { corners, stored: None, weight, counts }
 }
 
-/// Unpacks strips or fans; triangles with a repeated corner draw nothing and are dropped.
+/// Expands strips or fans; degenerate triangles are dropped.
 fn from_strips(indices: StripIndices, mode: u64) -> DecodedTriangles {
     debug_assert!(mode == TRIANGLE_FAN || mode == TRIANGLE_STRIP);
     let mut corners = Vec::with_capacity(3 * indices.len());

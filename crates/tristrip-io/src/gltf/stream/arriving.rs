@@ -1,13 +1,15 @@
-//! A progressive GLB while its bytes arrive, in pieces of any size.
+//! Decodes a progressive GLB during its download, in pieces of any size.
 //!
 //! ```text
-//! header, JSON ─▶ where the chunks are │ base meshes, textures ─▶ kept │ chunks ─▶ decoder ─▶ meshes │ up to three zeros
+//! header, JSON ─▶ range of the chunks
+//! base meshes, textures ─▶ kept │ chunks ─▶ decoder ─▶ meshes │ up to three zeros
 //! ```
-//! The bytes before the first chunk are kept: the scene of any moment is made of them and of what the decoder has built. A GLB without a stream is
-//! kept as a whole.
+//! The bytes before the first chunk are kept; the current scene is built from them and the meshes
+//! in the decoder. A GLB without a stream is kept completely.
 //!
 //! # Complexity
-//! Linear in the bytes of the file. Memory is in proportion to the bytes that arrived, and to what they may be expected to build.
+//! Linear in the bytes of the file. Memory is proportional to the received bytes and the triangles
+//! that they may encode.
 
 use std::path::Path;
 
@@ -21,13 +23,14 @@ use crate::gltf::stream::progressive::{ChunkRange, ProgressiveGlb};
 use crate::gltf::stream::refine::{StreamMeshes, stream_error};
 use crate::model::Model;
 
-/// Limits of an [`ArrivingGlb`]; files that exceed them are refused.
+/// Limits of an [`ArrivingGlb`]; files that exceed them are rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ArrivalLimits {
-    /// The maximum number of bytes before the first chunk, or in a file without a stream, 1 GiB by default. They are kept in memory.
+    /// Maximum number of bytes before the first chunk, or in a file without a stream; 1 GiB by
+    /// default. These bytes are kept in memory.
     pub kept_bytes: u64,
-    /// The limits of the decoder. The bytes that have arrived limit the number of triangles, too.
+    /// The limits of the decoder. The number of received bytes also limits the number of triangles.
     pub stream: StreamLimits,
 }
 
@@ -38,7 +41,7 @@ impl Default for ArrivalLimits {
 }
 
 impl ArrivalLimits {
-    /// Sets the maximum number of bytes that are kept.
+    /// Sets the maximum number of kept bytes.
     #[must_use]
     pub fn with_kept_bytes(self, kept_bytes: u64) -> Self {
         Self { kept_bytes, ..self }
@@ -51,7 +54,7 @@ impl ArrivalLimits {
     }
 }
 
-/// Decodes a progressive GLB, or any GLB, as its bytes arrive.
+/// Decodes a GLB, progressive or not, during its download.
 ///
 /// ```
 /// use tristrip_io::gltf::{ArrivalLimits, ArrivingGlb};
@@ -71,18 +74,18 @@ impl ArrivalLimits {
 pub struct ArrivingGlb {
     limits: ArrivalLimits,
     keeps_strips: bool,
-    /// The bytes before the first chunk that have arrived.
+    /// The received bytes before the first chunk.
     start: Vec<u8>,
     stage: ArrivalStage,
-    /// The bytes that have arrived.
+    /// The number of received bytes.
     offset: u64,
     fault: Option<ArrivalFault>,
 }
 
-/// What is to come next.
+/// The expected next section of the file.
 #[derive(Debug, Clone)]
 enum ArrivalStage {
-    /// The header, and the JSON up to a byte that is known from the 20th on.
+    /// The header and the JSON. `end` is known from byte 20 on.
     Json {
         end: Option<u64>,
     },
@@ -92,13 +95,13 @@ enum ArrivalStage {
         range: ChunkRange,
         decoder: Box<Decoder>,
     },
-    /// All other bytes of a GLB without a stream, which ends at a byte.
+    /// The rest of a GLB without a stream, up to its last byte.
     Plain {
         end: u64,
     },
 }
 
-/// An error that is returned again.
+/// A stored error, returned by all later calls.
 #[derive(Debug, Clone)]
 enum ArrivalFault {
     Format { at: String, found: String, expected: String },
@@ -139,19 +142,20 @@ impl ArrivingGlb {
         }
     }
 
-    /// Maintains triangle strips during refinement ([`StreamPart::strips`]); decoding is about five times slower.
+    /// Maintains triangle strips during refinement ([`StreamPart::strips`]); decoding is about five
+    /// times slower.
     #[must_use]
     pub fn keeping_strips(mut self) -> Self {
         self.keeps_strips = true;
         self
     }
 
-    /// Takes the next bytes of the file, decodes the chunks that they complete, and returns the number of these chunks. Bytes after
-    /// the chunks are ignored.
+    /// Appends the next bytes of the file and decodes the chunks that they complete. Returns the
+    /// number of these chunks. Bytes after the chunks are ignored.
     ///
     /// # Errors
-    /// The bytes are not a GLB, its document or a chunk is invalid, or the file exceeds a limit. Chunks before the error stay decoded.
-    /// All later bytes are refused with the same error.
+    /// The bytes are not a GLB, its document or a chunk is invalid, or the file exceeds a limit.
+    /// Chunks before the error stay decoded. All later calls return the same error.
     pub fn update(&mut self, bytes: &[u8]) -> Result<usize, Error> {
         if let Some(fault) = &self.fault {
             return Err(fault.error());
@@ -169,7 +173,7 @@ impl ArrivingGlb {
         loop {
             match &mut self.stage {
                 ArrivalStage::Json { end } => {
-                    // The length of the JSON is known from the header of its chunk on.
+                    // The header of the JSON chunk, which ends at byte 20, contains its length.
                     let wanted = end.unwrap_or(20);
                     let arrived = self.keep(wanted, &mut bytes)?;
                     match json_end(&self.start)? {
@@ -207,7 +211,7 @@ impl ArrivingGlb {
                     let length = range.bytes().end - range.bytes().start;
                     if self.offset >= range.bytes().end && decoder.offset() < length {
                         let at = format!("chunk {} of the stream", decoder.chunk_count());
-                        return Err(Error::format(at, "the end of the stream", "a whole chunk"));
+                        return Err(Error::format(at, "the end of the stream", "a complete chunk"));
                     }
                     return Ok(decoded);
                 }
@@ -221,7 +225,7 @@ impl ArrivingGlb {
         }
     }
 
-    /// Keeps bytes up to an end in the file; returns whether it is reached.
+    /// Keeps the bytes of the file up to `end`. Returns whether they are complete.
     fn keep(&mut self, end: u64, bytes: &mut &[u8]) -> Result<bool, Error> {
         if end > self.limits.kept_bytes {
             let at = "bytes before the first chunk".into();
@@ -235,7 +239,7 @@ impl ArrivingGlb {
         Ok(self.start.len() as u64 >= end)
     }
 
-    /// Returns what comes after the JSON, as it says.
+    /// Returns the stage after the JSON.
     fn after_json(&self) -> Result<ArrivalStage, Error> {
         if let Some(range) = ChunkRange::find(&self.start[..])? {
             return Ok(ArrivalStage::Base(range));
@@ -244,10 +248,10 @@ impl ArrivingGlb {
         Ok(ArrivalStage::Plain { end: length.map_or(0, u32::from_le_bytes).into() })
     }
 
-    /// Checks that the file is complete: to be called when no more bytes come.
+    /// Checks that the file is complete. Call it at the end of the download.
     ///
     /// # Errors
-    /// It is not, or the last update failed.
+    /// The file is incomplete, or the last update failed.
     pub fn finish(&self) -> Result<(), Error> {
         if let Some(fault) = &self.fault {
             return Err(fault.error());
@@ -262,7 +266,7 @@ impl ArrivingGlb {
             }
             ArrivalStage::Chunks { range, decoder } => {
                 let length = range.bytes().end - range.bytes().start;
-                format!("{} of chunks; complete: {}", counted(length, "byte"), decoder.offset())
+                format!("{} of chunks; complete up to byte {}", counted(length, "byte"), decoder.offset())
             }
             ArrivalStage::Plain { end } => counted(end, "byte"),
         };
@@ -273,7 +277,8 @@ impl ArrivingGlb {
         ))
     }
 
-    /// Returns whether all that is drawn has arrived: all chunks, or all bytes of a file without a stream.
+    /// Returns whether everything to draw was received: all chunks, or all bytes of a file without
+    /// a stream.
     pub fn is_complete(&self) -> bool {
         match &self.stage {
             ArrivalStage::Json { .. } | ArrivalStage::Base(_) => false,
@@ -284,12 +289,14 @@ impl ArrivingGlb {
         }
     }
 
-    /// Counts the bytes that have arrived: the byte of the file that is expected next.
+    /// Returns the number of received bytes: the offset of the next byte to pass to
+    /// [`update`](Self::update).
     pub fn offset(&self) -> u64 {
         self.offset
     }
 
-    /// Returns where the chunks are in the file, once the JSON has arrived; `None` also for a file without a stream.
+    /// Returns the range of the chunks in the file. `None` until the JSON is complete, and for a
+    /// file without a stream.
     pub fn chunk_range(&self) -> Option<&ChunkRange> {
         match &self.stage {
             ArrivalStage::Base(range) | ArrivalStage::Chunks { range, .. } => Some(range),
@@ -297,12 +304,12 @@ impl ArrivingGlb {
         }
     }
 
-    /// Returns whether the base meshes have arrived and can be drawn.
+    /// Returns whether the base meshes are complete and can be drawn.
     pub fn has_base(&self) -> bool {
         matches!(self.stage, ArrivalStage::Chunks { .. }) || self.is_complete()
     }
 
-    /// Returns the decoder of the chunks, once all bytes before them have arrived.
+    /// Returns the decoder of the chunks, once all bytes before them were received.
     pub fn decoder(&self) -> Option<&Decoder> {
         match &self.stage {
             ArrivalStage::Chunks { decoder, .. } => Some(decoder),
@@ -310,18 +317,18 @@ impl ArrivingGlb {
         }
     }
 
-    /// Returns the meshes whose first chunk has arrived, with their numbers.
+    /// Returns the meshes whose first chunk was received, with their stream indices.
     pub fn parts(&self) -> impl Iterator<Item = (u32, &StreamPart)> {
         let numbers = 0..self.limits.stream.meshes;
         let decoder = self.decoder();
         numbers.filter_map(move |number| Some((number as u32, decoder?.part(number)?)))
     }
 
-    /// Returns the scene as far as it has arrived: base meshes where no chunk has refined them. `None` before the base meshes have arrived. Images of the document are
-    /// looked for in `base_dir`.
+    /// Returns the current scene, with base meshes where no chunk has refined them. Returns `None`
+    /// until the base meshes are complete. Images of the document are looked up in `base_dir`.
     ///
     /// # Errors
-    /// The document is not valid, or a mesh does not have the attributes of a primitive that draws it.
+    /// The document is invalid, or a mesh does not have the attributes of a primitive that uses it.
     pub fn model(&self, base_dir: Option<&Path>) -> Result<Option<Model>, Error> {
         if !self.has_base() {
             return Ok(None);

@@ -2,11 +2,12 @@
 //! them (`docs/formats/progressive-glb.md`).
 //!
 //! # Algorithm
-//! Writing ([`write_progressive`]): the scene gets its drawings and is packed in memory. The chunks follow all other bytes, the
-//! extensions are added, and the file is written once.
+//! Writing ([`write_progressive`]): the scene with its drawings is packed in memory. The chunks are
+//! appended after all other bytes, the extensions are added, and the file is written once.
 //!
-//! Reading: the reader of documents refines base meshes to the full meshes (`refine.rs`). [`ProgressiveGlb`] gives access to the
-//! chunks, also of a truncated file, and builds the scene of any level that is decoded from them.
+//! Reading: the document reader refines base meshes to the full meshes (`refine.rs`).
+//! [`ProgressiveGlb`] gives access to the chunks, also of a truncated file, and builds the scene of
+//! any decoded level.
 //!
 //! # Complexity
 //! Linear in the bytes of the file.
@@ -35,40 +36,44 @@ use crate::gltf::write::keep::compact::set_buffer;
 use crate::gltf::write::keep::draw;
 use crate::model::{Drawing, Model};
 
-/// A GLB in memory, and where its stream starts.
+/// A GLB in memory, and the start of its stream.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct WrittenGlb {
     /// The file.
     pub bytes: Vec<u8>,
-    /// The offset of the first chunk in the file; its length if it has no stream.
+    /// The offset of the first chunk, or the file size if there is no stream.
     pub chunk_start: usize,
 }
 
-/// Writes a progressive GLB: the drawings of a model with a scene, packed without rounding as by [`pack`](crate::gltf::pack()), and the
-/// chunks of the stream that refines them. `parts` has the source of each part that is refined. Without chunks the result is a plain GLB.
+/// Writes a progressive GLB: the drawings of a model with a scene, packed without rounding (see
+/// [`pack`](crate::gltf::pack())), and the chunks of the stream that refines them. `parts` has the
+/// source of each refined part. Without chunks, the result is a plain GLB.
 ///
 /// # Errors
-/// The model has no scene, there is not one drawing and one source per part, a strip names a vertex that does not exist, or the
-/// result exceeds 4 GiB.
+/// The model has no scene, the number of drawings or sources is not the number of parts, a strip
+/// uses a vertex that does not exist, or the result exceeds 4 GiB.
 ///
 /// ```
 /// use tristrip::stream::{StreamOptions, encode};
 /// use tristrip_io::gltf::{ProgressiveGlb, StreamedPart, with_scene, write_progressive};
 /// use tristrip_io::{Drawing, Format, read};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
-/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let faces = "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+/// let model = read([corners, faces].concat().as_bytes(), Format::Obj)?;
 /// let model = with_scene(&model)?;
 /// let mesh = &model.parts[0].mesh;
 /// let options = tristrip::simplify::SimplifyOptions::default();
-/// let tree = tristrip::simplify::refinement_batches(mesh, mesh.faces().corners().to_vec(), &options)?;
+/// let corners = mesh.faces().corners().to_vec();
+/// let tree = tristrip::simplify::refinement_batches(mesh, corners, &options)?;
 /// let stream = encode(mesh, &tree.sequence, &tree.level_ends, 0, &StreamOptions::default())?;
 /// let base = tristrip_io::with_triangles(&model, vec![stream.base.clone()], Format::Glb)?.model;
 /// let parts = [Some(StreamedPart { stream: 0, part: None })];
 /// let glb = write_progressive(&base, &[Drawing::Faces], &parts, &stream.bytes())?;
 /// assert_eq!(read(&glb.bytes, Format::Glb)?.parts[0].mesh.faces().triangle_count(), 4);
 /// let opened = ProgressiveGlb::open(glb.bytes)?;
-/// assert!(opened.is_some_and(|opened| opened.is_complete() && opened.chunk_start() == glb.chunk_start));
+/// let is_same_start = |opened: &ProgressiveGlb| opened.chunk_start() == glb.chunk_start;
+/// assert!(opened.is_some_and(|opened| opened.is_complete() && is_same_start(&opened)));
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn write_progressive(
@@ -79,7 +84,7 @@ pub fn write_progressive(
 ) -> Result<WrittenGlb, Error> {
     model.check_drawings(drawings)?;
     let Some(scene) = &model.scene else {
-        return Err(Error::Unsupported("a progressive GLB of a model without a scene".into()));
+        return Err(Error::Unsupported("cannot write a progressive GLB of a model without a scene".into()));
     };
     scene.check_part_count(parts.len())?;
     let content = pack_content(draw(scene, model, drawings, Layout::Degenerate)?.joined(), Rounding::None)?;
@@ -94,7 +99,7 @@ pub fn write_progressive(
     Ok(WrittenGlb { bytes, chunk_start: container::bin_start(json.len()) + buffer.len() })
 }
 
-/// Adds a stream, which ends the only buffer of a document, and how it refines parts.
+/// Adds a stream at the end of a document's only buffer, and the references of the refined parts.
 fn add_stream(
     root: &mut Members,
     (primitives, parts): (&[PrimitiveRef], &[Option<StreamedPart>]),
@@ -126,17 +131,18 @@ fn add_stream(
     set_buffer(root, chunks.end)
 }
 
-/// Reads the base meshes of a progressive GLB, as a viewer without the extension draws them. A GLB without a stream is read as by
-/// [`read`](crate::gltf::read()). The model shares the bytes.
+/// Reads the base meshes of a progressive GLB, as drawn by viewers without the extension. A GLB
+/// without a stream is read as by [`read`](crate::gltf::read()). The model shares the bytes.
 ///
 /// # Errors
-/// The document is not valid.
+/// The document is invalid.
 ///
 /// ```
-/// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
-/// let layout = tristrip::Layout::List;
-/// let glb = tristrip_io::write(&model, &[tristrip_io::Drawing::Faces], tristrip_io::Format::Glb, layout)?;
-/// assert_eq!(tristrip_io::gltf::read_base(&std::sync::Arc::new(glb))?.parts[0].mesh, model.parts[0].mesh);
+/// use std::sync::Arc;
+/// use tristrip_io::{Drawing, Format, gltf, read, write};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// let glb = write(&model, &[Drawing::Faces], Format::Glb, tristrip::Layout::List)?;
+/// assert_eq!(gltf::read_base(&Arc::new(glb))?.parts[0].mesh, model.parts[0].mesh);
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn read_base(bytes: &Arc<Vec<u8>>) -> Result<Model, Error> {
@@ -154,21 +160,21 @@ fn add_extension(members: &mut Members, value: Value) -> Result<(), Error> {
     Ok(())
 }
 
-/// Returns the stream of a document, with its first byte in the binary chunk and its length.
+/// Returns the stream of a document, with its offset in the binary chunk and its length.
 fn stream_in_bin(root: &Members) -> Result<Option<(StreamInDocument, usize, usize)>, Error> {
     let Some(stream) = StreamInDocument::find(root)? else { return Ok(None) };
     let view = Located::entry(root, "bufferViews", stream.view)?;
     let (offset, length) = (view.size_or("byteOffset", 0)?, view.need("byteLength")?.size()?);
     if view.size_or("buffer", 0)? != 0 {
-        return Err(view.wrong("the bytes of the GLB"));
+        return Err(view.wrong("a view of the GLB's binary chunk"));
     }
     match Located::entry(root, "buffers", 0)?.field("uri") {
-        Some(uri) => Err(uri.wrong("the bytes of the GLB")),
+        Some(uri) => Err(uri.wrong("the GLB's binary chunk")),
         None => Ok(Some((stream, offset, length))),
     }
 }
 
-/// Where the chunks of a progressive GLB are in its file, according to its JSON.
+/// The range of the chunks of a progressive GLB in its file, according to its JSON.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChunkRange {
     bytes: Range<u64>,
@@ -176,10 +182,11 @@ pub struct ChunkRange {
 }
 
 impl ChunkRange {
-    /// Finds the chunks of a GLB in its first bytes: the header and the JSON. `None` if it has no stream.
+    /// Finds the chunks of a GLB from its first bytes: the header and the JSON. Returns `None` if
+    /// it has no stream.
     ///
     /// # Errors
-    /// The JSON is cut off or not valid.
+    /// The JSON is truncated or invalid.
     ///
     /// ```
     /// use tristrip_io::gltf::ChunkRange;
@@ -197,7 +204,7 @@ impl ChunkRange {
         };
         let document = Document::parse(container.json_bytes())?;
         let Some((stream, offset, length)) = stream_in_bin(&document.root)? else { return Ok(None) };
-        // The header of the binary chunk is behind the JSON.
+        // The header of the binary chunk follows the JSON.
         let first = (container.json.end as u64 + CHUNK_HEADER_BYTES as u64).saturating_add(offset as u64);
         Ok(Some(Self { bytes: first..first.saturating_add(length as u64), streams: stream.numbers() }))
     }
@@ -207,48 +214,48 @@ impl ChunkRange {
         self.bytes.clone()
     }
 
-    /// Returns the numbers of the meshes that primitives draw.
+    /// Returns the stream indices of the meshes that primitives use.
     pub fn streams(&self) -> &BTreeSet<u32> {
         &self.streams
     }
 
-    /// Returns limits for a decoder of the chunks when this many bytes of them are present.
+    /// Returns limits for a decoder when `present_bytes` bytes of the chunks are available.
     pub fn limits(&self, present_bytes: u64) -> StreamLimits {
         let length = self.bytes.end - self.bytes.start;
         limits(usize::try_from(length.min(present_bytes)).unwrap_or(usize::MAX))
     }
 }
 
-/// A progressive GLB, complete or truncated, whose stream has not been decoded.
+/// A progressive GLB, complete or truncated, with an undecoded stream.
 ///
 /// ```
 /// use tristrip_io::gltf::ProgressiveGlb;
+/// use tristrip_io::{Drawing, Format, read, write};
 /// // A GLB without a stream.
-/// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
-/// let layout = tristrip::Layout::List;
-/// let glb = tristrip_io::write(&model, &[tristrip_io::Drawing::Faces], tristrip_io::Format::Glb, layout)?;
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// let glb = write(&model, &[Drawing::Faces], Format::Glb, tristrip::Layout::List)?;
 /// assert!(ProgressiveGlb::open(glb)?.is_none());
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct ProgressiveGlb {
-    /// The file, or a valid GLB with the bytes that are present.
+    /// The file, or a valid GLB of the available bytes.
     glb: Arc<Vec<u8>>,
     /// The chunks in `glb`.
     chunks: Range<usize>,
-    /// Where the chunks start in the file.
+    /// The offset of the chunks in the file.
     start: usize,
-    /// How long the chunks are in the whole file.
+    /// The size of the chunks in the complete file.
     length: usize,
     primitive_count: usize,
     streams: BTreeSet<u32>,
 }
 
 impl ProgressiveGlb {
-    /// Opens a file without a copy of its bytes; `None` if it is not a GLB with a stream.
+    /// Opens a file without copying its bytes. Returns `None` if it is not a GLB with a stream.
     ///
     /// # Errors
-    /// The JSON is cut off or not valid, or the file ends before the chunks.
+    /// The JSON is truncated or invalid, or the file ends before the chunks.
     pub fn open(bytes: impl Into<Arc<Vec<u8>>>) -> Result<Option<Self>, Error> {
         let file = bytes.into();
         let Some(GlbContainer { json, bin, .. }) = container::open_start(Arc::clone(&file)) else {
@@ -283,7 +290,7 @@ impl ProgressiveGlb {
         if container::open(Arc::clone(&file), &mut Vec::new()).is_ok() && present == length {
             return Ok(Some(whole));
         }
-        // The bytes that are present become a valid GLB.
+        // Build a valid GLB from the available bytes.
         for (list, number, bytes) in [("bufferViews", stream.view, present), ("buffers", 0, offset + present)]
         {
             let entry = entries_mut(&mut document.root, list)?.get_mut(number).and_then(Value::as_object_mut);
@@ -295,9 +302,9 @@ impl ProgressiveGlb {
         Ok(Some(Self { glb: Arc::new(glb), chunks: chunks..chunks + present, ..whole }))
     }
 
-    /// Returns the bytes of the chunks that are present.
+    /// Returns the available bytes of the chunks.
     ///
-    /// [`write_progressive`] has an example.
+    /// See [`write_progressive`] for an example.
     pub fn chunks(&self) -> &[u8] {
         &self.glb[self.chunks.clone()]
     }
@@ -307,22 +314,22 @@ impl ProgressiveGlb {
         self.start
     }
 
-    /// Checks whether all bytes of the chunks are present.
+    /// Checks whether all chunks are available.
     pub fn is_complete(&self) -> bool {
         self.chunks.len() == self.length
     }
 
-    /// Returns the length of all chunks in the whole file.
+    /// Returns the size of all chunks in the complete file, in bytes.
     pub fn chunk_bytes(&self) -> usize {
         self.length
     }
 
-    /// Counts the primitives that are refined.
+    /// Returns the number of refined primitives.
     pub fn primitive_count(&self) -> usize {
         self.primitive_count
     }
 
-    /// Returns the numbers of the meshes that primitives draw.
+    /// Returns the stream indices of the meshes that primitives use.
     pub fn streams(&self) -> &BTreeSet<u32> {
         &self.streams
     }
@@ -332,11 +339,12 @@ impl ProgressiveGlb {
         limits(self.chunks.len())
     }
 
-    /// Returns the scene with the given meshes, by their numbers in the stream, in place of the base meshes. A base mesh is kept if
-    /// its mesh is missing or has no triangles. Images of the document are read from `base_dir`.
+    /// Returns the scene with the given meshes in place of the base meshes; keys are stream
+    /// indices. A base mesh is kept if its mesh is missing or has no triangles. Images of the
+    /// document are read from `base_dir`.
     ///
     /// # Errors
-    /// The document is not valid, or a mesh does not have the attributes of a primitive that draws it.
+    /// The document is invalid, or a mesh does not have the attributes of a primitive that uses it.
     pub fn model(&self, meshes: &StreamMeshes, base_dir: Option<&Path>) -> Result<Model, Error> {
         let folders: Vec<&Path> = base_dir.into_iter().collect();
         read_refined(Arc::clone(&self.glb), &folders, meshes)

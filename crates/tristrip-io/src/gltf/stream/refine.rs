@@ -1,17 +1,18 @@
-//! Reading progressive documents: base meshes are replaced by what their stream builds. The rest of the reader and the writer see an
-//! ordinary document.
+//! Reads progressive documents: replaces base meshes by the meshes decoded from the stream. The
+//! rest of the reader and the writer see an ordinary document.
 //!
 //! ```text
-//! root:      { extensions: { TRISTRIP_progressive: { version: 1, bufferView: 7 } } }      the chunks: the last buffer view
-//! primitive: { extensions: { TRISTRIP_progressive: { stream: 0, part: 2 } } }             draws part 2 of what stream 0 has built
+//! root:      { extensions: { TRISTRIP_progressive: { version: 1, bufferView: 7 } } }  chunks
+//! primitive: { extensions: { TRISTRIP_progressive: { stream: 0, part: 2 } } }         source
 //! ```
 //!
 //! # Algorithm
-//! All chunks are decoded, unless the meshes of another level are given. Each refined primitive gets accessors with the vertices and triangles of its part, instead of those of the base
-//! mesh. The old accessors, their bytes and the chunks are removed.
+//! All chunks are decoded, unless the meshes of another level are given. Each refined primitive
+//! gets accessors with the vertices and triangles of its part instead of those of the base mesh.
+//! The old accessors, their bytes and the chunks are removed.
 //!
 //! # Complexity
-//! Linear in the decoded bytes, which the limits of the decoder bound.
+//! Linear in the decoded bytes, which the decoder's limits bound.
 
 mod split;
 
@@ -39,11 +40,12 @@ use crate::model::Drawing;
 
 pub(in crate::gltf) const EXTENSION: &str = "TRISTRIP_progressive";
 pub(in crate::gltf) const VERSION: u64 = 1;
-/// The triangles that any stream may have, and those that each of its bytes adds. A flat grid of a million triangles has two per byte.
+/// Maximum number of triangles of a stream: a constant, plus a number per byte. A flat grid of a
+/// million triangles has two per byte.
 const MIN_TRIANGLE_LIMIT: usize = 1 << 18;
 const TRIANGLES_PER_BYTE: usize = 32;
 
-/// A primitive that is refined.
+/// A refined primitive.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gltf) struct RefinedPrimitive {
     mesh: usize,
@@ -51,7 +53,7 @@ pub(in crate::gltf) struct RefinedPrimitive {
     pub(in crate::gltf) source: StreamedPart,
 }
 
-/// Where a document says that its stream is, and what it refines.
+/// The buffer view of a document's stream, and the primitives that it refines.
 pub(in crate::gltf) struct StreamInDocument {
     pub(in crate::gltf) view: usize,
     pub(in crate::gltf) primitives: Vec<RefinedPrimitive>,
@@ -70,7 +72,7 @@ impl StreamInDocument {
         let view_at = extension.need("bufferView")?;
         view_at.target(root, "bufferViews")?;
         let number = |at: &Located<'_>| {
-            u32::try_from(at.whole()?).map_err(|_| at.wrong("a number of at most 32 bits"))
+            u32::try_from(at.whole()?).map_err(|_| at.wrong("a 32-bit number"))
         };
         let mut primitives = Vec::new();
         for (mesh, located_mesh) in Located::entries(root, "meshes")?.enumerate() {
@@ -81,7 +83,7 @@ impl StreamInDocument {
                 };
                 let (stream, part) = (number(&own.need("stream")?)?, own.field("part"));
                 if let Some(targets) = located.field("targets") {
-                    return Err(targets.wrong("no morph targets of a primitive that is refined"));
+                    return Err(targets.wrong("no morph targets in a refined primitive"));
                 }
                 let part = part.map(|part| number(&part)).transpose()?;
                 let source = StreamedPart { stream, part };
@@ -91,19 +93,20 @@ impl StreamInDocument {
         Ok(Some(Self { view: view_at.size()?, primitives }))
     }
 
-    /// Returns the numbers of the meshes that primitives draw.
+    /// Returns the stream indices of the meshes that primitives use.
     pub(in crate::gltf) fn numbers(&self) -> BTreeSet<u32> {
         self.primitives.iter().map(|primitive| primitive.source.stream).collect()
     }
 
-    /// The bytes of the stream, and where they are.
+    /// Returns the buffer of the stream and its byte range.
     fn range(&self, root: &Members, buffers: &[SharedBytes]) -> Result<(usize, Range<usize>), Error> {
         let view = &array(root, "bufferViews")?[self.view];
         view_range(self.view, view, buffers)
     }
 }
 
-/// Replaces the base meshes of a progressive document by other meshes: those given, or else all that its stream has. Another document does not change.
+/// Replaces the base meshes of a progressive document by `meshes`, or by the full meshes of its
+/// stream. Other documents are not changed.
 pub(in crate::gltf) fn refine(
     document: &mut Document,
     buffers: Vec<SharedBytes>,
@@ -122,7 +125,7 @@ pub(in crate::gltf) fn refine(
     };
     let root = &mut document.root;
     check_view(root, stream.view)?;
-    // 1. The extensions are removed: their numbers are not references.
+    // 1. Remove the extensions first, so their numbers do not count as references.
     remove_from_root(root);
     undeclare(root, EXTENSION);
     for primitive in &stream.primitives {
@@ -130,7 +133,8 @@ pub(in crate::gltf) fn refine(
             remove_extensions(value, &[EXTENSION])
         })?;
     }
-    // 2. The parts, and what they replace. A part without triangles at this level stays as it is.
+    // 2. The parts, and the entries that they replace. A part without triangles at this level keeps
+    //    its base mesh.
     let parts = parts_of(meshes, stream.primitives.iter().map(|primitive| primitive.source))?;
     let new: Vec<(&RefinedPrimitive, &Mesh)> =
         stream.primitives.iter().zip(&parts).filter_map(|(p, part)| Some((p, part.as_deref()?))).collect();
@@ -148,7 +152,7 @@ pub(in crate::gltf) fn refine(
         let (buffer, range) = view_range(view, entry.value, &buffers)?;
         freed[buffer].push(range);
     }
-    // 3. The new values. Entries that are free are used again, the first ones first; that of the stream is the last.
+    // 3. The new values. Free entries are reused in ascending order, the view of the stream last.
     let mut builder = DocumentBuilder::default();
     let mut built: HashMap<StreamedPart, (BTreeMap<&str, usize>, usize)> = HashMap::new();
     for &(&RefinedPrimitive { source, .. }, mesh) in &new {
@@ -185,7 +189,7 @@ pub(in crate::gltf) fn refine(
             }
         })?;
     }
-    // 4. The bytes. The view of the stream is the last one, and has no use if nothing took its place.
+    // 4. The bytes. The view of the stream is the last one; it is removed if it was not reused.
     let list = list_mut(root, "bufferViews")?;
     if !slots.contains(&stream.view) {
         if stream.view + 1 == list.len() {
@@ -197,13 +201,13 @@ pub(in crate::gltf) fn refine(
     join(root, &buffers, freed, &slots.into_iter().zip(starts).collect(), &bytes)
 }
 
-/// Checks that the view of the stream is that of nothing else.
+/// Checks that only the stream uses its view.
 fn check_view(root: &Members, view: usize) -> Result<(), Error> {
     let mut of_accessors = (0..array(root, "accessors")?.len()).flat_map(|a| views_of_accessor(root, a));
     let mut of_images = array(root, "images")?.iter().filter_map(|image| index(image.get("bufferView")?));
     if of_accessors.any(|other| other == view) || of_images.any(|other| other == view) {
-        let found = "a view that accessors or images use, too";
-        return Err(Error::format(format!("bufferViews[{view}]"), found, "a view of the stream alone"));
+        let found = "a view that accessors or images also use";
+        return Err(Error::format(format!("bufferViews[{view}]"), found, "a view used only by the stream"));
     }
     Ok(())
 }
@@ -214,21 +218,21 @@ fn decode_all(chunks: &[u8]) -> Result<StreamMeshes, Error> {
     decoder.update(chunks).map_err(|fault| stream_error(&fault))?;
     if decoder.offset() < chunks.len() as u64 {
         let at = format!("chunk {} of the stream at its byte {}", decoder.chunk_count(), decoder.offset());
-        return Err(Error::format(at, "the end of the stream", "a whole chunk"));
+        return Err(Error::format(at, "the end of the stream", "a complete chunk"));
     }
     let streams = 0..limits(0).meshes;
     let parts = streams.filter_map(|stream| Some((stream as u32, decoder.part(stream)?)));
     parts.map(|(stream, part)| Ok((stream, part.mesh()?))).collect()
 }
 
-/// The limits of a decoder of a stream with so many bytes: a mesh that is regular takes little for each triangle.
+/// Returns the limits of a decoder for a stream of `bytes` bytes.
 pub(in crate::gltf) fn limits(bytes: usize) -> StreamLimits {
     let limits = StreamLimits::default();
     let triangles = MIN_TRIANGLE_LIMIT.saturating_add(bytes.saturating_mul(TRIANGLES_PER_BYTE));
     StreamLimits { triangles: triangles.min(limits.triangles), ..limits }
 }
 
-/// Returns the error of a file whose stream has a fault.
+/// Converts an error of the stream.
 pub(in crate::gltf) fn stream_error(fault: &StreamError) -> Error {
     if let Some(exceeded) = fault.exceeded {
         let at = format!("{} of the stream, {}", fault.at, exceeded.what);
@@ -259,7 +263,8 @@ pub(in crate::gltf) fn change_primitive(
     Ok(())
 }
 
-/// Checks that a mesh has the attributes of the primitive that it refines, of types that glTF has.
+/// Checks that a mesh has the attributes of the primitive that it refines, in types supported by
+/// glTF.
 fn check_attributes(root: &Members, primitive: &RefinedPrimitive, mesh: &Mesh) -> Result<(), Error> {
     let at = format!("meshes[{}].primitives[{}].attributes", primitive.mesh, primitive.primitive);
     let list = array(root, "meshes")?.get(primitive.mesh).map(|mesh| items(mesh, "primitives"));
@@ -276,14 +281,14 @@ fn check_attributes(root: &Members, primitive: &RefinedPrimitive, mesh: &Mesh) -
             return Err(Error::format(
                 at,
                 format!("`{}` in the stream", attribute.name),
-                format!("another attribute: {why}"),
+                format!("an attribute that glTF supports: {why}"),
             ));
         }
     }
     Ok(())
 }
 
-/// Puts values into entries of a list that are free, and then behind its end; returns where they are.
+/// Puts values into free entries of a list, then at its end. Returns their indices.
 fn put_all(
     root: &mut Members,
     list: &str,

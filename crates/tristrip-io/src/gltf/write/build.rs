@@ -1,12 +1,14 @@
-//! Writing without a scene: builds a minimal document around the parts.
+//! Writes a model without a scene: builds a minimal document for the parts.
 //!
 //! # Attributes
-//! `NORMAL`, `TANGENT`, `TEXCOORD_n` and `COLOR_n` are written under these names where their values are what glTF requires:
-//! normals and tangents of unit length, colours from 0 to 1, numbers without a gap. All others become custom attributes
-//! with a leading underscore; their values are never changed. Attributes without a type in glTF (64-bit floats, 32-bit
-//! integers, more than four components, values that are not finite) are not written; [`losses`] lists them.
+//! `NORMAL`, `TANGENT`, `TEXCOORD_n` and `COLOR_n` are written under these names if their values
+//! meet the requirements of glTF: normals and tangents of unit length, colours from 0 to 1,
+//! consecutive numbers. All others become custom attributes with a leading underscore; their values
+//! do not change. Attributes without a glTF type (64-bit floats, 32-bit integers, more than four
+//! components, values that are not finite) are not written; [`losses`] lists them.
 //!
-//! The texture coordinates of OBJ count upwards, and those of glTF downwards: `v` becomes 1 − v.
+//! Texture coordinates of OBJ have their origin at the bottom, those of glTF at the top: `v`
+//! becomes 1 − v.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -26,11 +28,11 @@ use crate::le_bytes::{append, fill_rows};
 use crate::materials::SideFile;
 use crate::model::{Drawing, Model, Part};
 
-/// How far the length of a normal may be from 1; the Khronos validator allows 0.00674.
+/// Maximum difference between the length of a normal and 1; the Khronos validator allows 0.00674.
 const UNIT_TOLERANCE: f64 = 0.006;
 
-/// Lists what a GLB cannot hold of a model, or holds in another form, in words, with counts. Empty for a model with a
-/// scene, which keeps everything. There is one drawing for each part.
+/// Lists the data of a model that a GLB cannot store, or stores in another form, with counts. Empty
+/// for a model with a scene, which loses nothing. There is one drawing per part.
 pub(crate) fn losses(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
     if model.scene.is_some() {
         return Vec::new();
@@ -62,7 +64,7 @@ pub(crate) fn losses(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
     counted.map(|(words, count)| format!("{words}: {count}")).collect()
 }
 
-/// Builds the minimal document; the caller has checked the drawings.
+/// Builds the minimal document. The caller has checked the drawings.
 pub(in crate::gltf) fn build(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> GlbContent {
     let flips = model.materials.as_ref().is_some_and(|materials| !materials.counts_down);
     let mut builder = DocumentBuilder { flips, ..DocumentBuilder::default() };
@@ -75,7 +77,7 @@ pub(in crate::gltf) fn build(model: &Model, drawings: &[Drawing<'_>], layout: La
         if mesh.vertex_count() == 0 {
             continue;
         }
-        // 1. A mesh for each run of parts with the same name.
+        // 1. One mesh per run of parts with the same name.
         let name = part.name.as_deref();
         if names.last() != Some(&name) {
             names.push(name);
@@ -85,7 +87,7 @@ pub(in crate::gltf) fn build(model: &Model, drawings: &[Drawing<'_>], layout: La
             }
             meshes.push(object);
         }
-        // 2. The members that the primitives of the part have in common.
+        // 2. The members shared by the primitives of the part.
         let mut common = json!({ "attributes": builder.attributes(mesh) });
         if let Some(material) = part.material.as_deref() {
             let has_coordinates = common["attributes"].get("TEXCOORD_0").is_some();
@@ -108,23 +110,23 @@ pub(in crate::gltf) fn build(model: &Model, drawings: &[Drawing<'_>], layout: La
     builder.finish(meshes, &names, materials, restarts)
 }
 
-/// Collects the values of meshes, with their buffer views and accessors.
+/// Collects the values of meshes, their buffer views and accessors.
 #[derive(Default)]
 pub(in crate::gltf) struct DocumentBuilder<'a> {
-    /// Whether texture coordinates count upwards.
+    /// Whether the origin of texture coordinates is at the bottom.
     flips: bool,
     pub(in crate::gltf) bytes: Vec<u8>,
     pub(in crate::gltf) views: Vec<Value>,
     pub(in crate::gltf) accessors: Vec<Value>,
-    /// Accessors by the address of the position array, which the model keeps alive: parts that share an array share
-    /// its accessor.
+    /// Accessors by the address of the position array, which the model keeps alive. Parts that
+    /// share an array share its accessor.
     shared: HashMap<*const Vec<[f32; 3]>, SharedPositions<'a>>,
 }
 
 /// The accessors over one position array.
 struct SharedPositions<'a> {
     accessor: usize,
-    /// The last attribute of each name written for these positions.
+    /// The last written attribute of each name for these positions.
     attributes: BTreeMap<String, (&'a Attribute, usize)>,
 }
 
@@ -150,7 +152,8 @@ impl<'a> DocumentBuilder<'a> {
         self.accessors.len() - 1
     }
 
-    /// Writes positions and attributes, unless an earlier part had the same; returns the accessors by name.
+    /// Writes positions and attributes, or reuses those of an earlier part. Returns the accessors
+    /// by name.
     fn attributes(&mut self, mesh: &'a Mesh) -> Value {
         let positions = mesh.shared_positions();
         let key = Arc::as_ptr(&positions);
@@ -238,7 +241,7 @@ impl<'a> DocumentBuilder<'a> {
         self.accessor(accessor)
     }
 
-    /// Appends values; those of each vertex are aligned to four bytes.
+    /// Appends values, aligned to four bytes per vertex.
     fn values<T: Copy, const N: usize>(
         &mut self,
         values: &[T],
@@ -260,7 +263,7 @@ impl<'a> DocumentBuilder<'a> {
         runs.iter().zip(offsets).map(|(run, offset)| self.accessor(run.accessor(view, offset))).collect()
     }
 
-    /// Appends the bytes of images, and returns their entries.
+    /// Appends the bytes of images and returns their entries.
     fn images(&mut self, images: &[&SideFile]) -> Vec<Value> {
         let mut entries = Vec::with_capacity(images.len());
         for image in images {
@@ -308,17 +311,17 @@ impl<'a> DocumentBuilder<'a> {
     }
 }
 
-/// Returns texture coordinates with the second of each two changed.
+/// Returns texture coordinates with `flip` applied to each v.
 fn flipped<T: Copy>(values: &[T], flip: impl Fn(T) -> T) -> Vec<T> {
     values.iter().enumerate().map(|(i, &x)| if i % 2 == 1 { flip(x) } else { x }).collect()
 }
 
-/// Returns the name that each attribute of a mesh is written under, or the reason why it is not written.
+/// Returns the name under which each attribute of a mesh is written, or the reason why it is not.
 fn attribute_names(mesh: &Mesh) -> Vec<Result<String, String>> {
     let attributes = mesh.attributes();
     let mut core: Vec<bool> = attributes.iter().map(is_core).collect();
     let named = |core: &[bool], name: &str| (attributes.iter().zip(core)).any(|(a, &c)| c && a.name == name);
-    // Numbered names must be consecutive, and tangents need normals.
+    // Numbered names must be consecutive; tangents need normals.
     for prefix in ["TEXCOORD_", "COLOR_"] {
         let end = (0..attributes.len())
             .find(|n| !named(&core, &format!("{prefix}{n}")))
@@ -354,7 +357,7 @@ fn attribute_names(mesh: &Mesh) -> Vec<Result<String, String>> {
 /// Checks that glTF has a type for an attribute.
 pub(in crate::gltf) fn check_writable(attribute: &Attribute) -> Result<(), String> {
     if !(1..=4).contains(&attribute.components) {
-        return Err(format!("it has {} components, and glTF has 1 to 4", attribute.components));
+        return Err(format!("it has {} components; glTF allows 1 to 4", attribute.components));
     }
     match &attribute.data {
         AttributeData::F64(_) | AttributeData::U32(_) | AttributeData::I32(_) => {
@@ -367,7 +370,8 @@ pub(in crate::gltf) fn check_writable(attribute: &Attribute) -> Result<(), Strin
     }
 }
 
-/// Checks whether an attribute is what glTF requires under its name; gaps in numbers are not checked.
+/// Checks whether an attribute meets the requirements of glTF for its name, except consecutive
+/// numbering.
 fn is_core(attribute: &Attribute) -> bool {
     let floats = match &attribute.data {
         AttributeData::F32(values) => Some(values.as_slice()),
@@ -392,7 +396,7 @@ fn is_core(attribute: &Attribute) -> bool {
     }
 }
 
-/// Checks whether a name is a prefix and a number without leading zeros.
+/// Checks whether a name consists of a prefix and a number without leading zeros.
 fn is_numbered(name: &str, prefix: &str) -> bool {
     name.strip_prefix(prefix).is_some_and(|n| n.parse::<u32>().is_ok_and(|number| number.to_string() == n))
 }

@@ -1,4 +1,4 @@
-//! Index buffers for drawings: which runs of indices to draw in which mode, and their index type.
+//! Index buffers of drawings: runs of indices with their modes and index types.
 
 use std::borrow::Cow;
 
@@ -14,19 +14,19 @@ use crate::model::Drawing;
 /// The restart index as a 32-bit number, before it is truncated to the index type.
 const RESTART: u32 = u32::MAX;
 
-/// The indices that one primitive draws.
+/// The indices of one primitive.
 pub(in crate::gltf) struct IndexRun<'a> {
     pub(in crate::gltf) mode: u64,
-    /// At least one index; [`RESTART`] between strips.
+    /// At least one index. [`RESTART`] separates strips.
     indices: Cow<'a, [u32]>,
-    /// The highest index, restarts excluded.
+    /// The highest index other than restarts.
     highest: u32,
 }
 
 impl<'a> IndexRun<'a> {
     fn new(mode: u64, indices: impl Into<Cow<'a, [u32]>>) -> Self {
         let indices = indices.into();
-        // Without a branch, and so several at a time.
+        // No branch, so the loop vectorizes.
         let highest = indices.iter().fold(0, |highest, &i| highest.max(if i == RESTART { 0 } else { i }));
         Self { mode, indices, highest }
     }
@@ -39,7 +39,7 @@ impl<'a> IndexRun<'a> {
         self.indices.contains(&RESTART)
     }
 
-    /// Returns the smallest type in which no index has the highest value.
+    /// Returns the smallest type whose highest value no index has.
     pub(in crate::gltf) fn component(&self) -> ComponentType {
         match self.highest {
             0..0xFF => ComponentType::U8,
@@ -48,7 +48,7 @@ impl<'a> IndexRun<'a> {
         }
     }
 
-    /// Builds the accessor of the indices, `offset` bytes from the start of a buffer view.
+    /// Builds the accessor of the indices, `offset` bytes after the start of a buffer view.
     pub(in crate::gltf) fn accessor(&self, view: usize, offset: usize) -> Value {
         let mut accessor = json!({
             "bufferView": view,
@@ -64,7 +64,7 @@ impl<'a> IndexRun<'a> {
 
     /// Appends the indices in their type.
     fn pack(&self, out: &mut Vec<u8>) {
-        // Truncation turns the restart index into the highest value of the type.
+        // Truncation maps the restart index to the highest value of the type.
         match self.component() {
             ComponentType::U8 => append(out, &self.indices, |i| [i as u8]),
             ComponentType::U16 => append(out, &self.indices, |i| (i as u16).to_le_bytes()),
@@ -73,7 +73,8 @@ impl<'a> IndexRun<'a> {
     }
 }
 
-/// Appends the indices of runs, each aligned to four bytes; returns the offset of each from the previous end of `out`.
+/// Appends the indices of runs, each aligned to four bytes. Returns the offset of each from the
+/// previous end of `out`.
 pub(in crate::gltf) fn pack_runs(runs: &[IndexRun<'_>], out: &mut Vec<u8>) -> Vec<usize> {
     let start = out.len();
     let mut offsets = Vec::with_capacity(runs.len());
@@ -85,8 +86,8 @@ pub(in crate::gltf) fn pack_runs(runs: &[IndexRun<'_>], out: &mut Vec<u8>) -> Ve
     offsets
 }
 
-/// Lays a drawing out: one run, or with [`Layout::Separate`] one for each strip; at least one. The caller has checked the
-/// drawing's indices.
+/// Returns the runs of a drawing: one, or one per strip with [`Layout::Separate`]. There is at
+/// least one. The caller has checked the drawing's indices.
 pub(in crate::gltf) fn runs<'a>(mesh: &'a Mesh, drawing: Drawing<'a>, layout: Layout) -> Vec<IndexRun<'a>> {
     let mut runs = match drawing {
         Drawing::Faces => vec![IndexRun::new(TRIANGLES, face_triangles(mesh))],
@@ -104,7 +105,7 @@ pub(in crate::gltf) fn runs<'a>(mesh: &'a Mesh, drawing: Drawing<'a>, layout: La
     runs
 }
 
-/// Iterates over the strips that draw at least one triangle.
+/// Iterates over the strips with at least one triangle.
 fn visible(strips: &Strips) -> impl Iterator<Item = &[u32]> {
     strips.iter().filter(|strip| strip_triangles(strip).next().is_some())
 }
@@ -118,7 +119,7 @@ fn to_restart(strips: &Strips) -> Vec<u32> {
     kept.to_restart(RESTART)
 }
 
-/// Returns faces as triangles, polygons as fans around their first corner.
+/// Returns faces as triangles; polygons become fans around their first corner.
 fn face_triangles(mesh: &Mesh) -> Cow<'_, [u32]> {
     match mesh.faces().as_triangles() {
         Some(corners) => corners.into(),

@@ -1,12 +1,15 @@
-//! Writing with the scene kept: only indices and modes of the document change.
+//! Writes a model with its scene: only indices and modes of the document change.
 //!
 //! # Algorithm
-//! 1. Find the index accessors, and their buffer views, that only the primitives to be written refer to. Every integer
-//!    inside `extensions` or `extras` counts as a reference, since its meaning is unknown.
-//! 2. Replace an unused accessor and view by each new one, or append the new one; so every other index keeps its meaning.
-//! 3. Remove the bytes of unused views from the buffer, in multiples of 8 bytes so that the alignment of all others stays,
-//!    and move the other views down. Where an extension may name bytes, nothing is removed.
-//! 4. Join all buffers, and append the new indices.
+//! 1. Find the index accessors and buffer views that only the rewritten primitives use. Every
+//!    integer inside `extensions` or `extras` counts as a reference, because its meaning is
+//!    unknown.
+//! 2. Put each new accessor and view in place of an unused one, or append it. All other indices
+//!    keep their meaning.
+//! 3. Remove the bytes of unused views from the buffer, in multiples of 8 bytes to keep all
+//!    alignments, and move the other views down. If an extension may refer to bytes, nothing is
+//!    removed.
+//! 4. Merge all buffers and append the new indices.
 
 pub(in crate::gltf) mod compact;
 pub(in crate::gltf) mod extensions;
@@ -42,7 +45,7 @@ pub(in crate::gltf) struct KeptScene<'a> {
 }
 
 impl KeptScene<'_> {
-    /// Returns the bytes of the joined buffer.
+    /// Returns the bytes of the merged buffer.
     fn slices(&self) -> Vec<&[u8]> {
         self.compaction.slices(self.buffers, &self.new)
     }
@@ -52,14 +55,14 @@ impl KeptScene<'_> {
         container::write(&self.document.to_bytes(), &self.slices())
     }
 
-    /// Joins the buffers, so that more can be changed before the file is written.
+    /// Merges the buffers, for further changes before writing.
     pub(in crate::gltf) fn joined(self) -> GlbContent {
         let buffer = self.slices().concat().into();
         GlbContent { document: self.document, buffer }
     }
 }
 
-/// Replaces the drawings of a scene; the caller has checked them.
+/// Replaces the drawings of a scene. The caller has checked them.
 pub(in crate::gltf) fn draw<'a>(
     scene: &'a Scene,
     model: &Model,
@@ -76,11 +79,11 @@ pub(in crate::gltf) fn draw<'a>(
         .map(|(source, _)| (source.mesh, source.primitive))
         .collect();
 
-    // 1. The entries and bytes that become unused.
+    // 1. Entries and bytes that become unused.
     let unused = UnusedEntries::find(root, &rewritten, Replaced::Indices)?;
     let compaction = BufferCompaction::plan(root, &scene.buffers, &unused)?;
 
-    // 2. New indices, part by part.
+    // 2. New indices of each part.
     let mut writer =
         IndexWriter { unused, bytes: Vec::new(), views: BTreeMap::new(), by_old: HashMap::new() };
     let mut drawn: HashMap<(usize, usize), Vec<DrawnPrimitive>> = HashMap::new();
@@ -135,9 +138,10 @@ struct ReplacedIndices {
 struct IndexWriter {
     unused: UnusedEntries,
     bytes: Vec<u8>,
-    /// The new views, each with its offset within the new bytes.
+    /// The new views, each with its offset in the new bytes.
     views: BTreeMap<usize, usize>,
-    /// By old accessor: primitives that shared one share the new one if they draw the same indices.
+    /// By old accessor: primitives that shared one share the new one if their new indices are
+    /// equal.
     by_old: HashMap<usize, ReplacedIndices>,
 }
 
@@ -163,7 +167,7 @@ impl IndexWriter {
                 return Ok(drawn);
             }
         }
-        // 2. The view, instead of the old one if that is unused.
+        // 2. The view, in place of the old one if that is unused.
         let old_unused = old.filter(|old| self.unused.accessors.remove(old));
         let old_view = old_unused
             .and_then(|old| array(root, "accessors").ok()?.get(old)?.get("bufferView"))
@@ -177,7 +181,7 @@ impl IndexWriter {
         });
         let view = put(root, "bufferViews", old_view, view.into())?;
         self.views.insert(view, start);
-        // 3. The accessors, the first instead of the old one.
+        // 3. The accessors, the first in place of the old one.
         let mut drawn = Vec::with_capacity(runs.len());
         for (i, (run, offset)) in runs.iter().zip(offsets).enumerate() {
             let accessor = run.accessor(view, offset);
@@ -197,7 +201,8 @@ impl IndexWriter {
     }
 }
 
-/// Replaces an entry of a list except for its name, extras and extensions, or appends one; returns the index of the entry.
+/// Replaces an entry of a list except for its name, extras and extensions, or appends a new one.
+/// Returns its index.
 fn put(root: &mut Members, list: &str, replaced: Option<usize>, value: Value) -> Result<usize, Error> {
     let entries = list_mut(root, list)?;
     let Some(replaced) = replaced else {
@@ -214,7 +219,7 @@ fn put(root: &mut Members, list: &str, replaced: Option<usize>, value: Value) ->
     Ok(replaced)
 }
 
-/// Sets the modes and indices of primitives; a primitive that is drawn as several is split into as many.
+/// Sets the modes and indices of primitives. A primitive with several drawings is split.
 fn set_primitives(
     root: &mut Members,
     drawn: &HashMap<(usize, usize), Vec<DrawnPrimitive>>,

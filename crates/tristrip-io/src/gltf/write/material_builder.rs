@@ -1,4 +1,5 @@
-//! The materials of a document that is built: their names, and what the libraries of an OBJ say of them.
+//! The materials of a new document: their names, and the properties from the material libraries of
+//! an OBJ.
 
 use std::collections::HashMap;
 
@@ -6,19 +7,19 @@ use serde_json::{Value, json};
 
 use crate::materials::{Materials, ObjMaterial, SideFile};
 
-/// How JPEG begins.
+/// The magic bytes of JPEG.
 pub(in crate::gltf) const JPEG: &[u8] = b"\xff\xd8\xff";
-/// How PNG begins.
+/// The magic bytes of PNG.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Collects the distinct materials of parts.
 pub(in crate::gltf) struct MaterialBuilder<'a> {
     known: Option<&'a Materials>,
-    /// The materials by their names, and whether their parts have texture coordinates.
+    /// The materials by name and whether they use images.
     ids: HashMap<(&'a str, bool), usize>,
     materials: Vec<Value>,
     images: Vec<&'a SideFile>,
-    /// The textures by the names of their images; none where glTF cannot hold the image.
+    /// The textures by image name; `None` if glTF does not support the image.
     textures: HashMap<&'a str, Option<usize>>,
 }
 
@@ -28,7 +29,8 @@ impl<'a> MaterialBuilder<'a> {
         Self { known, ids, materials: Vec::new(), images: Vec::new(), textures }
     }
 
-    /// Returns the index of a material; one with images is another for parts without texture coordinates.
+    /// Returns the index of a material. A material with images has a second variant without them,
+    /// for parts without texture coordinates.
     pub(in crate::gltf) fn id(&mut self, name: &'a str, has_coordinates: bool) -> usize {
         let known = self.known.and_then(|known| known.get(name));
         let shows_images =
@@ -72,7 +74,8 @@ impl<'a> MaterialBuilder<'a> {
         material
     }
 
-    /// Returns the index of the texture with an image; `None` without the image, or where it is in a format that glTF does not have.
+    /// Returns the index of the texture with an image, or `None` if the image is missing or in a
+    /// format that glTF does not support.
     fn texture(&mut self, name: &'a str) -> Option<usize> {
         if let Some(&known) = self.textures.get(name) {
             return known;
@@ -86,7 +89,8 @@ impl<'a> MaterialBuilder<'a> {
         texture
     }
 
-    /// Adds the materials with their images to a document; `store` stores images and returns their entries.
+    /// Adds the materials and their images to a document. `store` stores images and returns their
+    /// entries.
     pub(in crate::gltf) fn add_to(self, root: &mut Value, store: impl FnOnce(&[&SideFile]) -> Vec<Value>) {
         if !self.materials.is_empty() {
             root["materials"] = self.materials.into();

@@ -1,4 +1,5 @@
-//! A GLB as two files: the document as JSON, and its buffer, which the document names by a relative URI.
+//! Splits a GLB into two files: the document as JSON, and its buffer, which the document refers to
+//! by a relative URI.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -12,18 +13,20 @@ use crate::gltf::document::{Document, entries_mut, index};
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SeparateFiles {
-    /// The `.gltf`.
+    /// The `.gltf` file.
     pub json: Vec<u8>,
-    /// The URI of its buffer: the file name with some characters escaped.
+    /// The URI of its buffer: the file name, percent-encoded.
     pub uri: String,
-    /// The buffer, to be written into the folder of the document; empty if the document has none.
+    /// The buffer, to be written into the directory of the document. Empty if the document has
+    /// none.
     pub buffer: Vec<u8>,
 }
 
-/// Separates a GLB into a document and the buffer of this file name; everything but the URI of the buffer is as in the GLB.
+/// Splits a GLB into a document and a buffer with this file name. Everything except the URI of the
+/// buffer is the same as in the GLB.
 ///
 /// # Errors
-/// The bytes are not a GLB, or a `.gltf` without buffers.
+/// The bytes are not a GLB or the JSON of a `.gltf`.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, gltf, read, write};

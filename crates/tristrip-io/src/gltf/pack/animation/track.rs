@@ -1,4 +1,4 @@
-//! A track of an animation: which of its keyframes the interpolation of the others gives back.
+//! A track of an animation, and which of its keyframes interpolation reproduces.
 
 use crate::gltf::document::Located;
 use crate::gltf::document::accessor::{AccessorResolver, AccessorValues};
@@ -7,20 +7,20 @@ use crate::gltf::document::budget::DecodeBudget;
 use crate::gltf::document::json::Value;
 use crate::gltf::document::spec::ComponentType;
 
-/// How far a track may be from what it was, as a share of its greatest value: a few times what rounding to 32-bit
-/// floats changes when an exporter computes it from a matrix.
+/// Maximum error of a track, relative to its largest absolute value: a few times the error of
+/// 32-bit rounding when an exporter computes the track from a matrix.
 const TOLERANCE: f64 = 1.0 / 1_048_576.0;
 
-/// The maximum number of keyframes from one that is kept to the next, which makes the time linear.
+/// Maximum number of keyframes from a kept one to the next; it makes the time linear.
 const LONGEST: usize = 32;
 
-/// The minimum cosine of half the angle of an arc.
+/// Minimum cosine of half the rotation angle of an arc.
 const MIN_COSINE: f64 = 0.92;
 
-/// Times, and the values at them.
+/// Times and their values.
 pub(super) struct Track {
     times: Vec<f32>,
-    /// The values as they are in the file.
+    /// The values as stored in the file.
     raw: Vec<u8>,
     numbers: Vec<f64>,
     /// Numbers per keyframe.
@@ -31,12 +31,12 @@ pub(super) struct Track {
     pub(super) normalized: bool,
     is_step: bool,
     is_rotation: bool,
-    /// The greatest absolute value.
+    /// The largest absolute value.
     greatest: f64,
 }
 
 impl Track {
-    /// Decodes the track of a sampler; `None` if its keyframes must stay.
+    /// Decodes the track of a sampler. Returns `None` if its keyframes must not change.
     pub(super) fn decode(
         resolver: &AccessorResolver<'_>,
         sampler: &Value,
@@ -67,7 +67,7 @@ impl Track {
             && !output.matrix
             && output.count.is_multiple_of(input.count)
             && (components == 1 || output.count == input.count);
-        // Bytes, numbers of 64 bits, and their copies.
+        // Raw bytes, 64-bit numbers, and a copy of each.
         let bytes = output.components * (output.component.bytes() + 8);
         if !is_understood || !budget.try_charge(input.count, 8) || !budget.try_charge(output.count, 2 * bytes)
         {
@@ -91,7 +91,7 @@ impl Track {
         };
         let numbers: Vec<f64> = raw.chunks_exact(output.component.bytes()).map(one).collect();
         let greatest = numbers.iter().fold(0.0_f64, |greatest, x| greatest.max(x.abs()));
-        // The greatest of several numbers hides one that is none.
+        // `fold` with `max` ignores NaN, so every number is checked.
         if !ascends || !numbers.iter().all(|x| x.is_finite() && x.abs() <= f64::from(f32::MAX)) {
             return None;
         }
@@ -131,7 +131,8 @@ impl Track {
         &self.raw[key * self.key_bytes()..][..self.key_bytes()]
     }
 
-    /// Returns the value at a keyframe in 16 bits per component, if it is a rotation in 32-bit floats.
+    /// Returns the value at a keyframe in 16 bits per component, if it is a rotation stored as
+    /// 32-bit floats.
     pub(super) fn rounded(&self, key: usize) -> Option<impl Iterator<Item = i16>> {
         let is_rounded =
             self.is_rotation && self.component == ComponentType::F32 && self.greatest <= 1.0 + TOLERANCE;
@@ -164,7 +165,7 @@ impl Track {
         a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= self.tolerance())
     }
 
-    /// Checks whether all values are equal within the tolerance; those of steps exactly.
+    /// Checks whether all values are equal: within the tolerance, or exactly in step tracks.
     pub(super) fn is_constant(&self) -> bool {
         let is_same = |key| {
             if self.is_step {
@@ -176,12 +177,12 @@ impl Track {
         (1..self.len()).all(is_same)
     }
 
-    /// Checks whether the first value is this one within the tolerance.
+    /// Checks whether the first value equals `value` within the tolerance.
     pub(super) fn begins_with(&self, value: &[f64]) -> bool {
         self.is_near(self.value(0), value)
     }
 
-    /// Returns the keyframes that must stay, ascending, among them the first and the last.
+    /// Returns the keyframes to keep, ascending, including the first and the last.
     pub(super) fn kept(&self) -> Vec<usize> {
         let last = self.len() - 1;
         let mut kept = vec![0];
@@ -201,7 +202,7 @@ impl Track {
         kept
     }
 
-    /// Checks whether all keyframes between two are what the interpolation of these two gives.
+    /// Checks whether interpolation between two keyframes reproduces all keyframes between them.
     fn is_given_back(&self, from: usize, to: usize) -> bool {
         let [start, end] = [from, to].map(|key| f64::from(self.times[key]));
         let (a, b) = (self.value(from), self.value(to));
@@ -218,7 +219,7 @@ impl Track {
     }
 }
 
-/// The arc between two quaternions, the shorter one of the two.
+/// The shorter arc between two quaternions.
 struct Arc {
     cosine: f64,
     angle: f64,
@@ -226,7 +227,7 @@ struct Arc {
 }
 
 impl Arc {
-    /// Returns the arc; `None` if the quaternions have no direction.
+    /// Returns the arc, or `None` if a quaternion has no direction.
     fn of(a: &[f64], b: &[f64]) -> Option<Self> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let cosine = dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
@@ -234,7 +235,8 @@ impl Arc {
         cosine.is_finite().then(|| Self { cosine, angle: libm::acos(cosine), sign })
     }
 
-    /// Returns the weights of both ends at a share of the arc: those of spherical linear interpolation.
+    /// Returns the weights of both ends at a fraction of the arc for spherical linear
+    /// interpolation.
     fn weights(&self, share: f64) -> [f64; 2] {
         let sine = libm::sin(self.angle);
         if sine < 1e-9 {

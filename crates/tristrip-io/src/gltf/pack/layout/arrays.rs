@@ -1,4 +1,4 @@
-//! Buffer views taken apart into the arrays of their accessors.
+//! Splits buffer views into the arrays of their accessors.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -12,7 +12,7 @@ use crate::gltf::document::json::Value;
 use crate::gltf::document::{Located, array, index};
 use crate::gltf::edit::permute::{AccessorLayout, StridedRange, VERTEX_FACTOR};
 
-/// The members of an accessor that refer to views.
+/// The objects of an accessor that refer to a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Holder {
     Accessor,
@@ -21,7 +21,7 @@ pub(super) enum Holder {
 }
 
 impl Holder {
-    /// Returns the holder's object within an accessor.
+    /// Returns this object of an accessor.
     fn of(self, accessor: &Value) -> Option<&Value> {
         match self {
             Self::Accessor => Some(accessor),
@@ -31,7 +31,7 @@ impl Holder {
     }
 }
 
-/// The values of an accessor, or the sparse ones, in a view.
+/// The values, sparse indices or sparse values of an accessor in a view.
 #[derive(Clone, Copy)]
 pub(super) struct Slots {
     pub(super) accessor: usize,
@@ -50,7 +50,7 @@ pub(super) struct Array {
 }
 
 impl Array {
-    /// Returns the range of all values, if they are the same ones but for their number.
+    /// Returns the longest range of the array if its slots differ only in their count.
     pub(super) fn single(&self) -> Option<StridedRange> {
         let (first, others) = self.slots.split_first()?;
         let same = |a: &StridedRange, b: &StridedRange| {
@@ -62,7 +62,7 @@ impl Array {
         self.slots.iter().all(|slots| same(&slots.range, &longest)).then_some(longest)
     }
 
-    /// Checks whether the array can be in a view with others of its kind.
+    /// Checks whether the array can share a view with others of its kind.
     fn fits(&self) -> bool {
         let first = &self.slots[0].range;
         let is_packed = |slots: &Slots| slots.range.stride == slots.range.element;
@@ -77,18 +77,18 @@ impl Array {
     }
 }
 
-/// A buffer view of the scene.
+/// How a buffer view of the scene is written.
 pub(super) enum ViewArrays {
-    /// Nothing uses it.
+    /// The view is not used.
     Unused,
-    /// Its arrays may be written anywhere.
+    /// Its arrays may be moved separately.
     Apart(Vec<Array>),
-    /// It stays as it is.
+    /// It is copied unchanged.
     Whole,
 }
 
 impl ViewArrays {
-    /// Takes all views apart; `None` if an accessor is not understood.
+    /// Splits all views. Returns `None` if an accessor cannot be read.
     pub(super) fn of(scene: &Packing, uses: &Uses) -> Result<Option<Vec<Self>>, Error> {
         let root = &scene.document.root;
         let views = array(root, "bufferViews")?;
@@ -116,14 +116,14 @@ impl ViewArrays {
     }
 }
 
-/// The slots of the accessors that are used, and views that must stay whole.
+/// The slots of the used accessors, and the views that must stay whole.
 #[derive(Default)]
 struct FoundSlots {
     slots: Vec<Slots>,
     whole: HashSet<usize>,
 }
 
-/// Finds the slots of the accessors that are used; `None` if one is not understood.
+/// Finds the slots of the used accessors. Returns `None` if one cannot be read.
 fn slots(scene: &Packing, uses: &Uses) -> Result<Option<FoundSlots>, Error> {
     let resolver = scene.resolver();
     let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, VERTEX_FACTOR, &scene.buffers);
@@ -158,14 +158,14 @@ fn slots(scene: &Packing, uses: &Uses) -> Result<Option<FoundSlots>, Error> {
     Ok(Some(found))
 }
 
-/// Returns the views that overlap others of these.
+/// Returns the views that overlap another one.
 fn overlapping(scene: &Packing, used: impl Iterator<Item = usize>) -> Result<Vec<usize>, Error> {
     let views = array(&scene.document.root, "bufferViews")?;
     let range = |view: usize| Ok((view_range(view, &views[view], &scene.buffers)?, view));
     let mut ranges = used.map(range).collect::<Result<Vec<_>, Error>>()?;
     ranges.sort_unstable_by_key(|((buffer, range), view)| (*buffer, range.start, *view));
     let mut out = Vec::new();
-    // The view that reaches furthest so far.
+    // The view with the largest end so far.
     let mut furthest: Option<(usize, usize, usize)> = None;
     for ((buffer, range), view) in ranges {
         match furthest.filter(|&(of, end, _)| of == buffer && range.start < end) {
@@ -180,7 +180,7 @@ fn overlapping(scene: &Packing, used: impl Iterator<Item = usize>) -> Result<Vec
     Ok(out)
 }
 
-/// Takes a view apart into arrays of one kind; `None` if that is not possible.
+/// Splits a view into arrays of one kind. Returns `None` if this is not possible.
 fn apart(mut slots: Vec<Slots>) -> Option<Vec<Array>> {
     let kind = slots.first()?.kind;
     if kind == UseKind::Mixed || slots.iter().any(|slots| slots.kind != kind) {

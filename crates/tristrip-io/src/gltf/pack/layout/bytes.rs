@@ -19,16 +19,16 @@ use crate::gltf::document::{array, index};
 /// The alignment of arrays.
 const ALIGNMENT: usize = 4;
 
-/// Arrays in a common view: their kind, and the stride of values of vertices.
+/// The kind of the arrays in a common view, and the stride of vertex attributes.
 type Class = (UseKind, Option<usize>);
 
 /// The new buffer.
 pub(super) struct BufferLayout {
     pub(super) bytes: Vec<u8>,
     pub(super) views: Vec<Value>,
-    /// The new numbers of the views that stay whole.
+    /// The new indices of the views that stay whole.
     pub(super) view_numbers: Vec<Option<usize>>,
-    /// The view and the offset of values that moved.
+    /// The view and offset of moved values.
     places: HashMap<(usize, Holder), (usize, usize)>,
 }
 
@@ -47,7 +47,7 @@ impl BufferLayout {
         Ok(layout)
     }
 
-    /// Writes the arrays of views that were taken apart, and the views of each class.
+    /// Writes the arrays of split views, and one view per class.
     fn add_arrays(&mut self, scene: &Packing, views: &[ViewArrays]) {
         let mut classes: BTreeMap<Class, IndexSet<Vec<u8>>> = BTreeMap::new();
         let mut placed = Vec::new();
@@ -89,7 +89,7 @@ impl BufferLayout {
         }
     }
 
-    /// Writes the other views; those that overlap as one range.
+    /// Writes the other views; overlapping ones as one range.
     fn add_whole_views(&mut self, scene: &Packing, views: &[ViewArrays]) -> Result<(), Error> {
         let old = array(&scene.document.root, "bufferViews")?;
         let mut whole = Vec::new();
@@ -112,7 +112,7 @@ impl BufferLayout {
             moved.push(self.align(alignment, range.start % alignment));
             self.bytes.extend_from_slice(&scene.buffers[*buffer].as_slice()[range.clone()]);
         }
-        // In the order of their numbers.
+        // In the order of their indices.
         whole.sort_unstable_by_key(|&(_, _, number)| number);
         for (buffer, range, number) in whole {
             let holder = ranges.partition_point(|(of, one)| (*of, one.start) <= (buffer, range.start)) - 1;
@@ -132,14 +132,15 @@ impl BufferLayout {
         Ok(())
     }
 
-    /// Appends zeros up to the next offset with a remainder by an alignment; returns the offset.
+    /// Appends zeros up to the next offset with the given remainder modulo `alignment`, and returns
+    /// the offset.
     fn align(&mut self, alignment: usize, remainder: usize) -> usize {
         let missing = (remainder + alignment - self.bytes.len() % alignment) % alignment;
         self.bytes.resize(self.bytes.len() + missing, 0);
         self.bytes.len()
     }
 
-    /// Returns an accessor with its values where they are now.
+    /// Returns an accessor with the new view and offset of its values.
     pub(super) fn moved(&self, number: usize, accessor: &Value) -> Value {
         let mut moved = accessor.clone();
         let Some(members) = moved.as_object_mut() else { return moved };
@@ -169,7 +170,7 @@ impl BufferLayout {
     }
 }
 
-/// Returns the class and the bytes of an array, and the offset in the old buffer at which they begin.
+/// Returns the class and the bytes of an array, and the offset in the old buffer where they begin.
 fn bytes_of(array: &Array, scene: &Packing) -> (Class, usize, Vec<u8>) {
     let buffer = array.slots.first().map_or(0, |slots| slots.range.buffer);
     let old = scene.buffers[buffer].as_slice();
@@ -192,7 +193,7 @@ fn bytes_of(array: &Array, scene: &Packing) -> (Class, usize, Vec<u8>) {
     ((array.kind, Some(stride).filter(|_| array.kind == UseKind::Attribute)), single.start, bytes)
 }
 
-/// Removes an offset of a view that is zero, as it is without.
+/// Removes a zero `byteOffset`, which is the default.
 fn without_zero_offset(mut view: Value) -> Value {
     if view.get("byteOffset").and_then(index) == Some(0) {
         view.as_object_mut().into_iter().for_each(|members| members.remove("byteOffset"));

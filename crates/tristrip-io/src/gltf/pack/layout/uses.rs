@@ -1,4 +1,4 @@
-//! What accessors are used for, and the references to them.
+//! The uses of accessors, and the references to them.
 
 use std::collections::HashSet;
 
@@ -7,30 +7,30 @@ use crate::error::Error;
 use crate::gltf::document::json::{Members, Value};
 use crate::gltf::document::{array, entries_mut, index, items};
 
-/// The kind of an array: what a buffer view says about the values in it.
+/// The kind of an array, which determines the properties of its buffer view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum UseKind {
-    /// Values of vertices.
+    /// Vertex values.
     Attribute,
     Indices,
     /// Inverse bind matrices of skins.
     Matrices,
-    /// Values of animations, and of sparse accessors.
+    /// Values of animations and of sparse accessors.
     Other,
-    /// Several of these, or an unknown one.
+    /// More than one kind, or an unknown one.
     Mixed,
 }
 
-/// What the accessors and views are used for.
+/// The uses of accessors and views.
 pub(super) struct Uses {
-    /// `None` for accessors that nothing uses.
+    /// `None` for unused accessors.
     kinds: Vec<Option<UseKind>>,
     /// The views of images.
     pub(super) images: HashSet<usize>,
 }
 
 impl Uses {
-    /// Finds the uses; `None` if a reference leads nowhere.
+    /// Finds the uses. Returns `None` if a reference is invalid.
     pub(super) fn of(scene: &Packing) -> Result<Option<Self>, Error> {
         let root = &scene.document.root;
         let mut kinds: Vec<Option<UseKind>> = vec![None; array(root, "accessors")?.len()];
@@ -64,13 +64,13 @@ impl Uses {
         Ok(is_whole.then_some(Self { kinds, images }))
     }
 
-    /// Returns the kind of an accessor; `None` if nothing uses it.
+    /// Returns the kind of an accessor, or `None` if it is not used.
     pub(super) fn kind(&self, accessor: usize) -> Option<UseKind> {
         self.kinds.get(accessor).copied().flatten()
     }
 }
 
-/// Changes all references to accessors, and those of images to views.
+/// Updates all references to accessors, and those of images to views.
 pub(super) fn renumber(
     root: &mut Members,
     accessors: &[Option<usize>],
@@ -104,7 +104,7 @@ pub(super) fn renumber(
     Ok(())
 }
 
-/// Sets a number to its new one.
+/// Replaces an index by the new one.
 fn set(value: &mut Value, numbers: &[Option<usize>]) {
     let new = index(value).and_then(|old| Some((old, numbers.get(old).copied().flatten()?)));
     if let Some((_, new)) = new.filter(|(old, new)| old != new) {
@@ -112,14 +112,14 @@ fn set(value: &mut Value, numbers: &[Option<usize>]) {
     }
 }
 
-/// Returns a member for a change, if there is one.
+/// Returns a member for modification, if it exists.
 fn member<'a>(object: &'a mut Value, name: &str) -> Option<&'a mut Value> {
-    // Access for a change drops the text of the object.
+    // Mutable access drops the source text of the object.
     object.get(name)?;
     object.as_object_mut()?.get_mut(name)
 }
 
-/// Iterates over a list of an object for a change.
+/// Iterates over a list of an object for modification.
 fn list<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut Value> {
     member(object, name).and_then(Value::as_array_mut).into_iter().flatten()
 }

@@ -1,4 +1,4 @@
-//! The parts of the meshes of a stream.
+//! Splits the meshes of a stream into parts.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -10,19 +10,20 @@ use tristrip::{AttributeData, Faces, Mesh};
 
 use crate::error::Error;
 
-/// Where a primitive finds its triangles.
+/// The source of a primitive's triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct StreamedPart {
-    /// The number of the mesh in the stream.
+    /// The index of the mesh in the stream.
     pub stream: u32,
-    /// Its part of that mesh, where the mesh has the attribute [`PART`](tristrip::stream::PART); else the mesh is one part.
+    /// The part of the mesh, if the mesh has the attribute [`PART`](tristrip::stream::PART).
+    /// `None`: the whole mesh.
     pub part: Option<u32>,
 }
 
-/// Meshes by their numbers in a stream.
+/// Meshes by stream index.
 pub type StreamMeshes = BTreeMap<u32, Mesh>;
 
-/// Returns the part that each source names; `None` for one without triangles, or of a mesh that is not there.
+/// Returns the part for each source, or `None` if the part has no triangles or its mesh is missing.
 pub(super) fn parts_of(
     meshes: &StreamMeshes,
     sources: impl Iterator<Item = StreamedPart>,
@@ -43,7 +44,7 @@ pub(super) fn parts_of(
             return Err(Error::format(
                 at,
                 "one part",
-                format!("the attribute `{PART}`, which a primitive names"),
+                format!("an attribute `{PART}`, because a primitive selects a part"),
             ));
         }
         parts.push(of_stream.get(&source.part).cloned());
@@ -51,7 +52,8 @@ pub(super) fn parts_of(
     Ok(parts)
 }
 
-/// Returns the parts of a mesh by their numbers, over their own vertices; the whole of a mesh without parts.
+/// Returns the parts of a mesh by index, each with its own vertices. A mesh without parts is
+/// returned whole.
 fn split_mesh(mesh: &Mesh) -> Result<FxHashMap<Option<u32>, Arc<Mesh>>, Error> {
     let corners = mesh.faces().fans();
     let number =
@@ -66,7 +68,7 @@ fn split_mesh(mesh: &Mesh) -> Result<FxHashMap<Option<u32>, Arc<Mesh>>, Error> {
     for triangle in corners.chunks_exact(3) {
         lists.entry(number_of(triangle[0])).or_default().extend(triangle);
     }
-    // The new number of each vertex in the part that is built, and the vertices of that.
+    // The new index of each vertex in the current part, and the vertices of the part.
     let mut own = vec![u32::MAX; mesh.vertex_count()];
     let mut parts = FxHashMap::default();
     for (part, mut list) in lists {

@@ -1,4 +1,4 @@
-//! Compaction of the buffers: which bytes stay, their new offsets, and the buffer views that change with them.
+//! Compaction of the buffers: removed bytes, new offsets, and the update of buffer views.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -13,18 +13,19 @@ use crate::gltf::document::byte_ranges::{ALIGNMENT, RemovedBytes};
 use crate::gltf::document::json::Members;
 use crate::gltf::document::{array, entries_mut, index, list_mut};
 
-/// The joining of all buffers into one, without the bytes that nothing uses.
+/// A plan to merge all buffers into one without unused bytes.
 pub(in crate::gltf) struct BufferCompaction {
-    /// What is removed from each buffer.
+    /// The removed bytes of each buffer.
     removed: Vec<RemovedBytes>,
-    /// The offset of each buffer in the joined one.
+    /// The offset of each buffer in the merged one.
     bases: Vec<usize>,
-    /// The end of the last buffer in the joined one.
+    /// The end of the last buffer in the merged one.
     pub(in crate::gltf) end: usize,
 }
 
 impl BufferCompaction {
-    /// Plans the compaction: the bytes of unused views are removed, except those that another view uses.
+    /// Plans the compaction: removes the bytes of unused views, except those that another view
+    /// uses.
     pub(super) fn plan(
         root: &Members,
         buffers: &[SharedBytes],
@@ -32,7 +33,7 @@ impl BufferCompaction {
     ) -> Result<Self, Error> {
         if unused.bytes_named && buffers.len() > 1 {
             return Err(Error::Unsupported(
-                "an extension names bytes of a buffer: several buffers cannot be joined into one".into(),
+                "an extension refers to bytes of a buffer: several buffers cannot be merged into one".into(),
             ));
         }
         let mut kept: Vec<Vec<Range<usize>>> = vec![Vec::new(); buffers.len()];
@@ -48,7 +49,7 @@ impl BufferCompaction {
         Ok(Self::without(buffers, freed, kept))
     }
 
-    /// Plans the removal of byte ranges of each buffer, except for bytes that are kept.
+    /// Plans the removal of `freed` byte ranges, except for `kept` bytes.
     pub(in crate::gltf) fn without(
         buffers: &[SharedBytes],
         freed: Vec<Vec<Range<usize>>>,
@@ -64,12 +65,12 @@ impl BufferCompaction {
         out
     }
 
-    /// Returns the offset at which the new bytes start.
+    /// Returns the offset of the new bytes.
     pub(in crate::gltf) fn new_start(&self) -> usize {
         self.end.next_multiple_of(ALIGNMENT)
     }
 
-    /// Updates the offsets of all views; `new` has the offsets of new views within the new bytes.
+    /// Updates the offsets of all views. `new` has the offsets of new views within the new bytes.
     pub(in crate::gltf) fn apply(
         &self,
         root: &mut Members,
@@ -99,7 +100,8 @@ impl BufferCompaction {
         Ok(())
     }
 
-    /// Returns the bytes of the joined buffer as slices: those that stay, each buffer at its base, then the new ones.
+    /// Returns the merged buffer as slices: the remaining bytes, each buffer at its base, then the
+    /// new bytes.
     pub(in crate::gltf) fn slices<'a>(&self, buffers: &'a [SharedBytes], new: &'a [u8]) -> Vec<&'a [u8]> {
         const PADDING: &[u8] = &[0; ALIGNMENT];
         let mut slices = Vec::new();
@@ -125,10 +127,10 @@ impl BufferCompaction {
     }
 }
 
-/// Replaces all buffers by one of a length; by none where there are no bytes.
+/// Replaces all buffers by one of a given length, or by none if the length is 0.
 pub(in crate::gltf) fn set_buffer(root: &mut Members, length: usize) -> Result<(), Error> {
     if length == 0 {
-        // No view can name an empty buffer, and a reader would look for its bytes.
+        // No view can refer to an empty buffer, and a reader would expect its bytes.
         root.remove("buffers");
         return Ok(());
     }

@@ -1,4 +1,4 @@
-//! The extensions that new indices need, or make invalid.
+//! Updates extensions that new indices require or invalidate.
 
 use std::collections::HashSet;
 
@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::gltf::document::spec::ORDER_EXTENSIONS;
 use crate::gltf::document::{array, entries_mut, items, list_mut, uses, whole};
 
-/// Removes extensions that describe the order of indices from the meshes whose indices are new.
+/// Removes extensions that describe the index order from the meshes with new indices.
 pub(super) fn drop_order_extensions(
     root: &mut Members,
     rewritten: &HashSet<(usize, usize)>,
@@ -38,18 +38,18 @@ pub(super) fn drop_order_extensions(
     Ok(())
 }
 
-/// Iterates over the extensions of an object that describe the order of indices.
+/// Iterates over the extensions of an object that describe the index order.
 fn order_extensions(object: &Value) -> impl Iterator<Item = &'static str> {
     let extensions = object.get("extensions").and_then(Value::as_object);
     ORDER_EXTENSIONS.into_iter().filter(move |name| extensions.is_some_and(|e| e.contains_key(name)))
 }
 
-/// Removes them.
+/// Removes the extensions of an object that describe the index order.
 fn remove_order_extensions(object: &mut Value) {
     remove_extensions(object, &ORDER_EXTENSIONS);
 }
 
-/// Removes extensions of an object; its member `extensions` is removed, too, if that is then empty.
+/// Removes extensions of an object, and its member `extensions` if that becomes empty.
 pub(in crate::gltf) fn remove_extensions(object: &mut Value, names: &[&str]) {
     let has = |extensions: &Members| names.iter().any(|name| extensions.contains_key(name));
     if !object.get("extensions").and_then(Value::as_object).is_some_and(has) {
@@ -63,14 +63,15 @@ pub(in crate::gltf) fn remove_extensions(object: &mut Value, names: &[&str]) {
     }
 }
 
-/// Checks whether there are line strips or loops, which may have restarts; triangle strips and fans are always rewritten.
+/// Checks whether there are line strips or loops, which may contain restarts. Triangle strips and
+/// fans are always rewritten.
 pub(super) fn has_line_strips(root: &Members) -> Result<bool, Error> {
     Ok(array(root, "meshes")?.iter().any(|mesh| {
         items(mesh, "primitives").iter().any(|p| matches!(p.get("mode").and_then(whole), Some(2 | 3)))
     }))
 }
 
-/// Lists an extension as used and required.
+/// Adds an extension to both extension lists.
 pub(super) fn declare(root: &mut Members, name: &str) -> Result<(), Error> {
     for list in ["extensionsUsed", "extensionsRequired"] {
         if !array(root, list)?.iter().any(|n| n.as_str() == Some(name)) {
@@ -80,7 +81,7 @@ pub(super) fn declare(root: &mut Members, name: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// Removes an extension from both lists.
+/// Removes an extension from both extension lists.
 pub(in crate::gltf) fn undeclare(root: &mut Members, name: &str) {
     for list in ["extensionsUsed", "extensionsRequired"] {
         let names = root.get(list).and_then(Value::as_array).unwrap_or_default();
@@ -89,7 +90,7 @@ pub(in crate::gltf) fn undeclare(root: &mut Members, name: &str) {
         }
         let Some(names) = root.get_mut(list).and_then(Value::as_array_mut) else { continue };
         names.retain(|n| n.as_str() != Some(name));
-        // An empty list is not allowed.
+        // glTF does not allow empty lists.
         if names.is_empty() {
             root.remove(list);
         }

@@ -1,4 +1,4 @@
-//! The entries of a document that only the old indices use.
+//! Finds the entries of a document that only replaced data uses.
 
 use std::collections::HashSet;
 
@@ -8,23 +8,25 @@ use crate::error::Error;
 use crate::gltf::document::references::{ExtensionNumbers, skin_and_animation_accessors};
 use crate::gltf::document::{array, index, items, values};
 
-/// What of primitives is replaced.
+/// The replaced data of primitives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::gltf) enum Replaced {
     Indices,
     IndicesAndVertices,
 }
 
-/// Accessors and buffer views that nothing refers to once the old indices, or also the old vertices, are replaced.
+/// Accessors and buffer views that become unused when indices, or indices and vertices, are
+/// replaced.
 pub(in crate::gltf) struct UnusedEntries {
     pub(in crate::gltf) accessors: HashSet<usize>,
     pub(in crate::gltf) views: HashSet<usize>,
-    /// Whether an extension may name bytes of a buffer.
+    /// Whether an extension may refer to bytes of a buffer.
     pub(super) bytes_named: bool,
 }
 
 impl UnusedEntries {
-    /// Finds them; `rewritten` has the mesh and number of each primitive whose indices or vertices are replaced.
+    /// Finds the unused entries. `rewritten` has the mesh and primitive index of each changed
+    /// primitive.
     pub(in crate::gltf) fn find(
         root: &Members,
         rewritten: &HashSet<(usize, usize)>,
@@ -32,7 +34,7 @@ impl UnusedEntries {
     ) -> Result<Self, Error> {
         let possible = ExtensionNumbers::of(root);
 
-        // Accessors: old indices, except those that something else refers to.
+        // Accessors: old ones without another reference.
         let mut pinned = possible.numbers.clone();
         let mut old = HashSet::new();
         for (m, mesh) in array(root, "meshes")?.iter().enumerate() {
@@ -51,7 +53,7 @@ impl UnusedEntries {
         pinned.extend(skin_and_animation_accessors(root)?);
         let accessors: HashSet<usize> = old.difference(&pinned).copied().collect();
 
-        // Views: those of unused accessors, except those that something else refers to.
+        // Views: those of unused accessors without another reference.
         let mut pinned = possible.numbers;
         let mut old = HashSet::new();
         for (a, accessor) in array(root, "accessors")?.iter().enumerate() {
