@@ -40,7 +40,7 @@ pub(crate) fn load_job(job: &Job, console: &Console, clock: &StageClock) -> Resu
     })?;
     show_loaded(&model, "", console, clock);
     if let Some(first) = images.left.first() {
-        let message = format!("images that the file only refers to: {}, such as {first}", images.left.len());
+        let message = format!("images not embedded: {}, such as {first}", images.left.len());
         console.warning(&name, &message);
     }
     Ok(model)

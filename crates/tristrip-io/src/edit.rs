@@ -1,6 +1,7 @@
-//! Changes to the vertices of a whole model: other triangles, another order, new vertices, and levels of detail over one vertex array.
+//! Changes the vertices of a whole model: new triangles, another order, new vertices, and levels of
+//! detail with a common vertex array.
 //!
-//! Parts whose vertices a file stores once change together; `gltf::edit` changes the scene around them.
+//! Parts that share vertices in a file change together; `gltf::edit` updates the scene.
 
 pub(crate) mod levels;
 pub(crate) mod new_values;

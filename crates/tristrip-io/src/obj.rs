@@ -1,17 +1,18 @@
-//! OBJ: lines that begin with a keyword; the corners of faces have separate indices of positions, texture coordinates and
-//! normals.
+//! OBJ: lines that start with a keyword. The corners of faces have separate indices for positions,
+//! texture coordinates and normals.
 //!
 //! ```text
-//! v x y z [r g b]        position, counted from 1           f 1 2 3            corners: position
-//! vt u v                 texture coordinate                 f 1/4 2/5 3/6      position / texture coordinate
-//! vn x y z               normal                             f 1/4/7 2//8 -1    … / normal; −1 is the last one so far
-//! usemtl name            material of the faces that follow    mtllib name        library of materials
+//! v x y z [r g b]     position, counted from 1     f 1 2 3         corners: position
+//! vt u v              texture coordinate           f 1/4 2/5 3/6   position / texture coordinate
+//! vn x y z            normal                       f 1/4/7 2//8 -1 … / normal; −1 is the last so far
+//! usemtl name         material of the next faces   mtllib name     material library
 //! ```
 //!
-//! A vertex of the result is a distinct triple of indices, in order of first use; if no face has a texture coordinate or
-//! normal, the vertices are those of the file. The faces of each material form a part; if there are several parts, each
-//! holds only the vertices that it uses. The crate `tobj` is not used because it splits or merges the corners of polygons in
-//! its own way and its errors have no line numbers.
+//! A vertex of the result is a distinct triple of indices, in order of first use. If no face has a
+//! texture coordinate or normal, the vertices are those of the file. The faces of each material
+//! form a part; with several parts, each has only the vertices that it uses. The crate `tobj` is
+//! not used, because it splits or merges the corners of polygons differently and its errors have no
+//! line numbers.
 //!
 //! # References
 //! Wavefront Technologies: *The Advanced Visualizer*, appendix B1, *Object Files*.

@@ -1,4 +1,4 @@
-//! OFF: a keyword, three counts, then vertices and faces, each on a line.
+//! OFF: a keyword, three counts, then one line per vertex and per face.
 //!
 //! ```text
 //! COFF                    [ST] [C] [N] OFF: texture coordinates, colour and normal follow each position
@@ -8,13 +8,13 @@
 //! 3 0 1 2                 corner count, corners, [colour]
 //! ```
 //!
-//! Comments begin with `#`. Files of four or n dimensions and binary files are refused.
+//! Comments start with `#`. Files with four or n dimensions and binary files are rejected.
 //!
 //! # References
 //! *Geomview Manual*, 1.9, section *OFF Files*.
 //!
 //! # Complexity
-//! One pass; only the file's bytes and the arrays of the result are held.
+//! One pass; memory for the file's bytes and the arrays of the result.
 
 use tristrip::MAX_COUNT;
 use tristrip::text::counted;
@@ -25,7 +25,7 @@ use crate::model::{Model, Part};
 use crate::polygons::Polygons;
 use crate::text::{Text, integer, quote};
 
-/// The values that follow each position.
+/// The values after each position.
 #[derive(Debug, Default, Clone, Copy)]
 struct VertexFields {
     normals: bool,
@@ -82,7 +82,8 @@ fn attribute(name: &str, components: u8, data: AttributeData) -> Attribute {
     Attribute { name: name.to_owned(), components, normalized, data }
 }
 
-/// Returns colours as fractions, or as bytes where all are integers and one is larger than 1.
+/// Returns colours as bytes if all are integers from 0 to 255 and one is larger than 1, else as
+/// fractions.
 #[allow(clippy::cast_sign_loss, reason = "the values are checked to be 0 to 255")]
 fn colour_data(values: Vec<f32>, fractional: bool) -> AttributeData {
     let bytes = !fractional
@@ -95,7 +96,7 @@ fn colour_data(values: Vec<f32>, fractional: bool) -> AttributeData {
     }
 }
 
-/// Reads the keyword; a file may begin with its counts instead.
+/// Reads the keyword. A file may start with its counts instead.
 fn read_keyword<'a>(text: &mut Text<'a>) -> Result<(VertexFields, Option<&'a [u8]>), Error> {
     let expected = "`OFF`, with `ST`, `C` or `N` before it";
     let word = text.word_on_any_line().ok_or_else(|| text.missing(expected))?;
@@ -119,7 +120,7 @@ fn read_keyword<'a>(text: &mut Text<'a>) -> Result<(VertexFields, Option<&'a [u8
     }
     match text.word() {
         Some(b"BINARY") => {
-            Err(Error::format(text.position(), "`BINARY`", "a text file: binary OFF is not read"))
+            Err(Error::format(text.position(), "`BINARY`", "a text file: binary OFF is not supported"))
         }
         word => Ok((fields, word)),
     }
@@ -138,7 +139,7 @@ fn parse_count(text: &Text, word: &[u8], what: &str) -> Result<u64, Error> {
         .ok_or_else(|| Error::format(text.position(), quote(word), format!("the number of {what}")))
 }
 
-/// Checks that the remaining bytes can hold a count of items, before anything is allocated for it.
+/// Checks that the remaining bytes can contain `count` items before memory is allocated for them.
 fn check_capacity(text: &Text, count: u64, words: u64, noun: &str) -> Result<(), Error> {
     let most = text.words_left() as u64 / words;
     if count > most {
@@ -157,7 +158,7 @@ struct VertexArrays {
     normals: Vec<f32>,
     colours: Vec<f32>,
     texcoords: Vec<f32>,
-    /// Whether a colour was written with a point or an exponent.
+    /// Whether a colour value was written with a decimal point or an exponent.
     fractional_colours: bool,
 }
 
@@ -188,7 +189,7 @@ impl OffReader<'_> {
                 let value = text.parse_number(word, "a colour or texture coordinate")?;
                 let is_colour = self.fields.colours && rest.len() < 4;
                 self.arrays.fractional_colours |= is_colour && integer(word).is_none();
-                // Values beyond the longest row are only counted.
+                // Values beyond the longest possible row are only counted.
                 if rest.len() < 6 {
                     rest.push(value);
                 } else {

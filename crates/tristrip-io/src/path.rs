@@ -1,5 +1,5 @@
-//! Files by path: read at once, and written to a temporary file that is renamed, so that a failure leaves the old file
-//! unchanged.
+//! Files by path: read at once, and written to a temporary file that is then renamed. A failed
+//! write leaves the old file unchanged.
 
 use std::collections::HashSet;
 use std::fs;
@@ -18,12 +18,13 @@ use crate::materials::SideFile;
 use crate::model::{Drawing, Model};
 use crate::obj::scene_library::{library_of, library_of_added};
 
-/// Reads a model from a file, in the format of its extension, or of its content if the extension is unknown. The separate
-/// buffers of a `.gltf` are looked for in the folder of the path and, where that is a link, then in the folder of the file
-/// that it leads to; never outside these.
+/// Reads a model from a file. The format follows from the extension, or from the content if the
+/// extension is unknown. Separate buffers of a `.gltf` are looked up in the directory of the path.
+/// If the path is a symbolic link, they are then looked up in the directory of its target. Files
+/// outside these directories are never read.
 ///
 /// # Errors
-/// The file cannot be read, and the errors of [`read`](crate::read).
+/// The file cannot be read or is a directory, or its content is rejected by [`read`](crate::read).
 ///
 /// ```
 /// let wrong = tristrip_io::read_path("no/such/model.ply").unwrap_err();
@@ -33,22 +34,23 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
     Ok(read_file(path, None)?.model)
 }
 
-/// A model with the file that it was read from.
+/// A model and the file that it was read from.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ReadFile {
     /// The model.
     pub model: Model,
-    /// The bytes of the file, which a model in glTF shares.
+    /// The bytes of the file; a glTF model shares them.
     pub bytes: Arc<Vec<u8>>,
     /// The format of the file.
     pub format: Format,
 }
 
-/// Reads a model as [`read_path`] does, in a format that may be given, and returns it with the bytes of the file.
+/// Reads a model like [`read_path`], and returns it with the bytes of the file. `format` overrides
+/// the detected format.
 ///
 /// # Errors
-/// The file cannot be read, it is a directory, or its bytes are not a file of the format.
+/// The file cannot be read, is a directory, or is not a valid file of the format.
 ///
 /// ```
 /// use tristrip_io::{Format, read_file};
@@ -77,14 +79,16 @@ pub fn read_file(path: impl AsRef<Path>, format: Option<Format>) -> Result<ReadF
     Ok(ReadFile { model, bytes, format })
 }
 
-/// Reads a model from bytes with the materials and images that it names, for a program that serves the result to others.
+/// Reads a model from bytes, with its materials and images, for a program that serves the result to
+/// others.
 ///
-/// The files that it names must be in the folder of `path` or below it. Hidden files and folders, whose names begin with a dot, are
-/// not read, and all files together have at most `max_bytes`. [`Model::notes`] and [`Model::materials`] list the images and libraries
-/// that are left out. A buffer that is left out is an error.
+/// Referenced files must be in the directory of `path` or below it. Hidden files and directories,
+/// whose names start with a dot, are not read. All files together may have at most `max_bytes`
+/// bytes. [`Model::notes`] and [`Model::materials`] list skipped images and libraries; a skipped
+/// buffer is an error.
 ///
 /// # Errors
-/// The errors of [`read`](crate::read), and a buffer cannot be read.
+/// A buffer cannot be read, or the content is rejected by [`read`](crate::read).
 ///
 /// ```
 /// use std::sync::Arc;
@@ -117,22 +121,23 @@ pub fn read_beside(
     Ok(model)
 }
 
-/// Returns the file that a path leads to; a pipe has none of its own.
+/// Returns the target of a path. For a pipe, this is the path itself.
 fn target_of(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// Returns the folders of a document that may have been opened through a link.
+/// Returns the directories of a document, which may have been opened through a symbolic link.
 fn folders<'a>(path: &'a Path, target: &'a Path) -> Vec<&'a Path> {
     [path, target].into_iter().filter_map(Path::parent).collect()
 }
 
-/// Embeds the images of a model that are in separate files: a GLB that is written to any folder then has its
-/// textures. `path` is that of the file that the model was read from, if it is known; images are looked for in its folders, as
-/// [`read_path`] looks for buffers. An image that cannot be read keeps its URI. A note counts the images.
+/// Embeds the images of a model that are in separate files, so a GLB can be written to any
+/// directory. `path` is the file that the model was read from, if known. Images are looked up in
+/// its directories, as buffers are by [`read_path`]. An image that cannot be read keeps its URI. A
+/// note counts the images.
 ///
 /// # Errors
-/// The lists of the document are not arrays.
+/// `images`, `buffers` or `bufferViews` of the document is not an array.
 ///
 /// ```
 /// # let dir = tempfile::tempdir().unwrap();
@@ -158,18 +163,19 @@ fn embed_from(model: &mut Model, files: &mut BufferFiles<'_>) -> Result<Embedded
     let Some(scene) = &mut model.scene else { return Ok(EmbeddedImages::default()) };
     let images = embed(scene, files)?;
     if images.embedded > 0 {
-        model.notes.push(format!("images copied from separate files into the file: {}", images.embedded));
+        model.notes.push(format!("images embedded from separate files: {}", images.embedded));
     }
     if let Some(first) = images.left.first() {
         let count = images.left.len();
-        model.notes.push(format!("images that the file only refers to: {count}, such as {first}"));
+        model.notes.push(format!("images not embedded: {count}, such as {first}"));
     }
     Ok(images)
 }
 
-/// Reads the material libraries of a model in OBJ, and the images that they name: files in the folder of `path`, that of the file that the model was
-/// read from, or below it. A model in glTF, or one with materials that a program added, gets a library for an OBJ file with this `stem` as name
-/// instead. What is not found is among the problems of [`Model::materials`].
+/// Reads the material libraries of an OBJ model and their images. The files must be in the
+/// directory of `path` or below it; `path` is the file that the model was read from. A glTF model,
+/// or one with materials that a program added, gets a new library for an OBJ file named `stem`.
+/// Files that are not found are added to the problems of [`Model::materials`].
 ///
 /// ```
 /// # let dir = tempfile::tempdir().unwrap();
@@ -206,7 +212,7 @@ fn load_libraries(model: &mut Model, files: &mut BufferFiles<'_>) {
     let mut load = |name: &str, problems: &mut Vec<String>| match files.load_named(name) {
         Ok(Some(bytes)) => Some(bytes),
         Ok(None) => {
-            problems.push(format!("{name}: not a file in the folder of the OBJ"));
+            problems.push(format!("{name}: not a file in the directory of the OBJ"));
             None
         }
         Err(error) => {
@@ -228,10 +234,10 @@ fn load_libraries(model: &mut Model, files: &mut BufferFiles<'_>) {
     }
 }
 
-/// Writes a model to a file in the format of its extension, with [`write()`] and [`replace_file`].
+/// Writes a model to a file in the format of its extension. Uses [`write()`] and [`replace_file`].
 ///
 /// # Errors
-/// The extension is not that of a format, and the errors of [`write()`] and [`replace_file`].
+/// The extension is unknown, or [`write()`] or [`replace_file`] fails.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read, read_path, write_path};
@@ -257,12 +263,12 @@ pub fn write_path(
     replace_file(path, &write(model, drawings, format, layout)?)
 }
 
-/// Writes bytes to a file through a temporary file in the same folder that is renamed, so that readers see the old file or the
-/// complete new one, and a failure leaves the old file unchanged and no temporary file. Links are followed; devices and
-/// pipes are written directly.
+/// Writes bytes to a temporary file in the same directory and renames it. Readers see either the
+/// old file or the complete new one. A failure leaves the old file unchanged and no temporary file.
+/// Symbolic links are followed; devices and pipes are written directly.
 ///
 /// # Errors
-/// The path cannot be written to, or it is a directory or a read-only file.
+/// The path cannot be written, or is a directory or a read-only file.
 ///
 /// ```
 /// # let dir = tempfile::tempdir().unwrap();
@@ -303,13 +309,13 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     #[cfg(unix)]
     let permissions = {
         use std::os::unix::fs::PermissionsExt;
-        // The user's mask applies to these permissions of a new file, as usual.
+        // The user's umask applies to these permissions of a new file.
         old.as_ref().map_or_else(|| fs::Permissions::from_mode(0o666), fs::Metadata::permissions)
     };
     #[cfg(unix)]
     builder.permissions(permissions.clone());
-    // The temporary file is removed wherever this function returns early. The error keeps only its kind, without the
-    // temporary path: the caller adds the path that the user gave.
+    // An early return removes the temporary file. The error keeps only its kind, without the
+    // temporary path; the caller adds the path that the user gave.
     let without_path = |error: io::Error| io::Error::from(error.kind());
     let mut file = builder.tempfile_in(&dir).map_err(without_path)?;
     file.write_all(bytes)?;

@@ -1,25 +1,25 @@
-//! Collects the faces of a file corner by corner; a list of only triangles needs no offsets.
+//! Collects the faces of a file corner by corner. A list of triangles needs no offsets.
 
 use tristrip::Faces;
 
 use crate::error::Error;
 
-/// Faces that are collected.
+/// Faces under construction.
 #[derive(Debug, Default)]
 pub(crate) struct Polygons {
     corners: Vec<u32>,
     face_count: usize,
-    /// As in [`Faces`]; built when the first face ends that is not a triangle.
+    /// As in [`Faces`]; created at the end of the first face that is not a triangle.
     offsets: Option<Vec<u32>>,
 }
 
 impl Polygons {
-    /// Reserves capacity for corners; the caller has checked that the file can hold them.
+    /// Reserves capacity for corners. The caller has checked that the file can contain them.
     pub(crate) fn with_capacity(corner_count: usize) -> Self {
         Self { corners: Vec::with_capacity(corner_count), ..Self::default() }
     }
 
-    /// Reserves capacity for more corners; the caller has checked that the file can hold them.
+    /// Reserves capacity for more corners. The caller has checked that the file can contain them.
     pub(crate) fn reserve(&mut self, corner_count: usize) {
         self.corners.reserve(corner_count);
     }

@@ -1,4 +1,4 @@
-//! STL: a list of triangles, each with three positions; equal positions are welded into one vertex.
+//! STL: a list of triangles with three positions each. Equal positions are welded into one vertex.
 //!
 //! ```text
 //! text    solid name                          binary   80 bytes  any text
@@ -10,14 +10,16 @@
 //!         endsolid name
 //! ```
 //!
-//! A binary file may begin with `solid` too, so the size of the file decides. Vertices are in order of first use; −0 equals 0.
-//! Normals are dropped: they follow from the positions. Several solids of a text file become one mesh.
+//! A binary file may also begin with `solid`, so the file size decides. Vertices are in order of
+//! first use; −0 equals 0. Normals are dropped, because they follow from the positions. Several
+//! solids of a text file become one mesh.
 //!
 //! # References
 //! 3D Systems: *`StereoLithography` Interface Specification*, 1989.
 //!
 //! # Complexity
-//! One pass with a hash table of the positions: 16 bytes per vertex in addition to the arrays of the result.
+//! One pass with a hash table of the positions: 16 bytes per vertex in addition to the arrays of
+//! the result.
 
 use std::collections::HashMap;
 
@@ -31,7 +33,7 @@ use crate::text::{Text, quote};
 const HEADER_BYTES: usize = 84;
 const FACET_BYTES: usize = 50;
 
-/// Checks whether the size is that of a binary file with the count that the bytes state.
+/// Checks whether the file size matches the triangle count of a binary file.
 pub(crate) fn has_binary_size(bytes: &[u8]) -> bool {
     facet_count(bytes).is_some_and(|count| binary_bytes(count) == bytes.len() as u64)
 }
@@ -58,7 +60,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
 /// Welds equal positions in order of first use.
 #[derive(Debug, Default)]
 struct Welder {
-    /// With a random seed, which protects against files with colliding positions; the numbers do not depend on it.
+    /// The random seed protects against files with colliding positions; the result does not depend
+    /// on it.
     ids: HashMap<[u32; 3], u32>,
     positions: Vec<[f32; 3]>,
     corners: Vec<u32>,
@@ -120,7 +123,7 @@ fn read_binary(bytes: &[u8]) -> Result<Model, Error> {
         marked += u64::from(facet[48..] != [0, 0]);
     }
     if marked > 0 {
-        notes.push(format!("triangles with attribute bytes, which are dropped: {marked}"));
+        notes.push(format!("triangles whose attribute bytes were dropped: {marked}"));
     }
     welder.finish(None, notes)
 }
@@ -143,7 +146,7 @@ fn read_text(bytes: &[u8]) -> Result<Model, Error> {
     }
     let mut notes = Vec::new();
     if solid_count > 1 {
-        notes.push(format!("solids joined into one mesh: {solid_count}"));
+        notes.push(format!("solids merged into one mesh: {solid_count}"));
     }
     welder.finish(name, notes)
 }
@@ -207,7 +210,7 @@ mod tests {
         let part = &model.parts[0];
         assert_eq!(part.name.as_deref(), Some("a b"));
         assert_eq!(part.mesh.faces().as_triangles(), Some(&[0, 1, 2, 1, 3, 2][..]));
-        assert_eq!(model.notes, ["face normals dropped: 2", "solids joined into one mesh: 2"]);
+        assert_eq!(model.notes, ["face normals dropped: 2", "solids merged into one mesh: 2"]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Lines and words of the text formats, with line numbers for errors.
 //!
-//! A line ends with LF, CR LF or CR. In OBJ a backslash before the line's end joins it to the next one; in OBJ and OFF `#`
-//! starts a comment.
+//! A line ends with LF, CR LF or CR. In OBJ, a backslash at the end of a line joins it to the next
+//! one. In OBJ and OFF, `#` starts a comment.
 
 use memchr::memchr2;
 
@@ -18,7 +18,7 @@ pub(crate) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// Starts at the first line, after a byte order mark if there is one.
+    /// Starts at the first line, after a byte order mark if present.
     pub(crate) fn new(bytes: &'a [u8]) -> Self {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         Self { bytes, at: 0, line: 1, comments: false, continued: false }
@@ -44,12 +44,12 @@ impl<'a> Text<'a> {
         format!("line {}", self.line)
     }
 
-    /// Returns the number of the line, from 1.
+    /// Returns the line number, counted from 1.
     pub(crate) fn line(&self) -> u64 {
         self.line
     }
 
-    /// Returns the offset of the next byte; a byte order mark is not counted.
+    /// Returns the offset of the next byte, not counting a byte order mark.
     pub(crate) fn offset(&self) -> usize {
         self.at
     }
@@ -59,7 +59,8 @@ impl<'a> Text<'a> {
         self.bytes.len() - self.at
     }
 
-    /// Returns the largest number of words that the remaining bytes can hold: a word takes at least a byte and a space.
+    /// Returns the maximum number of words in the remaining bytes: a word takes at least one byte
+    /// and a space.
     pub(crate) fn words_left(&self) -> usize {
         self.bytes_left().div_ceil(2)
     }
@@ -104,7 +105,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Advances to the next word, on this line or a later one; returns whether there is one.
+    /// Advances to the next word, on this line or a later one. Returns whether there is one.
     pub(crate) fn skip_blank_lines(&mut self) -> bool {
         let mut ahead = self.clone();
         while ahead.word().is_none() {
@@ -117,14 +118,14 @@ impl<'a> Text<'a> {
         true
     }
 
-    /// Returns the rest of this line, without surrounding spaces.
+    /// Returns the rest of this line without surrounding white space.
     pub(crate) fn rest(&mut self) -> &'a [u8] {
         let start = self.at;
         self.at = self.line_end();
         self.bytes[start..self.at].trim_ascii()
     }
 
-    /// Advances to the start of the next line; returns whether there is one.
+    /// Advances to the start of the next line. Returns whether there is one.
     pub(crate) fn next_line(&mut self) -> bool {
         loop {
             let end = self.line_end();
@@ -156,7 +157,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Returns the error for something that is missing at the end of this line or of the file.
+    /// Returns the error for a value missing at the end of the line or file.
     pub(crate) fn missing(&self, what: &str) -> Error {
         let found = if self.bytes_left() == 0 { "the end of the file" } else { "the end of the line" };
         Error::format(self.position(), found, what)
@@ -167,7 +168,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// Returns the offset after the line end that starts at `at`, if one does.
+/// Returns the offset after the line end at `at`, or `None` if there is no line end at `at`.
 fn newline(bytes: &[u8], at: usize) -> Option<usize> {
     match bytes.get(at)? {
         b'\r' if bytes.get(at + 1) == Some(&b'\n') => Some(at + 2),
@@ -176,7 +177,7 @@ fn newline(bytes: &[u8], at: usize) -> Option<usize> {
     }
 }
 
-/// Parses a decimal integer that fits 64 bits.
+/// Parses a decimal integer that fits into 64 bits.
 pub(crate) fn integer(word: &[u8]) -> Option<i64> {
     let (negative, digits) = match word {
         [b'-', digits @ ..] => (true, digits),
@@ -192,7 +193,7 @@ pub(crate) fn integer(word: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// Quotes a word of a file for an error message: escaped, and truncated if it is long.
+/// Quotes a word of a file for an error message, escaped and truncated to 32 bytes.
 pub(crate) fn quote(word: &[u8]) -> String {
     const LONGEST: usize = 32;
     let cut = if word.len() > LONGEST { "…" } else { "" };

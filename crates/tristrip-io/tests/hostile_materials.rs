@@ -179,7 +179,7 @@ fn nothing_outside_the_folder_is_read() {
         if !cfg!(unix) && name == "link.png" {
             continue;
         }
-        let expected = format!("{}: not a file in the folder of the OBJ", name.replace('\\', "/"));
+        let expected = format!("{}: not a file in the directory of the OBJ", name.replace('\\', "/"));
         assert_eq!(problems[0], expected);
     }
     for name in ["../secret.png", "/etc/hostname", "maps", "none.mtl", "maps/\0.mtl", &"x/".repeat(3000)] {

@@ -199,10 +199,7 @@ mod tests {
         fs::write(dir.path().join(".hidden.png"), b"\x89PNG\r\n\x1a\nsecret").unwrap();
         let source = Source::find(&folder, &SitePath::new("a.gltf").unwrap()).unwrap();
         let notes = source.read(&folder, 500).unwrap().notes;
-        assert!(
-            notes.iter().any(|note| note.starts_with("images that the file only refers to: 1")),
-            "{notes:?}"
-        );
+        assert!(notes.iter().any(|note| note.starts_with("images not embedded: 1")), "{notes:?}");
     }
 
     #[test]

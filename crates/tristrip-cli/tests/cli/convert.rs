@@ -129,7 +129,7 @@ fn the_images_of_a_gltf_travel_into_the_glb() {
             run.arg(command).arg(&input).arg("-o").arg(&glb);
             run
         };
-        let missing = "images that the file only refers to: 1, such as ";
+        let missing = "images not embedded: 1, such as ";
         run().arg("-q").assert().success().stderr(contains(missing).and(contains("none.png")));
         let notes = json(run().arg("--json"))["notes"].to_string();
         assert!(notes.contains(missing) && notes.contains("into the file: 1"), "{notes}");

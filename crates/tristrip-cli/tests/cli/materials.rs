@@ -99,7 +99,7 @@ fn a_glb_becomes_an_obj_with_a_library() {
     let dir = tempfile::tempdir().unwrap();
     let (obj, glb, back) = (source(dir.path()), dir.path().join("box.glb"), dir.path().join("back.obj"));
     tristrip().args(["convert", "-q"]).arg(&obj).arg("-o").arg(&glb).assert().success();
-    let lost = "materials with maps or emitted light: 1, the library has only their base colours";
+    let lost = "materials with maps or emission, written with only their base colours: 1";
     tristrip()
         .args(["convert", "-q"])
         .arg(&glb)
@@ -132,5 +132,5 @@ fn what_cannot_travel_gives_one_warning_also_in_quiet_mode() {
     to("a.glb").stderr(contains("box.mtl: "));
     // A name that leads out of the folder is not followed.
     fs::write(&obj, OBJ.replace("mats/box.mtl", "../box.mtl")).unwrap();
-    to("a.glb").stderr(contains("../box.mtl: not a file in the folder of the OBJ"));
+    to("a.glb").stderr(contains("../box.mtl: not a file in the directory of the OBJ"));
 }

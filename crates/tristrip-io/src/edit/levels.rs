@@ -1,19 +1,21 @@
-//! Models at several levels of detail over one vertex array: every level draws from the first vertices.
+//! Models with several levels of detail in one vertex array: every level uses a prefix of the
+//! vertices.
 //!
 //! ```text
-//! vertices   ├ 10 % ─┤─ 25 % ───┤─ 50 % ───────────┤─ 100 % ──────────────────┤     each level beyond the next coarser one
+//! vertices   ├ 10 % ─┤─ 25 % ───┤─ 50 % ───────────┤─ 100 % ──────────────────┤
 //! level 3    ├───────┤
 //! level 2    ├──────────────────┤
 //! level 1    ├──────────────────────────────────────┤
 //! level 0    ├─────────────────────────────────────────────────────────────────┤
 //! ```
 //! # Algorithm
-//! 1. Each group of parts (those of `renumber.rs`, which does the rest) has one order: the vertices of the coarsest level of all its
-//!    parts, then those that each finer level adds.
-//! 2. Positions, attributes and triangles are renumbered, and vertices that no level uses are dropped; in a scene that is written as
-//!    a GLB together with all other values of the vertices: morph targets, joints and weights, attributes that are not decoded.
-//! 3. A group whose vertices something else in the scene depends on keeps its order or its vertices; [`VertexGroup::kept`] has the
-//!    reason. All its levels then draw from all vertices.
+//! 1. Each group of parts (see `renumber.rs`) has one vertex order: the vertices of the coarsest
+//!    level of all its parts, then those that each finer level adds.
+//! 2. Positions, attributes and triangles are renumbered, and vertices that no level uses are
+//!    removed. In a scene written as a GLB, this includes all other vertex values: morph targets,
+//!    joints and weights, and attributes that were not decoded.
+//! 3. A group keeps its order or its vertices if other data in the scene depends on them;
+//!    [`VertexGroup::kept`] has the reason. All its levels then use all vertices.
 //!
 //! # Complexity
 //! Linear in the vertices, and in the triangles of all levels.
@@ -29,48 +31,50 @@ use crate::gltf::edit::levels::PartAtLevel;
 use crate::gltf::edit::renumber::SceneGroup;
 use crate::model::Model;
 
-/// What a part draws at a level of detail.
+/// A part at a level of detail.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct PartLevel {
-    /// The triangles, three vertices of the part each.
+    /// The triangles: three vertex indices of the part each.
     pub triangles: Vec<u32>,
-    /// The vertices that the level has beyond the next coarser one, in the order in which refinement adds them; others that the
-    /// triangles use follow in their order.
+    /// The vertices that this level adds to the next coarser one, in refinement order. Other
+    /// vertices of the triangles follow in their original order.
     pub added: Vec<u32>,
 }
 
-/// A model at several levels of detail over one vertex array, the finest first.
+/// A model with several levels of detail in one vertex array, finest first.
 #[derive(Debug, Default)]
 pub struct LeveledModel {
-    /// The model at the finest level, over the vertices that it uses.
+    /// The model at the finest level, with only the vertices that it uses.
     pub model: Model,
-    /// For each level and part the triangles, over the vertices of the model.
+    /// The triangles per level and part, as vertex indices of the model.
     pub triangles: Vec<Vec<Vec<u32>>>,
-    /// For each level and part the number of vertices, from the first on, that the level may use.
+    /// The number of vertices per level and part that the level may use, from the first on.
     pub vertex_counts: Vec<Vec<usize>>,
-    /// The groups of parts over the same vertices, with the order of the vertices.
+    /// The groups of parts that share vertices, with their vertex orders.
     pub groups: Vec<VertexGroup>,
 }
 
-/// A scene that holds a model at all its levels: the nodes of lower levels are named by `MSFT_lod`.
+/// A scene with a model at all levels; `MSFT_lod` lists the nodes of lower levels.
 #[derive(Debug)]
 pub struct SceneLevels {
-    /// The scene; its parts are those of all levels.
+    /// The scene, with the parts of all levels.
     pub model: Model,
-    /// For each level, the finest first, the parts that it draws.
+    /// The parts of each level, finest first.
     pub parts: Vec<Vec<usize>>,
-    /// For each level the meshes of the document that it draws.
+    /// The meshes of the document that each level uses.
     pub meshes: Vec<Vec<usize>>,
-    /// The number of nodes that show their finest level only, since an extension animates their morph weights.
+    /// The number of nodes that have only their finest level, because an extension animates their
+    /// morph weights.
     pub nodes_without: usize,
 }
 
-/// Numbers the vertices of a model so that each level of detail uses the first ones, and drops those that no level uses, if a file of
-/// this format allows it. The levels are given from the finest to the coarsest, each with what it draws of each part.
+/// Orders the vertices of a model so that each level of detail uses a prefix, and removes vertices
+/// that no level uses if the file format allows it. `levels` goes from the finest to the coarsest;
+/// each has one entry per part.
 ///
 /// # Errors
-/// There is no level, a level does not have an entry for each part, a vertex does not exist, or the number of corners is not a multiple
-/// of three.
+/// There is no level, a level does not have one entry per part, a vertex does not exist, or the
+/// number of corners is not a multiple of three.
 ///
 /// ```
 /// use tristrip_io::{Format, PartLevel, in_level_order, read};
@@ -102,9 +106,7 @@ pub fn in_level_order(
             let vertex_count = counts.iter().copied().max().unwrap_or(0);
             let mut kept = group.and_then(SceneGroup::why_ordered);
             if counts.iter().any(|&count| count != vertex_count) {
-                kept.get_or_insert_with(|| {
-                    "parts over shared accessors have different numbers of vertices".into()
-                });
+                kept.get_or_insert_with(|| "parts with shared accessors have different vertex counts".into());
             }
             if is_empty {
                 kept.get_or_insert_with(|| "nothing is drawn".into());
@@ -127,7 +129,7 @@ pub fn in_level_order(
             Ok(Renumbering { order, left, kept })
         };
 
-    // 2. The scene and the parts, then the levels.
+    // 2. The scene, the parts, and the levels.
     let (model, groups) = renumbered(model, meshes, (format, true), number)?;
     let mut triangles: Vec<Vec<Vec<u32>>> = vec![vec![Vec::new(); model.parts.len()]; levels.len()];
     let mut vertex_counts = vec![vec![0; model.parts.len()]; levels.len()];
@@ -144,20 +146,23 @@ pub fn in_level_order(
     Ok(LeveledModel { model, triangles, vertex_counts, groups })
 }
 
-/// Checks that there are levels with an entry for each part, and returns the finest.
+/// Checks that there are levels with one entry per part, and returns the finest.
 fn check_levels<'a>(model: &Model, levels: &'a [Vec<PartLevel>]) -> Result<&'a [PartLevel], Error> {
     let expected = model.parts.len();
     if let Some(level) = levels.iter().find(|level| level.len() != expected) {
         let found = level.len();
         return Err(Error::Unsupported(format!("parts of a level: found {found}, expected {expected}")));
     }
-    levels.first().map(Vec::as_slice).ok_or_else(|| Error::Unsupported("levels: found none".into()))
+    levels
+        .first()
+        .map(Vec::as_slice)
+        .ok_or_else(|| Error::Unsupported("levels: found none, expected at least one".into()))
 }
 
-/// The vertices of a group in the order in which levels need them.
+/// The vertices of a group in the order in which levels use them.
 struct ListedVertices {
     order: Vec<u32>,
-    /// For each level, the finest first, the number of vertices that it and all coarser ones need.
+    /// For each level, finest first: the number of vertices of this level and all coarser ones.
     counts: Vec<usize>,
 }
 
@@ -182,7 +187,7 @@ impl ListedVertices {
         Ok(Self { order, counts })
     }
 
-    /// Makes each level have a vertex: an accessor must have a value.
+    /// Gives each level at least one vertex, because an accessor must have a value.
     fn have_one(&mut self) {
         if self.order.is_empty() {
             self.order.push(0);
@@ -197,10 +202,10 @@ impl LeveledModel {
         self.triangles.len()
     }
 
-    /// Returns the number of vertices, from the first on of each group, that a level uses.
+    /// Returns the number of vertices that a level uses, summed over the groups.
     ///
     /// # Errors
-    /// There is no such level.
+    /// The level does not exist.
     ///
     /// ```
     /// use tristrip_io::{Format, PartLevel, in_level_order, read};
@@ -220,9 +225,10 @@ impl LeveledModel {
         Error::Unsupported(format!("level: found {level}, expected less than {}", self.level_count()))
     }
 
-    /// Builds a scene with all levels, to be written as one GLB: each node with a mesh that changes gets a node for each lower level.
-    /// `coverage` returns for some parts, which are one mesh of the document, the screen coverages down to which the levels are drawn.
-    /// A model without a scene gets the one that a GLB of it has, without parts that have no vertices.
+    /// Builds a scene with all levels, to be written as one GLB. Each node whose mesh has lower
+    /// levels gets a node per lower level. `coverage` receives the parts of a mesh and returns the
+    /// minimum screen coverage of each level. For a model without a scene, the scene of its GLB is
+    /// built; parts without vertices are omitted.
     ///
     /// # Errors
     /// The scene already has levels of detail, or the document would be too large.
@@ -239,7 +245,7 @@ impl LeveledModel {
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn scene(&self, coverage: &dyn Fn(&[usize]) -> Vec<f64>) -> Result<SceneLevels, Error> {
-        // The parts that the scene has, and the scene.
+        // The parts in the scene, and the scene.
         let is_built = self.model.scene.is_none();
         let has_vertices = |part: &usize| !is_built || self.model.parts[*part].mesh.vertex_count() > 0;
         let of_scene: Vec<usize> = (0..self.model.parts.len()).filter(has_vertices).collect();
@@ -271,7 +277,7 @@ impl LeveledModel {
         Ok(SceneLevels { model, parts: with.parts, meshes: with.meshes, nodes_without: with.nodes_without })
     }
 
-    /// Returns whether a level draws a part as the next finer one does, from as many vertices.
+    /// Returns whether a part has the same triangles and vertex count as at the next finer level.
     fn is_same(&self, level: usize, part: usize) -> bool {
         self.triangles[level][part] == self.triangles[level - 1][part]
             && self.vertex_counts[level][part] == self.vertex_counts[level - 1][part]

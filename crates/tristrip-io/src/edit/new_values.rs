@@ -1,4 +1,4 @@
-//! New vertices of a part: copies of old ones, with the values that differ.
+//! New vertices of a part: copies of old ones with some values replaced.
 
 use std::sync::Arc;
 
@@ -9,17 +9,18 @@ use crate::error::Error;
 /// New vertices of a part.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct NewVertices {
-    /// The old vertex that each is a copy of.
+    /// The old vertex that each new vertex is copied from.
     pub sources: Vec<u32>,
-    /// The unit normal of each. Empty to copy those of the old vertices.
+    /// The unit normals; empty to copy those of the old vertices.
     pub normals: Vec<[f32; 3]>,
-    /// The tangent of each, as glTF has it: a unit vector and the sign of the bitangent. Empty to copy those of the old vertices.
+    /// The tangents in the form of glTF: a unit vector and the sign of the bitangent. Empty to copy
+    /// those of the old vertices.
     pub tangents: Vec<[f32; 4]>,
-    /// The position of each. Empty to copy those of the old vertices.
+    /// The positions; empty to copy those of the old vertices.
     pub positions: Vec<[f32; 3]>,
 }
 
-/// Values that new vertices have other than those of the old ones.
+/// The values of new vertices that differ from the old ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NewValues {
     /// Normals and tangents.
@@ -29,7 +30,7 @@ pub enum NewValues {
 }
 
 impl NewValues {
-    /// Returns the attributes that glTF has for them.
+    /// Returns the glTF attributes of these values.
     pub(crate) fn names(self) -> &'static [&'static str] {
         match self {
             Self::Directions => &["NORMAL", "TANGENT"],
@@ -39,7 +40,7 @@ impl NewValues {
 }
 
 impl NewVertices {
-    /// Returns a mesh of old vertices and then the new ones, without faces.
+    /// Returns a mesh with the old vertices followed by the new ones, without faces.
     ///
     /// # Errors
     /// A source is not a vertex of the mesh, or there are too many vertices.
@@ -59,7 +60,8 @@ impl NewVertices {
     }
 }
 
-/// Replaces the normals and tangents, and the positions, of the vertices from some on.
+/// Replaces normals, tangents and positions. Each entry has the first replaced vertex and the new
+/// values.
 pub(crate) fn with_values(
     mesh: &Mesh,
     directions: &[(u32, &NewVertices)],
@@ -86,7 +88,7 @@ pub(crate) fn with_values(
     Ok(replaced)
 }
 
-/// Sets values from one on, each from −1 to 1.
+/// Sets values between −1 and 1, starting at `first`.
 fn set(attribute: &mut Attribute, first: usize, values: &[f32]) {
     fn replace<T>(data: &mut [T], values: &[f32], value: impl Fn(f32) -> T) {
         data.iter_mut().zip(values).for_each(|(slot, &x)| *slot = value(x));
@@ -105,7 +107,7 @@ fn set(attribute: &mut Attribute, first: usize, values: &[f32]) {
     }
 }
 
-/// Returns whether an attribute has a type for numbers from −1 to 1.
+/// Returns whether the type of an attribute can represent values from −1 to 1.
 pub(crate) fn can_hold_directions(attribute: &Attribute) -> bool {
     match attribute.data {
         AttributeData::F32(_) | AttributeData::F64(_) => true,

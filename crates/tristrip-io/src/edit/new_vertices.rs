@@ -1,12 +1,14 @@
-//! Parts with new vertices: each is a copy of an old one with another normal and tangent, another position, or both.
+//! Adds vertices to parts: each is a copy of an old one with a new normal and tangent, a new
+//! position, or both.
 //!
 //! # Algorithm
-//! In a scene that is written as a GLB, the new vertices follow the old ones of their group: the parts of a group have accessors in
-//! common. `gltf/extend.rs` writes all their values, also those that are not decoded. Elsewhere the new vertices replace those of the part.
-//! Vertices that are unused afterwards are dropped by [`with_triangles`](crate::with_triangles).
+//! In a scene written as a GLB, the new vertices follow the old ones of their group, because the
+//! parts of a group share accessors. `gltf/edit/extend.rs` writes all their values, including those
+//! that were not decoded. In other formats, the new vertices replace those of the part.
+//! [`with_triangles`](crate::with_triangles) can then remove unused vertices.
 //!
 //! # Complexity
-//! Linear in the values of the vertices, old and new.
+//! Linear in the values of the old and the new vertices.
 
 use rustc_hash::FxHashMap;
 use tristrip::text::counted;
@@ -21,16 +23,18 @@ use crate::model::Model;
 /// A model with new vertices.
 #[derive(Debug)]
 pub struct Extended {
-    /// The parts in their order, over more vertices and without faces; a part without new vertices has its faces.
+    /// The parts in their order. Outside of a scene that is written as a GLB, parts with new vertices
+    /// have no faces.
     pub model: Model,
-    /// The number of the first new vertex of each part; `None` for a part without new vertices.
+    /// The index of the first new vertex of each part; `None` for a part without new vertices.
     pub first: Vec<Option<u32>>,
 }
 
-/// Returns for each part why it cannot have vertices with such new values in a file of a format; `None` if it can.
+/// Returns for each part why its vertices cannot get such new values in a file of `format`, or
+/// `None` if they can.
 ///
 /// # Errors
-/// The model's scene has another number of parts.
+/// The number of parts differs from that of the scene.
 ///
 /// ```
 /// use tristrip_io::{Format, NewValues, fixed_vertices, read};
@@ -54,7 +58,7 @@ pub fn fixed_vertices(
         let named = |name: &str| part.mesh.attributes().iter().find(|a| a.name == name);
         let is_wrong = |attribute: &Attribute| !can_hold_directions(attribute);
         if why.is_none() && ["NORMAL", "TANGENT"].into_iter().filter_map(named).any(is_wrong) {
-            *why = Some("normals or tangents are of a type that cannot hold directions".into());
+            *why = Some("the type of the normals or tangents cannot represent directions".into());
         }
     }
     Ok(fixed)
@@ -63,8 +67,10 @@ pub fn fixed_vertices(
 /// Adds vertices to parts of a model.
 ///
 /// # Errors
-/// There is not one entry for each part; a source is not a vertex of the part; there is another number of normals, tangents or positions than
-/// none or one for each source; [`fixed_vertices`] has a reason why the part cannot have them.
+/// - `added` does not have one entry per part.
+/// - A source is not a vertex of the part.
+/// - The number of normals, tangents or positions is neither 0 nor the number of sources.
+/// - A value that [`fixed_vertices`] reports cannot be written.
 ///
 /// ```
 /// use tristrip_io::{Format, NewVertices, read, with_new_vertices, with_triangles};
@@ -118,7 +124,7 @@ fn check(model: &Model, added: &[Option<NewVertices>]) -> Result<(), Error> {
     if added.len() != model.parts.len() {
         let (found, expected) = (added.len(), model.parts.len());
         return unsupported(format!(
-            "lists of new vertices: found {found}, expected {expected} (one for each part)"
+            "lists of new vertices: found {found}, expected {expected} (one per part)"
         ));
     }
     for (part, new) in added.iter().enumerate().filter_map(|(part, new)| Some((part, new.as_ref()?))) {
@@ -139,8 +145,8 @@ fn check(model: &Model, added: &[Option<NewVertices>]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Appends the new vertices of a group's parts to the vertices that they have in common, and returns the old vertex that each of all
-/// vertices is a copy of. Meshes that share attributes share them again.
+/// Appends the new vertices of a group's parts to its common vertices, and returns the source of
+/// each vertex. Meshes that share attributes still share them.
 fn extend_group(
     meshes: &mut [Mesh],
     parts: &[usize],

@@ -1,16 +1,19 @@
-//! Models with new triangles over their vertices, without the vertices that become unused.
+//! Replaces the triangles of models and removes vertices that become unused.
 //!
 //! # Algorithm
-//! 1. A vertex stays if a part of its group uses it, in a scene also if points or lines draw it. Groups are those of `renumber.rs`,
-//!    which does the rest.
-//! 2. Positions, attributes and triangles are renumbered; the order of the vertices stays. If nothing is drawn at all, all
-//!    vertices stay, since not every format allows files without vertices.
-//! 3. In a scene that is written as a GLB, all other values of the vertices are dropped with them, and the bytes that nothing uses
-//!    any more: morph targets, joints and weights, attributes that are not decoded. A group that something else depends on keeps
-//!    its vertices, and [`Redrawn::kept_groups`] has the reason.
+//! 1. A vertex is kept if a part of its group uses it, or if points or lines in the scene do.
+//!    `renumber.rs` defines the groups.
+//! 2. Positions, attributes and triangles are renumbered; the vertices keep their order. If there
+//!    are no triangles at all, all vertices are kept, because not every format allows files without
+//!    vertices.
+//! 3. In a scene written as a GLB, all other values of the removed vertices are removed too, with
+//!    the bytes that become unused: morph targets, joints and weights, and attributes that were not
+//!    decoded. A group keeps its vertices if other data depends on them; [`Redrawn::kept_groups`]
+//!    has the reason.
 //!
 //! # Complexity
-//! Linear time; 8 bytes per vertex in addition to the new model, and for a scene as in `gltf/edit/renumber.rs`.
+//! Linear time; 8 bytes per vertex in addition to the new model. For a scene, see
+//! `gltf/edit/renumber.rs`.
 
 use tristrip::VertexOrder;
 use tristrip::text::counted;
@@ -27,26 +30,27 @@ use crate::model::Model;
 /// A model with new triangles, and counts of its vertices.
 #[derive(Debug, Clone)]
 pub struct Redrawn {
-    /// The parts in their order, each with its new triangles as faces.
+    /// The parts in their order, with their new triangles as faces.
     pub model: Model,
-    /// The number of vertices that triangles use.
+    /// The number of vertices used by triangles.
     pub used: usize,
-    /// The number of unused vertices that were dropped.
+    /// The number of unused vertices that were removed.
     pub dropped: usize,
-    /// The number of unused vertices that were kept, because a scene depends on them or because nothing is drawn at all.
+    /// The number of unused vertices that were kept, because a scene depends on them or there are
+    /// no triangles at all.
     pub kept: usize,
-    /// The groups of parts with unused vertices that were kept.
+    /// The groups of parts whose unused vertices were kept.
     pub kept_groups: Vec<KeptVertices>,
-    /// The new vertex numbers of the groups of parts that have unused vertices.
+    /// The new vertex order of each group with unused vertices.
     orders: Vec<VertexOrder>,
-    /// For each part the index of its group's order, if its vertices have new numbers.
+    /// For each part: the index of its group's order, if its vertices were renumbered.
     order_of: Vec<Option<usize>>,
 }
 
 /// Unused vertices that were kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KeptVertices {
-    /// The indices of the parts over these vertices, ascending.
+    /// The indices of the parts with these vertices, ascending.
     pub parts: Vec<usize>,
     /// The number of unused vertices.
     pub vertex_count: usize,
@@ -55,10 +59,10 @@ pub struct KeptVertices {
 }
 
 impl Redrawn {
-    /// Returns the number that each vertex of a part had before.
+    /// Returns the old index of each vertex of a part.
     ///
     /// # Errors
-    /// There is no such part.
+    /// The part does not exist.
     ///
     /// ```
     /// use tristrip_io::{Format, read, with_triangles};
@@ -79,10 +83,11 @@ impl Redrawn {
         })
     }
 
-    /// Returns strips over the old vertices of a part, all of them in use, as strips over its new vertices.
+    /// Converts strips of old vertices of a part to its new vertices. The strips must use only
+    /// vertices of the new triangles.
     ///
     /// # Errors
-    /// The model has no part of that index, or the strips have a vertex that the part does not have.
+    /// The part does not exist, or a strip uses a vertex that the part does not have.
     ///
     /// ```
     /// use tristrip_io::{Format, read, with_triangles};
@@ -104,12 +109,12 @@ impl Redrawn {
     }
 }
 
-/// Replaces the triangles of each part of a model, three vertices each, and drops the vertices that no part uses, if a file of
-/// this format allows it.
+/// Replaces the triangles of each part, three vertex indices each, and removes vertices that no
+/// part uses if the file format allows it.
 ///
 /// # Errors
-/// There is not one list of triangles for each part, a list names a vertex that its part does not have, or the length of a
-/// list is not a multiple of three.
+/// There is not one list of triangles per part, a list uses a vertex that its part does not have,
+/// or the length of a list is not a multiple of three.
 ///
 /// ```
 /// use tristrip_io::{Format, read, with_triangles};
@@ -125,9 +130,9 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
     for (part, corners) in model.parts.iter().zip(triangles) {
         meshes.push(part.mesh.with_faces(Faces::from_triangles(corners)?)?);
     }
-    // 1. The vertices of each group that stay.
+    // 1. The kept vertices of each group.
     let scene = model.scene.as_ref().filter(|_| format == Format::Glb);
-    // An OBJ without any vertex would be an empty file.
+    // An OBJ without vertices would be an empty file.
     let is_empty = meshes.iter().all(|mesh| mesh.faces().corner_count() == 0);
     let mut others = scene.map(gltf::edit::renumber::OtherVertices::of);
     let mut counts = Vec::new();
@@ -140,7 +145,7 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
                 let unknown = others.mark(group, &mut used.is_used).err();
                 let has_all = |&part: &usize| meshes[part].vertex_count() == used.is_used.len();
                 let several = (!parts.iter().all(has_all))
-                    .then(|| "parts over shared accessors have different numbers of vertices".to_owned());
+                    .then(|| "parts with shared accessors have different vertex counts".to_owned());
                 kept = group.why_complete().or(several).or(unknown);
             }
             if is_empty {
@@ -148,7 +153,7 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
             }
             let unused = used.is_used.len() - used.count();
             if unused == used.is_used.len() && scene.is_some() {
-                // An accessor must have a value.
+                // An accessor must have at least one value.
                 used.is_used.iter_mut().take(1).for_each(|is_used| *is_used = true);
             }
             counts.push((by_triangles, unused));
@@ -174,11 +179,11 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
     Ok(Redrawn { model, used, dropped, kept, kept_groups, orders, order_of })
 }
 
-/// Lets the triangles of each part use one of several vertices that are equal in every value, where a scene that is written as a GLB has
-/// such: [`with_triangles`] then drops the others.
+/// Replaces vertices that are equal in every value by the first of them, in a scene that is written
+/// as a GLB. [`with_triangles`] can then remove the others.
 ///
 /// # Errors
-/// There is not one list of triangles for each part.
+/// There is not one list of triangles per part.
 ///
 /// ```
 /// use tristrip_io::{Format, gltf, merge_equal_vertices};
@@ -203,17 +208,17 @@ pub fn merge_equal_vertices(model: &Model, triangles: &mut [Vec<u32>], format: F
     Ok(())
 }
 
-/// Checks that there is a list of triangles for each part.
+/// Checks that there is one list of triangles per part.
 fn check_lists(model: &Model, triangles: &[Vec<u32>]) -> Result<(), Error> {
     if triangles.len() == model.parts.len() {
         return Ok(());
     }
     let (found, expected) = (triangles.len(), model.parts.len());
-    let message = format!("lists of triangles: found {found}, expected {expected} (one for each part)");
+    let message = format!("lists of triangles: found {found}, expected {expected} (one per part)");
     Err(Error::Unsupported(message))
 }
 
-/// The vertices of a group that its parts use.
+/// The used vertices of a group.
 #[derive(Clone)]
 struct VertexUse {
     is_used: Vec<bool>,
@@ -233,14 +238,14 @@ impl VertexUse {
         self.is_used.iter().filter(|&&is_used| is_used).count()
     }
 
-    /// Returns the numbers of the vertices without those that are not in use, unless there is a reason to keep all.
+    /// Returns the renumbering that removes unused vertices, or keeps all if there is a reason.
     fn renumbering(&self, kept: Option<String>) -> Result<Renumbering, Error> {
         let vertex_count = self.is_used.len();
         if kept.is_some() {
             return Ok(Renumbering::of_order(VertexOrder::identity(vertex_count)?, kept));
         }
         let in_use = (0..vertex_count as u32).filter(|&v| self.is_used[v as usize]);
-        // The other vertices are last in this order.
+        // Unused vertices are last in this order.
         let order = VertexOrder::of_indices(vertex_count, in_use)?;
         Ok(Renumbering { order, left: self.count(), kept: None })
     }
@@ -264,7 +269,8 @@ mod tests {
         Model { parts, ..Model::default() }
     }
 
-    /// Strips of a welded mesh leave the welded vertices unused, which are dropped: their welds go with them.
+    /// Strips of a welded mesh leave the welded vertices unused. They are removed together with
+    /// their welds.
     #[test]
     fn welded_strips_are_proven_over_the_vertices_left() {
         let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 1., 0.], [1., 0., 0.], [1., 1., 0.]];

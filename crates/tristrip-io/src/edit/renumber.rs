@@ -1,4 +1,5 @@
-//! New numbers for the vertices of a model: what redrawing, re-ordering and levels of detail have in common.
+//! Renumbers the vertices of a model: the common part of redrawing, reordering and levels of
+//! detail.
 //!
 //! # Complexity
 //! Linear in the vertices and their values, and for a scene as in `gltf/edit/renumber.rs`.
@@ -16,20 +17,23 @@ use crate::gltf::edit::renumber::{self as scene_vertices, SceneGroup};
 use crate::join;
 use crate::model::{Model, Part};
 
-/// Parts that share one order of vertices, and that order.
+/// Parts that share a vertex order, and that order.
 pub(crate) type RenumberedGroup = (Vec<usize>, Renumbering);
 
-/// Gives the vertices of a model new numbers, and drops some of them: the one algorithm behind every change that keeps or removes
-/// vertices.
+/// Renumbers the vertices of a model and removes some of them. All operations that keep or remove
+/// vertices use this function.
 ///
-/// 1. Parts whose vertices the file stores once form one group: in PLY and OBJ those with positions and attributes in common, in a GLB
-///    those with the same positions, and in a scene that is written as a GLB those that share any accessor.
-/// 2. `number` returns the new numbers of each group, given its parts and, in such a scene, what the scene knows of it.
-/// 3. The scene permutes and cuts all other values of the vertices, or finds more groups that must keep them.
-/// 4. The meshes are renumbered. Those that shared arrays share them again.
+/// 1. Parts that share vertices in the file form a group: in PLY and OBJ, parts with common
+///    positions and attributes; in a GLB, parts with the same positions; in a scene written as a
+///    GLB, parts that share any accessor.
+/// 2. `number` returns the renumbering of each group. It receives the parts and, for such a scene,
+///    the group of the scene.
+/// 3. The scene permutes and shortens all other vertex values, or finds more groups that must keep
+///    them.
+/// 4. The meshes are renumbered. Meshes that shared arrays still share them.
 ///
-/// `meshes` are those of the parts, with the faces that they are to have. If the triangles are new, the scene has to replace all indices
-/// when it is written.
+/// `meshes` are the meshes of the parts with their final faces. If the triangles are new, the scene
+/// replaces all indices when it is written.
 pub(crate) fn renumbered(
     model: &Model,
     mut meshes: Vec<Mesh>,
@@ -60,7 +64,7 @@ pub(crate) fn renumbered(
     Ok((model, groups.into_iter().zip(renumberings).collect()))
 }
 
-/// Returns the groups of parts whose vertices are written once, by the rules of the writers of a format without a scene.
+/// Returns the groups of parts whose vertices are written once in a format without a scene.
 fn parts_by_vertices(model: &Model, format: Format) -> Result<Vec<Vec<usize>>, Error> {
     let first: Vec<usize> = if format == Format::Glb {
         let mut first = FxHashMap::default();
@@ -82,7 +86,8 @@ fn parts_by_vertices(model: &Model, format: Format) -> Result<Vec<Vec<usize>>, E
     Ok(groups)
 }
 
-/// Renumbers the vertices of a group's meshes, and keeps those that stay. Meshes that shared positions or attributes share them again.
+/// Renumbers the vertices of a group's meshes and removes the rest. Meshes that shared positions or
+/// attributes still share them.
 fn renumber_meshes(meshes: &mut [Mesh], group: &[usize], renumbering: &Renumbering) -> Result<(), Error> {
     let Renumbering { order, left, .. } = renumbering;
     let mut positions = FxHashMap::default();

@@ -1,18 +1,19 @@
-//! Models with their vertices in the order in which their drawings first use them, so that drawing them fetches vertices
+//! Orders the vertices of models by first use in their drawings, so drawing fetches vertices
 //! sequentially.
 //!
 //! ```text
-//! model, strips ─▶ groups of parts over the same vertices ─▶ one order per group ─▶ model, strips ─▶ write
+//! model, strips ─▶ groups of parts ─▶ order per group ─▶ model, strips ─▶ write
 //! ```
 //! # Algorithm
-//! 1. Parts whose vertices the file stores once form one group (`renumber.rs`).
-//! 2. The order of a group is that of the index buffers that the writer builds from its drawings. In the degenerate layout the
-//!    strips are joined before: how they are joined depends on the vertex numbers.
-//! 3. Positions, attributes, faces and strips are renumbered; in a scene also all other data per vertex. Parts that shared
-//!    their vertices share them again.
+//! 1. Parts that share vertices in the file form one group (`renumber.rs`).
+//! 2. The order of a group is that of the index buffers that the writer builds from its drawings.
+//!    In the degenerate layout, the strips are joined first, because the joins depend on the vertex
+//!    indices.
+//! 3. Positions, attributes, faces and strips are renumbered, in a scene also all other vertex
+//!    data. Parts that shared vertices still share them.
 //!
 //! # Complexity
-//! Linear time; vertices and faces are held twice, plus 8 bytes per vertex.
+//! Linear time. Memory: a second copy of vertices and faces, plus 8 bytes per vertex.
 
 use tristrip::VertexOrder;
 use tristrip::{Layout, Mesh, Strips};
@@ -24,21 +25,21 @@ use crate::format::Format;
 use crate::gltf::edit::renumber::SceneGroup;
 use crate::model::{Drawing, Model};
 
-/// A model with its vertices in a new order, and how it is drawn.
+/// A model with reordered vertices, and its drawings.
 #[derive(Debug)]
 pub struct Reordered {
-    /// The parts in their order, each over re-ordered vertices.
+    /// The parts in their order, with reordered vertices.
     pub model: Model,
-    /// The strips over the new vertex numbers, for each part; `None` for a part that is drawn by its faces.
+    /// The strips of each part with new vertex indices; `None` for a part that is drawn as faces.
     pub strips: Vec<Option<Strips>>,
-    /// The layout to write them in: [`Layout::Separate`] for strips that are already joined.
+    /// The layout for writing: [`Layout::Separate`] for strips that are already joined.
     pub layout: Layout,
-    /// The groups in the order of their first parts; every part is in exactly one group.
+    /// The groups in the order of their first parts. Every part is in exactly one group.
     pub groups: Vec<VertexGroup>,
 }
 
 impl Reordered {
-    /// Returns how each part is drawn.
+    /// Returns the drawing of each part.
     ///
     /// ```
     /// use tristrip_io::{Drawing, Format, Part, read, reorder};
@@ -57,15 +58,15 @@ impl Reordered {
     }
 }
 
-/// Numbers vertices in the order in which drawings, written in a format and layout, first use them; vertices that no drawing
-/// uses are last, in their old order. The result must be written with its own drawings and layout.
+/// Orders vertices by first use in drawings with the given format and layout. Unused vertices come
+/// last, in their old order. The result must be written with its own drawings and layout.
 ///
-/// Where something else in a scene depends on the vertex numbers, or may depend on them, the vertices keep their order;
-/// [`VertexGroup::kept`] has the reason.
+/// If other data in a scene depends on the vertex indices, or may depend on them, the vertices keep
+/// their order; [`VertexGroup::kept`] has the reason.
 ///
 /// # Errors
-/// There is not one drawing for each part, the scene has another number of parts, or strips name a vertex that their part does
-/// not have.
+/// There is not one drawing per part, the scene has a different number of parts, or a strip uses a
+/// vertex that its part does not have.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read, reorder, write};
@@ -106,7 +107,7 @@ pub fn reorder(
         });
         Ok(Renumbering::of_order(VertexOrder::of_indices(vertex_count, indices)?, kept))
     };
-    // 2. The scene and the parts, which stay stripped if they were.
+    // 2. The scene and the parts. The flag `stripped` does not change.
     let meshes = model.parts.iter().map(|part| part.mesh.clone()).collect();
     let (mut reordered, groups) = renumbered(model, meshes, (format, false), number)?;
     for (part, old) in reordered.parts.iter_mut().zip(&model.parts) {
@@ -133,7 +134,7 @@ fn joined(strips: &Strips) -> Strips {
     out
 }
 
-/// Returns the vertices of strips in the order of a layout.
+/// Returns the vertex indices of strips in the order of a layout.
 fn indices(strips: &Strips, layout: Layout) -> Vec<u32> {
     if layout == Layout::List { strips.to_list() } else { strips.vertices().to_vec() }
 }

@@ -1,17 +1,17 @@
-//! Parts over the same vertices, with the new numbers of these vertices.
+//! Parts that share vertices, and the new indices of these vertices.
 
 use tristrip::VertexOrder;
 
 use crate::error::Error;
 
-/// Parts over the same vertices, and the new order of these vertices.
+/// Parts that share vertices, and the new order of these vertices.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VertexGroup {
     /// The indices of the parts in the model, ascending.
     pub parts: Vec<usize>,
     /// The new index of each vertex.
     pub order: VertexOrder,
-    /// Why the vertices kept their order, where something in the scene depends on it.
+    /// Why the vertices kept their order, if other data in the scene depends on it.
     pub kept: Option<String>,
 }
 
@@ -21,40 +21,40 @@ impl From<(Vec<usize>, Renumbering)> for VertexGroup {
     }
 }
 
-/// New numbers for the vertices of a group, some of which may be dropped.
+/// The renumbering of a group's vertices; some vertices may be removed.
 #[derive(Debug)]
 pub(crate) struct Renumbering {
-    /// The new numbers; those of vertices that are dropped are the highest.
+    /// The new indices; removed vertices have the highest.
     pub(crate) order: VertexOrder,
-    /// The number of vertices that stay.
+    /// The number of remaining vertices.
     pub(crate) left: usize,
-    /// Why all vertices keep their numbers, if they must.
+    /// Why all vertices keep their indices, if they must.
     pub(crate) kept: Option<String>,
 }
 
 impl Renumbering {
-    /// Keeps all vertices, in the order or, with a reason, in their old order.
+    /// Keeps all vertices, in the given order. `kept` is the reason if it is the old order.
     pub(crate) fn of_order(order: VertexOrder, kept: Option<String>) -> Self {
         Self { left: order.vertex_count(), order, kept }
     }
 
-    /// Keeps all vertices and their numbers, for a reason.
+    /// Keeps all vertices and their indices for the reason `why`.
     pub(crate) fn keep(&mut self, why: String) -> Result<(), Error> {
         *self = Self::of_order(VertexOrder::identity(self.order.vertex_count())?, Some(why));
         Ok(())
     }
 
-    /// Returns whether vertices are dropped.
+    /// Returns whether vertices are removed.
     pub(crate) fn drops(&self) -> bool {
         self.left < self.order.vertex_count()
     }
 
-    /// Returns whether vertices are dropped or get other numbers.
+    /// Returns whether vertices are removed or renumbered.
     pub(crate) fn changes(&self) -> bool {
         self.drops() || self.order.moved_count() > 0
     }
 
-    /// Returns the old number of each vertex that stays.
+    /// Returns the old index of each remaining vertex.
     pub(crate) fn left_to_old(&self) -> &[u32] {
         &self.order.new_to_old()[..self.left]
     }

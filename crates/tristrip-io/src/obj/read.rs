@@ -12,10 +12,11 @@ use crate::materials::Materials;
 use crate::model::Model;
 use crate::text::{Text, integer, quote};
 
-/// The maximum number of material libraries of a file; others are ignored.
+/// Maximum number of material libraries of a file; further ones are ignored.
 const MAX_LIBRARIES: usize = 64;
 
-/// The most bytes of the name of a material library; others are ignored, as longer paths are in no file system.
+/// Maximum length of a material library's name in bytes. Longer names are ignored, because no file
+/// system supports such paths.
 const LONGEST_NAME: usize = 4096;
 
 /// Reads an OBJ file.
@@ -30,7 +31,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     ];
     let counts = [tables.positions.len(), tables.texcoords.len(), tables.normals.len()];
     if highest.iter().zip(&counts).any(|(highest, &count)| highest.is_some_and(|i| i as usize >= count)) {
-        // An index may refer to a line after its face, so it is known to be wrong only now; a second pass finds its line.
+        // An index may refer to a later line, so an error is only known now. A second pass finds
+        // its line.
         ObjParser::new(bytes, counts).run()?;
     }
     let mut notes = parser.notes();
@@ -42,7 +44,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
 struct ObjParser<'a> {
     text: Text<'a>,
     tables: ObjTables,
-    /// The highest indices, counted from 1, of positions, texture coordinates and normals.
+    /// The maximum index of positions, texture coordinates and normals, counted from 1.
     limits: [usize; 3],
     groups_by_material: FxHashMap<Option<&'a [u8]>, usize>,
     material: Option<&'a [u8]>,
@@ -50,7 +52,7 @@ struct ObjParser<'a> {
     /// The group of the last face; `None` after a change of material.
     current: Option<usize>,
     object_lines: u64,
-    /// The names of material libraries, without repeats.
+    /// The names of material libraries, without duplicates.
     libraries: Vec<String>,
     dropped: BTreeMap<String, u64>,
     other_dropped: u64,
@@ -112,7 +114,8 @@ impl<'a> ObjParser<'a> {
         Ok(())
     }
 
-    /// Takes the name of a material library, which may have spaces. It is read once, however often its path has `./`.
+    /// Adds a material library. The name may contain spaces; `./` in its path is removed to detect
+    /// duplicates.
     fn library(&mut self) {
         let name = String::from_utf8_lossy(self.text.rest()).trim().replace('\\', "/");
         let is_kept =
@@ -156,7 +159,7 @@ impl<'a> ObjParser<'a> {
             Some(word) => self.parse_value(word, "v")?,
             None => 0.0,
         };
-        // The third one is the depth of a volume texture.
+        // The third value is the depth of a volume texture.
         if let Some(word) = self.text.word() {
             self.extra_values += u64::from(self.parse_value(word, "w")? != 0.0);
         }
@@ -170,7 +173,7 @@ impl<'a> ObjParser<'a> {
         Ok(())
     }
 
-    /// Reads a value of a texture coordinate or normal; a value that is not finite is replaced by 0.
+    /// Reads a value of a texture coordinate or normal. A value that is not finite becomes 0.
     fn value(&mut self, what: &str) -> Result<f32, Error> {
         match self.text.word() {
             Some(word) => self.parse_value(word, what),
@@ -220,7 +223,7 @@ impl<'a> ObjParser<'a> {
         Ok(())
     }
 
-    /// Resolves an index of a corner to one counted from 0.
+    /// Converts an index of a corner to one counted from 0.
     fn index(&self, index: &[u8], word: &[u8], kind: usize) -> Result<u32, Error> {
         let parsed = integer(index);
         let resolved = match parsed {
@@ -247,10 +250,10 @@ impl<'a> ObjParser<'a> {
         let name = ["vertex", "texture coordinate", "normal"][kind];
         let expected = match (index, self.count(kind)) {
             (None, _) => format!("an integer as {name} index"),
-            (Some(0), _) => format!("a {name} index from 1, or from -1 backwards"),
+            (Some(0), _) => format!("a {name} index of at least 1, or at most -1"),
             (Some(1..), _) => format!("a {name} index from 1 to {}", self.limits[kind]),
-            (Some(i), 0) => format!("a {name} index from 1: there is none before {i}"),
-            (Some(_), count) => format!("a {name} index of -{count} or more, the number so far"),
+            (Some(i), 0) => format!("a {name} index of at least 1: there is no {name} before this line"),
+            (Some(_), count) => format!("a {name} index of at least -{count}, the number so far"),
         };
         Error::format(self.text.position(), quote(word), expected)
     }
@@ -268,7 +271,7 @@ impl<'a> ObjParser<'a> {
         &mut groups[index]
     }
 
-    /// Counts a line whose content a mesh cannot hold.
+    /// Counts a line whose content a mesh cannot represent.
     fn drop_line(&mut self, word: &[u8]) -> Result<(), Error> {
         const MAX_KEYWORDS: usize = 32;
         const LONGEST_KEYWORD: usize = 32;
@@ -302,12 +305,12 @@ impl<'a> ObjParser<'a> {
                 notes.push(format!("{what}: {count}"));
             }
         };
-        add(self.other_dropped, "lines of other keywords ignored");
+        add(self.other_dropped, "lines with other keywords ignored");
         add(self.extra_values, "weights and additional values of vertices dropped");
-        add(self.replaced, "values of texture coordinates and normals not finite, replaced by 0");
+        add(self.replaced, "texture coordinates and normals that are not finite, replaced by 0");
         if self.object_lines > 1 {
             notes
-                .push(format!("objects and groups joined, faces grouped by material: {}", self.object_lines));
+                .push(format!("objects and groups merged, faces grouped by material: {}", self.object_lines));
         }
         notes
     }

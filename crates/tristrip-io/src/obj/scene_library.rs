@@ -1,5 +1,5 @@
-//! A material library for the parts of a glTF scene, or for the materials of a model that a program built: their base colours, as OBJ can hold
-//! them.
+//! Builds a material library with the base colours of a glTF scene, or of materials that a program
+//! added.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -10,7 +10,8 @@ use crate::join::{clean, material_name};
 use crate::materials::{Materials, ObjMaterial, SideFile, image_extension};
 use crate::model::Part;
 
-/// Builds the library, and the images that it names. `stem` is the name of the OBJ file without its extension.
+/// Builds the library and collects its images. `stem` is the name of the OBJ file without
+/// extension.
 pub(crate) fn library_of(scene: &Scene, parts: &[Part], stem: &str) -> Materials {
     let library = format!("{stem}.mtl");
     let appearance = match scene.surfaces() {
@@ -32,13 +33,13 @@ pub(crate) fn library_of(scene: &Scene, parts: &[Part], stem: &str) -> Materials
     out.problems.extend(appearance.notes);
     let shaded = scene.shaded_material_count();
     if shaded > 0 {
-        let which = "materials with maps or emitted light";
-        out.problems.push(format!("{which}: {shaded}, the library has only their base colours"));
+        let which = "materials with maps or emission, written with only their base colours";
+        out.problems.push(format!("{which}: {shaded}"));
     }
     out
 }
 
-/// Builds the library of materials that a program added, and names their images after the OBJ file.
+/// Builds the library of materials that a program added. Its images are named after the OBJ file.
 pub(crate) fn library_of_added(materials: &Materials, stem: &str) -> Materials {
     let library = format!("{stem}.mtl");
     let mut out = Materials::new(vec![library.clone()]);
@@ -66,7 +67,7 @@ pub(crate) fn library_of_added(materials: &Materials, stem: &str) -> Materials {
     out
 }
 
-/// Writes the materials, and adds them to `out`.
+/// Writes the materials and adds them to `out`.
 fn text_of(appearance: &Appearance, images: &[String], parts: &[Part], out: &mut Materials) -> String {
     let mut text = String::new();
     for (number, (part, material)) in parts.iter().zip(&appearance.materials).enumerate() {

@@ -1,4 +1,4 @@
-//! Builds parts from tables: one part per material, with distinct triples of indices as vertices.
+//! Builds parts from tables: one part per material. Vertices are distinct triples of indices.
 
 use std::collections::HashMap;
 
@@ -45,9 +45,11 @@ pub(super) fn split(mut tables: ObjTables, notes: &mut Vec<String>) -> Result<Ve
     groups.into_iter().map(|group| part(&tables, group)).collect()
 }
 
-/// Builds a part from the faces of one material, over the vertices that they use, in order of first use.
+/// Builds a part from the faces of one material, over the vertices that they use, in order of first
+/// use.
 fn part(tables: &ObjTables, group: MaterialGroup) -> Result<Part, Error> {
-    // A random seed protects against files with colliding indices; the numbers do not depend on it.
+    // The random seed protects against files with colliding indices; the result does not depend on
+    // it.
     let mut ids: HashMap<IndexTriple, u32> = HashMap::new();
     let mut vertices: Vec<IndexTriple> = Vec::new();
     let mut polygons = Polygons::default();
@@ -84,7 +86,7 @@ fn part(tables: &ObjTables, group: MaterialGroup) -> Result<Part, Error> {
     Ok(Part { name: group.name, material: group.material, mesh, ..Part::default() })
 }
 
-/// Returns a row of a table; zeros without an index.
+/// Returns a row of a table, or zeros if there is no index.
 fn row<const N: usize>(rows: &[[f32; N]], index: OptionalIndex) -> [f32; N] {
     index.get().and_then(|index| rows.get(index as usize).copied()).unwrap_or([0.0; N])
 }
@@ -101,7 +103,7 @@ fn used_positions(tables: &ObjTables) -> Vec<bool> {
     used
 }
 
-/// Notes the tables that are dropped because no face refers to them.
+/// Adds notes on tables that are dropped because no face refers to them.
 fn note_unused(tables: &ObjTables, notes: &mut Vec<String>) {
     if tables.texcoord_of.is_empty() && !tables.texcoords.is_empty() {
         notes.push(format!("unused texture coordinates dropped: {}", tables.texcoords.len()));

@@ -1,4 +1,5 @@
-//! The content of an OBJ file: positions, texture coordinates, normals, and faces that refer to them.
+//! The content of an OBJ file: positions, texture coordinates, normals, and faces that refer to
+//! them.
 
 use crate::polygons::Polygons;
 
@@ -6,11 +7,11 @@ use crate::polygons::Polygons;
 #[derive(Debug, Default)]
 pub(super) struct ObjTables {
     pub(super) positions: Vec<[f32; 3]>,
-    /// Empty, or one for each position.
+    /// Empty, or one colour per position.
     pub(super) colours: Vec<[f32; 3]>,
     pub(super) texcoords: Vec<[f32; 2]>,
     pub(super) normals: Vec<[f32; 3]>,
-    /// Corners refer to positions.
+    /// The corners are indices of positions.
     pub(super) polygons: Polygons,
     /// The texture coordinate of each corner.
     pub(super) texcoord_of: CornerColumn,
@@ -29,7 +30,8 @@ pub(super) struct MaterialGroup {
     pub(super) runs: Vec<(usize, usize)>,
 }
 
-/// An optional index into a table, in four bytes. No table is so long that the highest number is an index.
+/// An optional index into a table, in four bytes. The highest value means `None`; no table is that
+/// long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct OptionalIndex(u32);
 
@@ -49,7 +51,7 @@ impl From<u32> for OptionalIndex {
     }
 }
 
-/// For each corner an optional index into a table; takes no memory as long as no corner has one.
+/// An optional index into a table per corner; empty until the first corner has an index.
 #[derive(Debug, Default)]
 pub(super) struct CornerColumn(Vec<OptionalIndex>);
 
@@ -59,7 +61,7 @@ impl CornerColumn {
         self.0.is_empty()
     }
 
-    /// Sets the index of corner `corner`; corners are set in order.
+    /// Sets the index of a corner; corners are set in order.
     pub(super) fn push(&mut self, corner: usize, index: OptionalIndex) {
         if index != OptionalIndex::NONE || !self.0.is_empty() {
             self.0.resize(corner, OptionalIndex::NONE);
@@ -72,7 +74,7 @@ impl CornerColumn {
         self.0.get(corner).copied().unwrap_or(OptionalIndex::NONE)
     }
 
-    /// Returns the number of corners without an index, of `corner_count`; 0 if no corner has one.
+    /// Returns how many of `corner_count` corners have no index, or 0 if no corner has one.
     pub(super) fn missing(&self, corner_count: usize) -> usize {
         if self.is_empty() { 0 } else { corner_count - self.0.iter().filter(|i| i.get().is_some()).count() }
     }

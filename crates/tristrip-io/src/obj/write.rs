@@ -1,4 +1,5 @@
-//! Writes OBJ: the vertices of all parts, then the faces of each under its material; strips as their triangles.
+//! Writes OBJ: the vertices of all parts, then the faces of each part with its material. Strips are
+//! written as triangles.
 
 use std::fmt::Write;
 
@@ -27,10 +28,10 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Erro
         out.push_str(&clean(library));
         out.push('\n');
     }
-    // The texture coordinates of a scene count downwards.
+    // Texture coordinates of a scene have their origin at the top, those of OBJ at the bottom.
     let counts_down = model.materials.as_ref().is_some_and(|materials| materials.counts_down);
     let flips = model.scene.is_some() || counts_down;
-    // Texture coordinates and normals are counted separately: a block may lack them.
+    // Texture coordinates and normals are counted separately, because a block may lack them.
     let mut bases = vec![[0u64; 2]; model.parts.len()];
     let mut next = [0u64; 2];
     for &part in &blocks.parts {
@@ -62,7 +63,7 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Erro
     Ok(out.into_bytes())
 }
 
-/// Lists what OBJ cannot hold of a model.
+/// Lists the data of a model that OBJ cannot represent.
 pub(crate) fn losses(model: &Model, drawings: &[Drawing]) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for attribute in model.parts.iter().flat_map(|part| part.mesh.attributes()) {
@@ -119,7 +120,7 @@ fn write_vertices(mesh: &Mesh, flips: bool, out: &mut String) {
     }
 }
 
-/// Writes the first values of a vertex; `flips` subtracts the second one from 1.
+/// Writes the first values of a vertex; `flips` subtracts the second value from 1.
 fn write_values(attribute: &Attribute, vertex: usize, components: usize, flips: bool, out: &mut String) {
     let first = vertex * usize::from(attribute.components);
     for i in first..first + components {
@@ -129,7 +130,7 @@ fn write_values(attribute: &Attribute, vertex: usize, components: usize, flips: 
     }
 }
 
-/// Writes the shortest decimal that reads back as the same 32 bits.
+/// Writes the shortest decimal that parses to the same 32-bit float.
 fn write_number(value: f32, out: &mut String) {
     let size = value.abs();
     // Writing to a string cannot fail.
@@ -151,7 +152,7 @@ fn write_names(part: &Part, index: usize, part_count: usize, out: &mut String) {
     }
 }
 
-/// The numbers that are added to the indices of a part.
+/// The offsets added to the indices of a part.
 struct IndexBases {
     base: u64,
     texcoord: Option<u64>,

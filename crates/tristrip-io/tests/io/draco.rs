@@ -128,10 +128,7 @@ fn damaged_streams_never_panic() {
     let bytes = encoded.bytes();
     for length in 1..bytes.len() {
         let error = message(&document(&encoded, &bytes[..length]));
-        assert!(
-            error.contains(EXTENSION) && error.ends_with("expected a Draco stream"),
-            "{length}: {error}"
-        );
+        assert!(error.contains(EXTENSION) && error.ends_with("expected a Draco stream"), "{length}: {error}");
     }
     let mut random = random();
     let mut wrong = 0;

@@ -352,7 +352,7 @@ fn refuses_invalid_drawings() {
     let message = |drawings: &[Drawing<'_>]| {
         tristrip_io::write(&model, drawings, Format::Glb, Layout::Degenerate).unwrap_err().to_string()
     };
-    assert_eq!(message(&[]), "drawings: found 0, expected 1 (one for each part)");
+    assert_eq!(message(&[]), "drawings: found 0, expected 1 (one per part)");
     let mut strips = Strips::default();
     strips.push(&[0, 1, 3]);
     assert_eq!(

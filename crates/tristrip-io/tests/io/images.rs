@@ -49,7 +49,7 @@ fn images_beside_a_document_are_in_the_glb() {
     let plain = json_of(&written(&model));
     let images = embed_images(&mut model, Some(&path)).unwrap();
     assert_eq!((images.embedded, images.left), (3, vec![]));
-    assert_eq!(model.notes[1], "images copied from separate files into the file: 3");
+    assert_eq!(model.notes[1], "images embedded from separate files: 3");
     let glb = written(&model);
     let json = json_of(&glb);
     for (image, (bytes, mime_type)) in
@@ -97,7 +97,7 @@ fn images_that_cannot_be_taken_keep_their_uri() {
     for place in [3, 4] {
         assert!(images.left[place].ends_with("expected a PNG, JPEG, WebP, KTX2, DDS or AVIF file"));
     }
-    let count = "images that the file only refers to: 5, such as ";
+    let count = "images not embedded: 5, such as ";
     assert!(model.notes.last().unwrap().starts_with(count), "{:?}", model.notes);
     let json = json_of(&written(&model));
     for (image, uri) in uris.iter().enumerate().take(5) {

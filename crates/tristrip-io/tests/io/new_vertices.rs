@@ -162,7 +162,7 @@ fn vertices_are_fixed_where_something_depends_on_them() {
         json["accessors"][1]["componentType"] = 5121.into();
         json["accessors"][1]["normalized"] = true.into();
     };
-    assert!(why(bytes, 0).contains("cannot hold directions"));
+    assert!(why(bytes, 0).contains("cannot represent directions"));
     let role: &dyn Fn(&mut Value) =
         &|json| json["meshes"][1]["primitives"][0]["attributes"]["POSITION"] = 1.into();
     assert_eq!(why(role, 0), "other values share their accessor");

@@ -51,7 +51,7 @@ fn obj_seams_make_vertices_in_order_of_first_use() {
     assert_eq!(
         model.notes,
         [
-            "values of texture coordinates and normals not finite, replaced by 0: 1",
+            "texture coordinates and normals that are not finite, replaced by 0: 1",
             "corners without a texture coordinate, set to 0: 1",
             "unused vertices dropped: 1",
         ]
@@ -67,7 +67,7 @@ fn obj_materials_make_parts_in_order_of_first_use() {
     assert_eq!((wood.material.as_deref(), iron.material.as_deref()), (Some("wood and oak"), Some("iron")));
     assert_eq!((wood.name.as_deref(), faces(&wood.mesh)), (Some("box"), vec![vec![0, 1, 2], vec![3, 0, 1]]));
     assert_eq!((iron.mesh.vertex_count(), faces(&iron.mesh)), (3, vec![vec![0, 1, 2]]));
-    assert_eq!(model.notes, ["objects and groups joined, faces grouped by material: 2"]);
+    assert_eq!(model.notes, ["objects and groups merged, faces grouped by material: 2"]);
     let materials = model.materials.unwrap_or_default();
     assert!(materials.libraries == ["a.mtl"] && materials.is_empty());
 }

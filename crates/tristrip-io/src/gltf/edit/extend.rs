@@ -80,7 +80,7 @@ pub(crate) fn fixed_parts(
         let vertex_count = meshes.iter().map(|mesh| mesh.vertex_count()).max().unwrap_or(0);
         let most = vertex_count + meshes.iter().map(|mesh| mesh.faces().corner_count()).sum::<usize>();
         let differ = meshes.iter().any(|mesh| mesh.vertex_count() != vertex_count);
-        let several = differ.then(|| "parts over shared accessors have different numbers of vertices".into());
+        let several = differ.then(|| "parts with shared accessors have different vertex counts".into());
         let mut why = group.why_complete().or(several);
         for &accessor in group.accessors() {
             if why.is_none() {

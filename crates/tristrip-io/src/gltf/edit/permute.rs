@@ -160,9 +160,7 @@ impl AccessorLayout {
         if (holders.iter())
             .any(|holder| may_name_vertices(holder) || view(holder).is_some_and(may_name_vertices))
         {
-            return Err(
-                "an extension or extras of an accessor or view may refer to vertices by index".into()
-            );
+            return Err("an extension or extras of an accessor or view may refer to vertices by index".into());
         }
         let base = StridedRange::of(resolver.root, object, element, count);
         let array = Self { accessor, holds_indices: false, count, base, sparse };
@@ -332,7 +330,8 @@ impl<'a> PermutedBuffers<'a> {
         let (old, new) = self.buffer(base.buffer).ok_or("a buffer is missing")?;
         for range in base.ranges() {
             let vertex = renamed_index(&old[range.clone()], order);
-            let vertex = vertex.ok_or("the new vertex indices do not fit the index type of points or lines")?;
+            let vertex =
+                vertex.ok_or("the new vertex indices do not fit the index type of points or lines")?;
             new[range].copy_from_slice(&vertex.to_le_bytes()[..base.element]);
         }
         Ok(())

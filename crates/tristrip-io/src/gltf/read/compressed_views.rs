@@ -130,8 +130,7 @@ pub(in crate::gltf) fn decompress(
         return Ok(buffers);
     }
     if !views.is_empty() {
-        notes
-            .push(format!("compressed buffer views, uncompressed when written as GLB: {}", views.len()));
+        notes.push(format!("compressed buffer views, uncompressed when written as GLB: {}", views.len()));
     }
     remove_declarations(document)?;
     let joined = join(&mut document.root, &buffers, freed, &views, &decoded)?;

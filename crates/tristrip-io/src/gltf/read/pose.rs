@@ -110,7 +110,11 @@ impl<'a> SkinReader<'a> {
                 let matrices = all.as_chunks::<16>().0.iter();
                 Ok(matrices.map(|columns| Transform::of_columns(columns.map(f64::from))).collect())
             }
-            _ => Err(Error::format(at, "values of another type", "MAT4 of 5126 (FLOAT) for `inverseBindMatrices`")),
+            _ => Err(Error::format(
+                at,
+                "values of another type",
+                "MAT4 of 5126 (FLOAT) for `inverseBindMatrices`",
+            )),
         }
     }
 }

@@ -71,9 +71,7 @@ impl StreamInDocument {
         }
         let view_at = extension.need("bufferView")?;
         view_at.target(root, "bufferViews")?;
-        let number = |at: &Located<'_>| {
-            u32::try_from(at.whole()?).map_err(|_| at.wrong("a 32-bit number"))
-        };
+        let number = |at: &Located<'_>| u32::try_from(at.whole()?).map_err(|_| at.wrong("a 32-bit number"));
         let mut primitives = Vec::new();
         for (mesh, located_mesh) in Located::entries(root, "meshes")?.enumerate() {
             let Some(list) = located_mesh.field("primitives") else { continue };
