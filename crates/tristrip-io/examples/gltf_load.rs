@@ -1,4 +1,4 @@
-//! Measures the time and memory that loading a GLB of a million triangles takes.
+//! Measures time and memory for loading a GLB of a million triangles.
 //!
 //! ```text
 //! cargo run --release -p tristrip-io --example gltf_load
@@ -10,7 +10,7 @@ use std::time::Instant;
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh};
 use tristrip_io::{Drawing, Error, Format, Model, Part, gltf, write};
 
-/// Vertices along each side of the grid: 2 × 707² triangles are a million.
+/// Vertices along each side of the grid: 2 × 707² triangles are about a million.
 const SIDE: u32 = 708;
 
 fn grid() -> Result<Mesh, Error> {
@@ -26,7 +26,7 @@ fn grid() -> Result<Mesh, Error> {
     Ok(mesh.with_attribute(Attribute { name: "NORMAL".into(), components: 3, normalized: false, data })?)
 }
 
-/// Reads a line of `/proc/self/status`, in MiB.
+/// Reads a line of `/proc/self/status` in MiB.
 fn memory(line: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let found = status

@@ -1,7 +1,8 @@
-//! Loads a file several times and prints the best time, with the size of the resulting arrays.
+//! Loads a file several times and prints the best time and the size of the resulting arrays.
 //!
-//! `cargo run --release -p tristrip-io --example load_time -- model.ply`; without a file it writes a grid of a million
-//! triangles to the temporary directory as PLY and OBJ, and loads those.
+//! Run with `cargo run --release -p tristrip-io --example load_time -- model.ply`. Without a file,
+//! the example writes a grid of a million triangles to the temporary directory as PLY and OBJ, and
+//! loads these.
 #![allow(clippy::print_stdout, reason = "an example")]
 
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Builds a grid of `n` by `n` squares, two triangles each.
+/// Builds a grid of `n` by `n` squares with two triangles each.
 fn grid(n: u32) -> Result<Mesh, tristrip::Error> {
     let row = n + 1;
     let positions: Vec<[f32; 3]> = (0..row * row)

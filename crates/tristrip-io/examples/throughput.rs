@@ -1,6 +1,8 @@
-//! Prints how many bytes per second each format is written and read at: `cargo run --release --example throughput -- MODEL`.
+//! Prints the write and read throughput of each format: `cargo run --release --example throughput
+//! -- MODEL`.
 //!
-//! Every file is read back and proven to draw the model before its times are printed. Times are the shortest of five runs.
+//! Every file is read back and verified against the model before its times are printed. Times are
+//! the best of five runs.
 #![allow(clippy::print_stdout, reason = "prints its result")]
 
 use std::time::Instant;
@@ -42,7 +44,7 @@ fn meshes(model: &Model) -> Vec<&Mesh> {
     model.parts.iter().map(|part| &part.mesh).collect()
 }
 
-/// Runs several times; returns the last result and the shortest time, in seconds.
+/// Runs several times and returns the last result and the best time in seconds.
 fn shortest<T, E>(mut run: impl FnMut() -> Result<T, E>) -> Result<(T, f64), E> {
     let mut shortest = f64::INFINITY;
     for _ in 1..RUNS {

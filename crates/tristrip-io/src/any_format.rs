@@ -1,4 +1,4 @@
-//! Reading and writing in a format that is chosen at run time.
+//! Reads and writes models in a format selected at run time.
 
 use std::sync::Arc;
 
@@ -11,11 +11,12 @@ use crate::materials::PlainMaterial;
 use crate::model::{Drawing, Model, Part};
 use crate::{gltf, obj, off, ply, stl, tlod};
 
-/// Reads a model from the bytes of a file. A glTF file must contain its buffers; [`read_path`](crate::read_path) also finds
-/// those in separate files.
+/// Reads a model from the bytes of a file. A glTF file must contain its buffers;
+/// [`read_path`](crate::read_path) also finds separate buffer files.
 ///
 /// # Errors
-/// The bytes are not a file of this format ([`Error::Format`]), or it holds more than 32-bit ids can name.
+/// The bytes are not a valid file of this format ([`Error::Format`]), or a count or size exceeds a
+/// limit ([`Error::LimitExceeded`]).
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -33,10 +34,11 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
     }
 }
 
-/// Reads a model as [`read`] does, without a copy of the file: a model in glTF shares the bytes.
+/// Reads a model like [`read`], without copying the file: a glTF model shares the bytes.
 ///
 /// # Errors
-/// The bytes are not a file of this format ([`Error::Format`]), or it holds more than 32-bit ids can name.
+/// The bytes are not a valid file of this format ([`Error::Format`]), or a count or size exceeds a
+/// limit ([`Error::LimitExceeded`]).
 ///
 /// ```
 /// use std::sync::Arc;
@@ -51,7 +53,7 @@ pub fn read_shared(bytes: &Arc<Vec<u8>>, format: Format) -> Result<Model, Error>
     read_with_files(bytes, format, &mut BufferFiles::new(&[]))
 }
 
-/// Reads a model whose external buffers, if any, are among files.
+/// Reads a model whose external buffers, if any, are in `files`.
 pub(crate) fn read_with_files(
     bytes: &Arc<Vec<u8>>,
     format: Format,
@@ -65,14 +67,14 @@ pub(crate) fn read_with_files(
     }
 }
 
-/// Reads a model in a format whose models keep no bytes of the file.
+/// Reads a model in a format whose models do not share the bytes of the file.
 fn read_other(bytes: &[u8], format: Format) -> Result<Model, Error> {
     match format {
         _ if bytes.is_empty() => {
-            Err(Error::format("byte 0", "an empty file", format!("a file in {}", format.name())))
+            Err(Error::format("byte 0", "an empty file", format!("a non-empty {} file", format.name())))
         }
         _ if tlod::is_tlod(bytes) => {
-            Err(Error::format("byte 0", "a .tlod model of view-dependent detail", "a mesh or a scene"))
+            Err(Error::format("byte 0", "a view-dependent .tlod model", "a mesh or a scene"))
         }
         Format::Obj => obj::read(bytes),
         Format::Ply => ply::read(bytes),
@@ -82,18 +84,20 @@ fn read_other(bytes: &[u8], format: Format) -> Result<Model, Error> {
     }
 }
 
-/// Writes a model: for each part its faces, or strips over its vertices in the given layout.
+/// Writes a model: for each part its faces, or strips of its vertices in the given layout.
 ///
-/// - OBJ has no strips: the strips' triangles are written in strip order, whatever the layout.
-/// - PLY has the `tristrips` element: [`Layout::Restart`] is one row with −1 between strips, [`Layout::Separate`] one row per
-///   strip, [`Layout::Degenerate`] one row per part; [`Layout::List`] writes triangles as faces. Little-endian binary.
-/// - GLB keeps the scene that the model was read with: only indices and modes of its triangle primitives change, and
-///   [`Drawing::Faces`] leaves a triangle list unchanged. Without a scene it has a minimal document: one mesh and node for each run of
-///   parts with the same name, one primitive per part, one material per name.
+/// - OBJ has no strips: the triangles of strips are written in strip order, whatever the layout.
+/// - PLY has the `tristrips` element. [`Layout::Restart`] writes one row with −1 between strips,
+///   [`Layout::Separate`] one row per strip, [`Layout::Degenerate`] one row per part;
+///   [`Layout::List`] writes triangles as faces. The file is little-endian binary.
+/// - GLB keeps the scene that the model was read with: only indices and modes of its triangle
+///   primitives change, and [`Drawing::Faces`] leaves a triangle list unchanged. A model without a
+///   scene gets a minimal document: one mesh and node per run of parts with the same name, one
+///   primitive per part, one material per name.
 ///
 /// # Errors
-/// The format cannot be written, there is not one drawing for each part, a strip names a vertex that its part does not
-/// have, or the parts together have more vertices than 32-bit ids can name.
+/// The format cannot be written, there is not one drawing per part, a strip uses a vertex that its
+/// part does not have, or the number of vertices exceeds 32-bit ids.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read, write};
@@ -110,18 +114,20 @@ pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout
         Format::Ply => ply::write(model, drawings, layout),
         Format::Glb => gltf::write_glb(model, drawings, layout),
         Format::Off | Format::Stl | Format::Gltf => {
-            Err(Error::Unsupported(format!("{} cannot be written; .obj, .ply and .glb can", format.name())))
+            Err(Error::Unsupported(format!("{} cannot be written; use .obj, .ply or .glb", format.name())))
         }
     }
 }
 
-/// Lists what a viewer will not see of the materials of a model in a file of a format, in words. A model in OBJ, or one in glTF that is
-/// written as OBJ, must have its materials, which [`load_materials`](crate::load_materials) reads.
+/// Lists the differences in material appearance when a model is written in a format. Load the
+/// materials first with [`load_materials`](crate::load_materials) if the model was read from OBJ,
+/// or if a glTF model is written as OBJ.
 ///
 /// ```
 /// use tristrip_io::{Format, material_losses, read};
 /// let model = read(b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n", Format::Obj)?;
-/// assert_eq!(material_losses(&model, Format::Ply), ["materials are not written: PLY has none"]);
+/// let lost = material_losses(&model, Format::Ply);
+/// assert_eq!(lost, ["materials are not written: PLY does not support them"]);
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn material_losses(model: &Model, format: Format) -> Vec<String> {
@@ -132,19 +138,22 @@ pub fn material_losses(model: &Model, format: Format) -> Vec<String> {
             materials.problems.iter().chain(&materials.losses).cloned().collect()
         }
         (Some(materials), Format::Obj) => materials.problems.clone(),
-        (None, Format::Obj) if of_scene => vec!["materials are not written beside the OBJ".into()],
+        (None, Format::Obj) if of_scene => {
+            vec!["materials are not written: no material library was created for the OBJ".into()]
+        }
         (Some(materials), _) if of_scene || !materials.libraries.is_empty() || !materials.is_empty() => {
-            vec![format!("materials are not written: {} has none", format.name())]
+            vec![format!("materials are not written: {} does not support them", format.name())]
         }
         (None, Format::Ply) if of_scene => {
-            vec![format!("materials are not written: {} has none", format.name())]
+            vec![format!("materials are not written: {} does not support them", format.name())]
         }
         _ => Vec::new(),
     }
 }
 
-/// Returns the material of each part, as far as both glTF and OBJ can hold it, and notes on what they leave out, in words. A part without a
-/// material has none. A model in OBJ must have its materials, which [`load_materials`](crate::load_materials) reads.
+/// Returns the material of each part, reduced to the common properties of glTF and OBJ, and notes
+/// on omitted properties. The material is `None` for a part without one. For a model read from OBJ,
+/// load the materials first with [`load_materials`](crate::load_materials).
 ///
 /// # Errors
 /// The materials, textures or images of a scene are not valid glTF 2.0.
@@ -155,7 +164,8 @@ pub fn material_losses(model: &Model, format: Format) -> Vec<String> {
 /// let red = PlainMaterial { base_colour: [1.0, 0.0, 0.0, 1.0], ..PlainMaterial::default() };
 /// model.materials.get_or_insert_default().add_plain("red", &red);
 /// assert_eq!(plain_materials(&model)?.0, [Some(red.clone())]);
-/// let glb = tristrip_io::write(&model, &[tristrip_io::Drawing::Faces], Format::Glb, tristrip::Layout::List)?;
+/// let drawings = [tristrip_io::Drawing::Faces];
+/// let glb = tristrip_io::write(&model, &drawings, Format::Glb, tristrip::Layout::List)?;
 /// assert_eq!(plain_materials(&read(&glb, Format::Glb)?)?.0, [Some(red)]);
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
@@ -185,17 +195,18 @@ pub fn plain_materials(model: &Model) -> Result<(Vec<Option<PlainMaterial>>, Vec
     };
     let materials = model.parts.iter().zip(&surfaces.materials).map(plain).collect();
     if elsewhere > 0 {
-        notes.push(format!("textures at other coordinates than TEXCOORD_0, left out: {elsewhere}"));
+        notes.push(format!("textures skipped because they do not use TEXCOORD_0: {elsewhere}"));
     }
     Ok((materials, notes))
 }
 
-/// Lists what a format cannot hold of a model with one drawing for each part, in words, with counts, the scene around the
-/// parts included. The writers of OBJ and PLY put the same words into the file as comments.
+/// Lists the data of a model that a format cannot store, including the scene, with counts. There is
+/// one drawing per part. The writers of OBJ and PLY add the same lines to the file as comments.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, losses, read};
-/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n", Format::Obj)?;
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n";
+/// let model = read(obj, Format::Obj)?;
 /// let lost = losses(&model, &[Drawing::Faces; 2], Format::Ply);
 /// assert_eq!(lost, ["parts joined into one: 2", "material names not written: 2"]);
 /// # Ok::<(), tristrip_io::Error>(())

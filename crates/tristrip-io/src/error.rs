@@ -1,4 +1,4 @@
-//! The errors of reading and writing, sorted by who can act on them.
+//! Errors of reading and writing, grouped by who can fix them.
 
 /// The reason why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -22,23 +22,25 @@ pub enum Error {
         /// What the format requires.
         expected: String,
     },
-    /// A size exceeds a limit. Of the file: vertices or faces beyond 32-bit ids, values of the JSON, decoded bytes or triangles beyond
-    /// what its bytes allow, sizes beyond [`TlodLimits`](crate::tlod::TlodLimits), [`ArrivalLimits`](crate::gltf::ArrivalLimits) or the
-    /// limits of a stream, or side files beyond the bytes that [`read_beside`](crate::read_beside) may read. Of the result: a GLB
-    /// beyond 4 GiB, or more levels than its JSON can hold.
+    /// A count or size exceeds a limit. In the input: vertices or faces beyond 32-bit ids; values
+    /// of the JSON; decoded bytes or triangles beyond what the file size allows; sizes beyond
+    /// [`TlodLimits`](crate::tlod::TlodLimits), [`ArrivalLimits`](crate::gltf::ArrivalLimits) or
+    /// the limits of a stream; referenced files beyond the limit of
+    /// [`read_beside`](crate::read_beside). In the output: a GLB beyond 4 GiB, or more levels than
+    /// the limit of JSON values allows.
     #[error("{at}: found {found}, the limit is {limit}")]
     LimitExceeded {
         /// The position or the quantity: `line 12`, `accessors[3].count`, `vertices of all parts`.
         at: String,
         /// The size that was found.
         found: u64,
-        /// The largest size that is allowed.
+        /// The maximum allowed size.
         limit: u64,
     },
     /// The geometry is invalid.
     #[error(transparent)]
     Mesh(#[from] tristrip::Error),
-    /// The request is not supported by the format, or does not fit the model.
+    /// The format does not support the request, or the request does not fit the model.
     #[error("{0}")]
     Unsupported(String),
 }
@@ -54,7 +56,7 @@ impl Error {
     }
 }
 
-/// Returns the message of a system error, without its number.
+/// Returns the message of a system error without its code.
 ///
 /// ```
 /// let error = std::io::Error::from(std::io::ErrorKind::NotFound);

@@ -1,4 +1,4 @@
-//! The format of a file: by its extension, or by its first bytes where it has no name.
+//! The format of a file, detected from its extension or its first bytes.
 
 use std::path::Path;
 
@@ -22,10 +22,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// All formats, in the order of lists for users.
+    /// All formats, in display order.
     pub const ALL: [Self; 6] = [Self::Obj, Self::Ply, Self::Off, Self::Stl, Self::Gltf, Self::Glb];
 
-    /// Returns the file name extension, without the dot.
+    /// Returns the file name extension without the dot.
     ///
     /// ```
     /// use tristrip_io::Format;
@@ -61,7 +61,7 @@ impl Format {
         }
     }
 
-    /// Returns the format of a file name's extension, in upper or lower case.
+    /// Returns the format for a file name's extension, ignoring case.
     ///
     /// ```
     /// use tristrip_io::Format;
@@ -73,7 +73,7 @@ impl Format {
         Self::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()))
     }
 
-    /// Detects the format by the file's content; without a known signature it is OBJ.
+    /// Detects the format from the file's content. Without a known signature, it is OBJ.
     ///
     /// ```
     /// use tristrip_io::Format;

@@ -90,7 +90,8 @@ pub use write::separate::{SeparateFiles, separate};
 /// in this data.
 /// ```
 /// let json = br#"{"asset":{"version":"2.0"}}"#;
-/// assert!(!tristrip_io::gltf::has_unread_vertex_values(&tristrip_io::gltf::read(json.to_vec(), None)?));
+/// let model = tristrip_io::gltf::read(json.to_vec(), None)?;
+/// assert!(!tristrip_io::gltf::has_unread_vertex_values(&model));
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn has_unread_vertex_values(model: &Model) -> bool {

@@ -1,6 +1,8 @@
-//! Shared by the writers of OBJ and PLY: several parts over one list of vertices, attributes as floats, names.
+//! Common parts of the OBJ and PLY writers: one vertex list for several parts, attributes, and
+//! names.
 //!
-//! The vertices of parts that share them (as the primitives of a glTF mesh do) are written once.
+//! Vertices that parts share, like those of glTF primitives with common accessors, are written
+//! once.
 
 use rustc_hash::FxHashMap;
 use tristrip::MAX_COUNT;
@@ -10,23 +12,24 @@ use crate::error::Error;
 use crate::gltf::document::scene::Scene;
 use crate::model::{Drawing, Model, Part};
 
-/// The vertices of all parts, one block after the other.
+/// The vertices of all parts, in consecutive blocks.
 #[derive(Debug)]
 pub(crate) struct VertexBlocks {
     /// The parts whose vertices are written, in order.
     pub(crate) parts: Vec<usize>,
-    /// For each part the part whose vertices it is drawn over: itself, or an earlier part with the same vertices.
+    /// For each part: the part that owns its vertices, which is the part itself or an earlier one
+    /// with the same vertices.
     pub(crate) owners: Vec<usize>,
-    /// For each part the number of vertices before its own.
+    /// For each part: the number of vertices before its own.
     pub(crate) bases: Vec<u32>,
-    /// Number of vertices in all blocks.
+    /// The number of vertices in all blocks.
     pub(crate) vertex_count: usize,
 }
 
-/// Assigns a block to the vertices of each part of a model.
+/// Assigns a vertex block to each part of a model.
 ///
 /// # Errors
-/// All parts together have more vertices than 32-bit ids can name.
+/// The total number of vertices exceeds 32-bit ids.
 pub(crate) fn blocks(model: &Model) -> Result<VertexBlocks, Error> {
     let mut out = VertexBlocks { parts: Vec::new(), owners: Vec::new(), bases: Vec::new(), vertex_count: 0 };
     let mut seen: FxHashMap<*const [f32; 3], usize> = FxHashMap::default();
@@ -53,7 +56,7 @@ fn same_vertices(a: &Mesh, b: &Mesh) -> bool {
     a.shares_vertices(b) || (a.vertex_count() == b.vertex_count() && a.attributes() == b.attributes())
 }
 
-/// Iterates over the parts that are drawn by their faces, not by strips.
+/// Iterates over the parts that are drawn as faces, not as strips.
 pub(crate) fn drawn_by_faces<'a>(
     model: &'a Model,
     drawings: &[Drawing<'_>],
@@ -62,27 +65,28 @@ pub(crate) fn drawn_by_faces<'a>(
     drawn.filter(|(_, drawing)| matches!(drawing, Drawing::Faces)).map(|(part, _)| part)
 }
 
-/// Lists the content of the scene, for formats that hold only parts.
+/// Lists the content of the scene, for formats that store only parts.
 pub(crate) fn scene_losses(model: &Model) -> impl Iterator<Item = String> {
     let scene = model.scene.iter().flat_map(Scene::beyond_parts);
-    // A library beside an OBJ has the textures.
+    // The material library of an OBJ contains the textures.
     scene
         .filter(|what| model.materials.is_none() || !what.starts_with("textures"))
         .map(|what| format!("not written: {what}"))
 }
 
-/// Returns the attribute with a name and at least `components` components.
+/// Returns the attribute named `name` if it has at least `components` components.
 pub(crate) fn attribute<'a>(mesh: &'a Mesh, name: &str, components: u8) -> Option<&'a Attribute> {
     mesh.attributes().iter().find(|a| a.name == name && a.components >= components)
 }
 
-/// Returns the name under which the material of a part is written; if there are several parts, each has one, so that they stay separate.
+/// Returns the material name under which a part is written. With several parts, each gets a name,
+/// which keeps them separate.
 pub(crate) fn material_name(part: &Part, index: usize, part_count: usize) -> Option<String> {
     let material = part.material.as_deref().map(clean).filter(|name| !name.is_empty());
     material.or_else(|| (part_count > 1).then(|| format!("part_{index}")))
 }
 
-/// Returns a name that no file format can mistake for a keyword: one line, without control characters.
+/// Returns a name that is safe in all formats: one line, without control characters.
 pub(crate) fn clean(name: &str) -> String {
     let name: String = name.trim().chars().map(|c| if c.is_control() { '_' } else { c }).collect();
     match name.strip_suffix('\\') {

@@ -1,4 +1,5 @@
-//! Numbers as little-endian bytes, many at a time: the loops are without checks of capacity, so that they compile to copies.
+//! Converts slices of numbers to little-endian bytes. The loops have no capacity checks, so they
+//! compile to copies.
 
 /// Appends numbers.
 pub(crate) fn append<T: Copy, const N: usize>(out: &mut Vec<u8>, values: &[T], bytes: impl Fn(T) -> [u8; N]) {
@@ -9,7 +10,8 @@ pub(crate) fn append<T: Copy, const N: usize>(out: &mut Vec<u8>, values: &[T], b
     }
 }
 
-/// Writes numbers into rows of `stride` bytes, `per_row` numbers in each, from byte `offset` of the row on.
+/// Writes numbers into rows of `stride` bytes: `per_row` numbers per row, from byte `offset` of the
+/// row on.
 pub(crate) fn fill_rows<T: Copy, const N: usize>(
     rows: &mut [u8],
     stride: usize,

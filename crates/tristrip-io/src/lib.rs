@@ -1,4 +1,4 @@
-//! Reads and writes the mesh files that tristrip works on.
+//! Reads and writes the mesh files that tristrip processes.
 //!
 //! | format | read | written |
 //! |---|---|---|
@@ -6,16 +6,20 @@
 //! | PLY | ascii, little and big endian, polygons, `tristrips` | faces, `tristrips` |
 //! | OFF | polygons | – |
 //! | STL | ascii, binary; equal positions welded | – |
-//! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart, quantization, meshopt compression | GLB, with the scene; two files by [`gltf::separate`](gltf::separate()) |
+//! | glTF 2.0, GLB | triangles, strips, fans; sparse or compressed data | GLB, with the scene |
+//!
+//! The glTF reader supports restarts, quantization, and compression by meshoptimizer and Draco.
+//! [`gltf::separate`](gltf::separate()) splits a GLB into a `.gltf` and its buffer.
 //!
 //! The module [`tlod`] reads and writes view-dependent level-of-detail models.
 //!
-//! Every input is treated as hostile: a reader never panics, and allocates in proportion to the bytes that it was given,
-//! never to a count that they state. Its errors name the position in the file, what was found and what was expected. A
-//! reader counts what it drops in [`Model::notes`]; [`losses`] lists what a writer has to drop.
+//! Every input is treated as untrusted. A reader never panics and allocates memory in proportion to
+//! the input size, never to a declared count. Its errors report the position in the file, what was
+//! found and what was expected. A reader counts dropped data in [`Model::notes`]; [`losses`] lists
+//! what a writer cannot store.
 //!
-//! Files are touched only under the feature `fs`, which is on by default. Without it, bytes are read and written, and the crate
-//! compiles for `wasm32-unknown-unknown`.
+//! Only the feature `fs`, enabled by default, accesses the file system. Without it, the crate reads
+//! and writes bytes in memory and compiles for `wasm32-unknown-unknown`.
 //!
 //! ```
 //! use tristrip_io::{Drawing, Format, read, write};

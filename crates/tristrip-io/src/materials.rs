@@ -1,37 +1,39 @@
-//! The materials of an OBJ file: its libraries (`.mtl` files), and the images that they name.
+//! The materials of an OBJ file: its material libraries (`.mtl` files) and their images.
 //!
 //! ```text
-//! newmtl wood            begins a material                  map_Kd oak.png         image of the colour
-//! Kd r g b, d a          colour and opacity                 map_Ke glow.png        image of the emitted light
-//! Ns e, or Pr r          exponent of the highlight, or      norm oak_n.png         image of the normals
-//!                        roughness from 0 to 1              map_Bump, map_Ks, …    have no counterpart in glTF
-//! Ke r g b, Pm m         emitted light, metalness
+//! newmtl wood          start of a material               map_Kd oak.png        colour image
+//! Kd r g b, d a        colour and opacity                map_Ke glow.png       emission image
+//! Ns e, or Pr r        specular exponent, or             norm oak_n.png        normal map
+//!                      roughness from 0 to 1             map_Bump, map_Ks, …   not in glTF
+//! Ke r g b, Pm m       emission, metalness
 //! ```
-//! A line with values that are no numbers counts as missing. The crate `tobj` is not used because it panics on lines such as `Kd 1`.
+//! A line with invalid numbers is ignored. The crate `tobj` is not used, because it panics on lines
+//! such as `Kd 1`.
 //!
 //! # References
-//! Wavefront Technologies: *MTL material format*, 1995. Exocortex: *Physically-based rendering extension of MTL*, 2014. Walter, Marschner, Li,
-//! Torrance: *Microfacet Models for Refraction through Rough Surfaces*, 2007 (roughness of a highlight's exponent).
+//! Wavefront Technologies: *MTL material format*, 1995. Exocortex: *Physically-based rendering
+//! extension of MTL*, 2014. Walter, Marschner, Li, Torrance: *Microfacet Models for Refraction
+//! through Rough Surfaces*, 2007 (roughness from the specular exponent).
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use tristrip::text::counted;
 
-/// The most bytes of a library that are parsed; longer ones are no material libraries.
+/// Maximum number of parsed bytes of a library; the rest is ignored.
 const LONGEST_LIBRARY: usize = 64 << 20;
-/// The maximum number of images of a library.
+/// Maximum number of images of a library.
 const MAX_IMAGES: usize = 4096;
 
-/// A file that an OBJ file refers to, directly or in a library.
+/// A file that an OBJ file refers to, directly or through a library.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SideFile {
-    /// The path relative to the folder of the OBJ file, without `..`.
+    /// The path relative to the directory of the OBJ file, without `..`.
     pub name: String,
-    /// The bytes, which copies of a model share.
+    /// The bytes, shared by copies of the model.
     pub bytes: Arc<Vec<u8>>,
 }
 
-/// The materials of a model that was read from OBJ, or will be written as OBJ.
+/// The materials of a model that was read from OBJ or will be written as OBJ.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Materials {
@@ -39,27 +41,30 @@ pub struct Materials {
     pub libraries: Vec<String>,
     /// The libraries and images that were found.
     pub files: Vec<SideFile>,
-    /// What is missing or cannot be read, in words.
+    /// Missing or unreadable data, as text.
     pub problems: Vec<String>,
-    /// What glTF cannot hold, in words.
+    /// Properties that glTF does not support, as text.
     pub losses: Vec<String>,
-    /// Whether the texture coordinates of the model count downwards from the upper edge of an image, as those of glTF; those of OBJ count upwards.
+    /// Whether the origin of the texture coordinates is at the top of an image, as in glTF. In OBJ
+    /// it is at the bottom.
     pub counts_down: bool,
     by_name: BTreeMap<String, ObjMaterial>,
 }
 
-/// A material that both glTF and the library of an OBJ can hold. The default is white, rough and no metal.
+/// A material with the properties that both glTF and an OBJ library support. The default is white,
+/// rough and not metallic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlainMaterial {
-    /// Red, green and blue in linear light, and the opacity, from 0 to 1.
+    /// Linear red, green and blue, and the opacity, from 0 to 1.
     pub base_colour: [f32; 4],
     /// From 0 to 1.
     pub metalness: f32,
     /// From 0 to 1.
     pub roughness: f32,
-    /// Whether the opacity counts.
+    /// Whether the opacity is applied.
     pub is_blended: bool,
-    /// The bytes of a PNG or JPEG texture that multiplies the base colour, at the texture coordinates `TEXCOORD_0`.
+    /// The bytes of a PNG or JPEG texture that is multiplied with the base colour. It uses
+    /// `TEXCOORD_0`.
     pub image: Option<Arc<Vec<u8>>>,
 }
 
@@ -69,41 +74,42 @@ impl Default for PlainMaterial {
     }
 }
 
-/// A material as glTF has it.
+/// A material with glTF properties.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ObjMaterial {
     pub(crate) colour: [f32; 4],
     pub(crate) emissive: [f32; 3],
     pub(crate) roughness: f32,
     pub(crate) metalness: f32,
-    /// Whether an image of the opacity is the one of the colour.
+    /// Whether the colour image also provides the opacity.
     pub(crate) is_blended: bool,
-    /// The names of the images of colour, emitted light and normals.
+    /// The names of the colour image, the emission image and the normal map.
     pub(crate) images: [Option<Arc<str>>; 3],
 }
 
 impl Materials {
-    /// Takes the names of libraries that are not read yet.
+    /// Creates materials with the names of libraries that are not loaded yet.
     pub(crate) fn new(libraries: Vec<String>) -> Self {
         Self { libraries, ..Self::default() }
     }
 
-    /// Returns a material; `None` if no library has it.
+    /// Returns a material, or `None` if no library has it.
     pub(crate) fn get(&self, name: &str) -> Option<&ObjMaterial> {
         self.by_name.get(name)
     }
 
-    /// Returns whether no library has a material.
+    /// Returns whether there are no materials.
     pub fn is_empty(&self) -> bool {
         self.by_name.is_empty()
     }
 
-    /// Returns the width and height in pixels of the image of a material's colour; `None` without one, or if it is no PNG or JPEG.
+    /// Returns the width and height in pixels of a material's colour image, or `None` if there is
+    /// none or it is not a PNG or JPEG.
     pub fn image_size(&self, material: &str) -> Option<[u32; 2]> {
         image_size(&self.image(self.get(material)?.images[0].as_deref()?)?.bytes)
     }
 
-    /// Adds a material to those of a model that a program builds; returns whether it was added, which it is not if there is another one of this name.
+    /// Adds a material. Returns false if there is a different one with this name.
     ///
     /// ```
     /// use tristrip_io::{Materials, PlainMaterial};
@@ -127,7 +133,7 @@ impl Materials {
         )
     }
 
-    /// Returns a material; `None` if there is none of this name.
+    /// Returns a material, or `None` if there is none with this name.
     pub fn plain(&self, name: &str) -> Option<PlainMaterial> {
         let known = self.get(name)?;
         let image = known.images[0].as_deref().and_then(|image| self.image(image));
@@ -140,7 +146,7 @@ impl Materials {
         })
     }
 
-    /// Stores an image once, and returns its name.
+    /// Stores an image once and returns its name.
     fn store(&mut self, image: &Arc<Vec<u8>>) -> Arc<str> {
         let known = self.files.iter().find(|file| Arc::ptr_eq(&file.bytes, image) || file.bytes == *image);
         if let Some(known) = known {
@@ -151,13 +157,13 @@ impl Materials {
         name.into()
     }
 
-    /// Returns the names of the materials, with what they hold.
+    /// Iterates over the names and properties of the materials.
     #[cfg(feature = "fs")]
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, &ObjMaterial)> {
         self.by_name.iter().map(|(name, material)| (name.as_str(), material))
     }
 
-    /// Adds a material, unless there is one of this name.
+    /// Adds a material, unless there is one with this name. Returns whether it was added.
     pub(crate) fn add(&mut self, name: String, material: ObjMaterial) -> bool {
         let is_new = !self.by_name.contains_key(&name);
         if is_new {
@@ -166,13 +172,14 @@ impl Materials {
         is_new
     }
 
-    /// Returns an image.
+    /// Returns the image named `name`.
     pub(crate) fn image(&self, name: &str) -> Option<&SideFile> {
         self.files.iter().find(|file| file.name == name)
     }
 
-    /// Parses a library, and returns the names of the images that its materials have, from the folder of the OBJ file. Programs without files
-    /// append these to [`Materials::files`]; [`load_materials`](crate::load_materials) does so for files.
+    /// Parses a library and returns the names of its images, relative to the directory of the OBJ
+    /// file. Programs without file access load these and append them to [`Materials::files`];
+    /// [`load_materials`](crate::load_materials) does this for files.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -194,14 +201,14 @@ impl Materials {
             self.add(material.name.to_owned(), read);
         }
         if !has_materials {
-            self.problems.push(format!("{name}: no material in it"));
+            self.problems.push(format!("{name}: contains no materials"));
         }
         let lost =
             lost.into_iter().map(|(what, count)| format!("{name}: {what} in {}", counted(count, "material")));
         self.losses.extend(lost);
         if images.by_name.len() > MAX_IMAGES {
             let count = images.by_name.len();
-            self.problems.push(format!("{name}: only the first {MAX_IMAGES} images of {count} are read"));
+            self.problems.push(format!("{name}: only the first {MAX_IMAGES} of {count} images are read"));
         }
         let mut names: Vec<String> =
             images.by_name.into_values().flatten().map(|image| (*image).into()).collect();
@@ -210,10 +217,11 @@ impl Materials {
     }
 }
 
-/// The images of a library, which are named from its folder.
+/// The images of a library, whose names are relative to its directory.
 struct LibraryImages<'a> {
     folder: &'a str,
-    /// The names from the folder of the OBJ file by those in the library; only the first ones have one, since each may be much longer.
+    /// Names relative to the directory of the OBJ file, by name in the library. `None` beyond the
+    /// maximum number, because each may be much longer.
     by_name: HashMap<String, Option<Arc<str>>>,
 }
 
@@ -223,7 +231,8 @@ impl<'a> LibraryImages<'a> {
         Self { folder, by_name: HashMap::new() }
     }
 
-    /// Returns the name of an image from the folder of the OBJ file; `None` if there are too many images.
+    /// Returns the name of an image relative to the directory of the OBJ file, or `None` if there
+    /// are too many images.
     fn name(&mut self, image: String) -> Option<Arc<str>> {
         let is_read = self.by_name.len() < MAX_IMAGES;
         let folder = self.folder;
@@ -235,25 +244,26 @@ impl<'a> LibraryImages<'a> {
     }
 }
 
-/// Returns the width and height of a PNG or JPEG; `None` if the bytes are neither, or have none.
+/// Returns the width and height of a PNG or JPEG, or `None` if the bytes are neither or have no
+/// size.
 pub(crate) fn image_size(bytes: &[u8]) -> Option<[u32; 2]> {
     let size = imagesize::blob_size(bytes).ok()?;
     let side = |side: usize| u32::try_from(side).ok().filter(|&side| side > 0);
     Some([side(size.width)?, side(size.height)?])
 }
 
-/// Returns the file name extension of a JPEG, or of a PNG.
+/// Returns the file name extension of a JPEG or PNG.
 pub(crate) fn image_extension(bytes: &[u8]) -> &'static str {
     if bytes.starts_with(b"\xff\xd8\xff") { "jpg" } else { "png" }
 }
 
-/// The lines of a material: the last one of each keyword.
+/// The lines of a material; for a repeated keyword, the last one.
 struct MaterialLines<'a> {
     name: &'a str,
     lines: BTreeMap<&'a str, &'a str>,
 }
 
-/// Splits a library into materials, one after the other: their lines take much more memory than the text.
+/// Splits a library into materials lazily, because their lines take much more memory than the text.
 fn materials_of<'a>(text: &'a str) -> impl Iterator<Item = MaterialLines<'a>> {
     let words = |line: &'a str| line.trim().split_once(char::is_whitespace).unwrap_or_default();
     let mut lines = text.lines().map(words).map(|(keyword, rest)| (keyword, rest.trim()));
@@ -275,7 +285,7 @@ fn materials_of<'a>(text: &'a str) -> impl Iterator<Item = MaterialLines<'a>> {
 }
 
 impl MaterialLines<'_> {
-    /// Returns the numbers of a line; `None` unless all are finite.
+    /// Returns the numbers of a line, or `None` unless all are finite.
     fn numbers<const N: usize>(&self, keyword: &str) -> Option<[f32; N]> {
         let words = self.lines.get(keyword)?.split_whitespace();
         let numbers: Vec<f32> = words.take(N).map_while(|word| word.parse().ok()).collect();
@@ -286,12 +296,12 @@ impl MaterialLines<'_> {
         self.numbers(keyword).map(|[x]| x)
     }
 
-    /// Returns the image of the first of some keywords that has one.
+    /// Returns the image of the first keyword that has one.
     fn image(&self, keywords: &[&str]) -> Option<String> {
         keywords.iter().find_map(|keyword| image_name(self.lines.get(keyword)?))
     }
 
-    /// Returns all images, also those that glTF cannot hold.
+    /// Returns all images, including those that glTF does not support.
     fn images(&self) -> impl Iterator<Item = String> {
         let names_image =
             |keyword: &str| keyword.starts_with("map_") || ["norm", "bump", "disp"].contains(&keyword);
@@ -301,7 +311,7 @@ impl MaterialLines<'_> {
             .filter_map(|(_, line)| image_name(line))
     }
 
-    /// Counts the visible properties that glTF cannot hold.
+    /// Counts the visible properties that glTF does not support.
     fn count_lost(&self, lost: &mut BTreeMap<&'static str, usize>) {
         let opacity = self.image(&["map_d"]);
         let losses = [
@@ -319,18 +329,19 @@ impl MaterialLines<'_> {
 }
 
 impl ObjMaterial {
-    /// Takes the lines of a material; `from_obj` names images from the folder of the OBJ file.
+    /// Converts the lines of a material. `from_obj` returns the name of an image relative to the
+    /// directory of the OBJ file.
     fn of(lines: &MaterialLines<'_>, mut from_obj: impl FnMut(String) -> Option<Arc<str>>) -> Self {
         let unit = |x: f32| x.clamp(0.0, 1.0);
         let images = [lines.image(&["map_Kd"]), lines.image(&["map_Ke"]), lines.image(&["norm"])];
         let opacity = lines.number("d").or_else(|| Some(1.0 - lines.number("Tr")?)).map_or(1.0, unit);
         let [r, g, b] = match lines.numbers("Kd") {
-            // Black under an image would hide it.
+            // Black would hide the image.
             Some([0.0, 0.0, 0.0]) | None if images[0].is_some() => [1.0; 3],
             Some(colour) => colour.map(unit),
             None => [0.8; 3],
         };
-        // Of a highlight with exponent e: α² = 2 / (e + 2), and roughness is the root of α.
+        // For a specular exponent e: α² = 2 / (e + 2), and the roughness is the square root of α.
         let of_exponent = |e: f32| (2.0 / (e.max(0.0) + 2.0)).sqrt().sqrt();
         let roughness = lines.number("Pr").or_else(|| lines.number("Ns").map(of_exponent)).map_or(1.0, unit);
         let opacity_image = lines.image(&["map_d"]);
@@ -345,13 +356,14 @@ impl ObjMaterial {
     }
 }
 
-/// Returns the path of an image after the options of its line, such as `-s 1 1 1`; `None` if there is none.
+/// Returns the path of an image after the options of its line, such as `-s 1 1 1`, or `None` if
+/// there is none.
 fn image_name(text: &str) -> Option<String> {
     let mut rest = text.trim();
     while let Some(option) = rest.strip_prefix('-') {
         let (option, after) = option.split_once(char::is_whitespace)?;
         rest = after.trim_start();
-        // `-o`, `-s` and `-t` have one to three numbers, `-mm` two, and the others one value.
+        // `-o`, `-s` and `-t` take one to three numbers, `-mm` two, the others one value.
         let most = match option {
             "o" | "s" | "t" => 3,
             "mm" => 2,
@@ -400,7 +412,7 @@ mod tests {
     fn wrong_lines_count_as_missing() {
         let (all, images) = read("Kd 1 1 1\n# newmtl no\nmap_Kd a.png\n");
         assert!(all.is_empty() && images.is_empty());
-        assert_eq!(all.problems, ["a.mtl: no material in it"]);
+        assert_eq!(all.problems, ["a.mtl: contains no materials"]);
         for line in [
             "Kd 1",
             "Kd 1 x 1",

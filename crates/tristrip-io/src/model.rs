@@ -1,4 +1,4 @@
-//! The content of a file: parts with a mesh each, and for glTF the scene around them.
+//! The content of a file: parts with one mesh each, and the scene of a glTF file.
 
 use tristrip::{Mesh, Strips};
 
@@ -6,27 +6,28 @@ use crate::error::Error;
 use crate::gltf::document::scene::Scene;
 use crate::materials::Materials;
 
-/// A file's geometry, in the order of the file. Clones share positions, attributes, buffers and images.
+/// The geometry of a file, in file order. Clones share positions, attributes, buffers and images.
 #[derive(Debug, Clone, Default)]
 pub struct Model {
     /// The meshes. Each is stripified and drawn separately.
     pub parts: Vec<Part>,
-    /// Everything that was dropped or changed while reading, in words, with counts.
+    /// Data that was dropped or changed while reading, as text with counts.
     pub notes: Vec<String>,
-    /// The document around the parts, for glTF and GLB.
+    /// The document of a glTF or GLB file.
     pub scene: Option<Scene>,
-    /// The materials in the libraries of an OBJ, or those of a model that a program builds; `None` for other formats. For a model with
-    /// a scene, the materials of the OBJ that it will be written as.
+    /// The materials from the libraries of an OBJ, or those that a program added; `None` for other
+    /// formats. If a model with a scene is written as OBJ, the materials of that OBJ.
     pub materials: Option<Materials>,
 }
 
 impl Model {
-    /// Checks that there is one drawing for each part, and that its strips have only vertices of the part.
+    /// Checks that there is one drawing per part, and that its strips use only vertices of the
+    /// part.
     pub(crate) fn check_drawings(&self, drawings: &[Drawing]) -> Result<(), Error> {
         if drawings.len() != self.parts.len() {
             let (found, expected) = (drawings.len(), self.parts.len());
             return Err(Error::Unsupported(format!(
-                "drawings: found {found}, expected {expected} (one for each part)"
+                "drawings: found {found}, expected {expected} (one per part)"
             )));
         }
         for (part, drawing) in self.parts.iter().zip(drawings) {
@@ -37,60 +38,62 @@ impl Model {
     }
 }
 
-/// One mesh: the faces of one material (OBJ), one primitive (glTF), or the whole file (PLY, OFF, STL).
+/// One mesh: the faces of one material (OBJ), one primitive (glTF), or the whole file (PLY, OFF,
+/// STL).
 #[derive(Debug, Clone, Default)]
 pub struct Part {
-    /// Object, group or mesh name, where the file has one.
+    /// Object, group or mesh name, if the file has one.
     pub name: Option<String>,
-    /// Material name, where the file has one.
+    /// Material name, if the file has one.
     pub material: Option<String>,
     /// The geometry.
     pub mesh: Mesh,
-    /// Whether the file draws the part as strips or fans; the faces are their triangles, in order.
+    /// Whether the file stores the part as strips or fans. The faces are their triangles, in order.
     pub stripped: bool,
-    /// The indices of a part that the file draws as strips or fans; `None` for other parts.
+    /// The original indices of a part stored as strips or fans; `None` for other parts.
     pub stored: Option<StoredStrips>,
 }
 
 impl Part {
-    /// Returns a part with the same names and another mesh, which the file does not draw as strips.
+    /// Returns a part with the same names and another mesh, which is not stripped.
     pub(crate) fn with_mesh(&self, mesh: Mesh) -> Self {
         let (name, material) = (self.name.clone(), self.material.clone());
         Self { name, material, mesh, stripped: false, stored: None }
     }
 }
 
-/// The indices with which a file draws a part as strips or fans, before they are unpacked into triangles.
+/// The indices of a part that is stored as strips or fans, before conversion to triangles.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
-/// let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+/// let header = "ply\nformat ascii 1.0\nelement vertex 4\n";
+/// let axes = "property float x\nproperty float y\nproperty float z\n";
 /// let strips = "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
 /// let rows = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n7 0 1 2 -1 2 1 3\n";
-/// let model = read([header, strips, rows].concat().as_bytes(), Format::Ply)?;
-/// let stored = model.parts[0].stored.as_ref();
-/// assert_eq!(stored.map(|stored| (stored.runs.len(), stored.restarts, stored.indices())), Some((2, 1, 7)));
+/// let model = read([header, axes, strips, rows].concat().as_bytes(), Format::Ply)?;
+/// let stored = model.parts[0].stored.clone().unwrap_or_default();
+/// assert_eq!((stored.runs.len(), stored.restarts, stored.indices()), (2, 1, 7));
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct StoredStrips {
-    /// Whether each run is a fan, not a strip.
+    /// Whether the runs are fans instead of strips.
     pub fans: bool,
-    /// The vertices between restarts, joins by degenerate triangles unchanged; empty runs are dropped.
+    /// The vertices between restarts, including degenerate joins. Empty runs are dropped.
     pub runs: Strips,
     /// The number of restart indices.
     pub restarts: usize,
 }
 
 impl StoredStrips {
-    /// Takes over one run.
+    /// Creates strips of one run.
     pub(crate) fn from_run(run: Vec<u32>, fans: bool) -> Self {
         let end = run.len() as u32;
         let runs = Strips::from_parts(run, Vec::from_iter((end > 0).then_some(end))).unwrap_or_default();
         Self { fans, runs, restarts: 0 }
     }
 
-    /// Collects the runs between restarts, empty ones included.
+    /// Collects the runs between restarts, which may be empty.
     pub(crate) fn from_runs<'a>(runs: impl Iterator<Item = &'a [u32]>, fans: bool) -> Self {
         let mut stored = Self { fans, ..Self::default() };
         let mut run_count = 0_usize;
@@ -104,7 +107,7 @@ impl StoredStrips {
         stored
     }
 
-    /// Returns the number of indices, restarts included.
+    /// Returns the number of indices, including restarts.
     ///
     /// ```
     /// use tristrip_io::StoredStrips;
@@ -118,12 +121,12 @@ impl StoredStrips {
     }
 }
 
-/// The faces or strips to write for a part.
+/// What to write for a part: faces or strips.
 #[derive(Debug, Clone, Copy)]
 pub enum Drawing<'a> {
-    /// The part's own faces; polygons stay polygons where the format has them.
+    /// The part's own faces. Polygons are preserved if the format supports them.
     Faces,
-    /// These triangle strips, over the part's vertices.
+    /// Triangle strips of the part's vertices.
     Strips(&'a Strips),
 }
 

@@ -4,7 +4,7 @@
 //! ```text
 //! v x y z [r g b]     position, counted from 1     f 1 2 3         corners: position
 //! vt u v              texture coordinate           f 1/4 2/5 3/6   position / texture coordinate
-//! vn x y z            normal                       f 1/4/7 2//8 -1 … / normal; −1 is the last so far
+//! vn x y z            normal                       f 1/4/7 2//8 -1 … / normal; −1: last so far
 //! usemtl name         material of the next faces   mtllib name     material library
 //! ```
 //!

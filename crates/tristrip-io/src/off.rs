@@ -1,7 +1,7 @@
 //! OFF: a keyword, three counts, then one line per vertex and per face.
 //!
 //! ```text
-//! COFF                    [ST] [C] [N] OFF: texture coordinates, colour and normal follow each position
+//! COFF                    [ST] [C] [N] OFF: texture coordinates, colour, normal of vertices
 //! 4 2 0                   vertices, faces, edges (edges may be any number)
 //! 0 0 0  255 0 0 255      position, [normal], [colour], [texture coordinate]
 //! …

@@ -1,26 +1,29 @@
-//! PLY, the polygon file format: a text header that names elements and their properties, then the rows of each element.
+//! PLY, the polygon file format: a text header that declares elements and their properties, then
+//! the rows of each element.
 //!
-//! The rows are text or binary of either byte order. A property of an element is a number, or a list of numbers preceded by
-//! its count:
+//! The rows are text or binary in either byte order. A property of an element is a number, or a
+//! list of numbers preceded by its count:
 //!
 //! ```text
-//! ply                                       vertex row   x y z            (any order, any types, more properties)
-//! format binary_little_endian 1.0           face row     3  0 1 2         (count, then corners)
-//! element vertex 4                          tristrips    8  0 1 2 3 -1 2 1 4   (−1 restarts)
+//! ply                                   vertex row   x y z      (any order, more properties)
+//! format binary_little_endian 1.0       face row     3  0 1 2              (count, then corners)
+//! element vertex 4                      tristrips    8  0 1 2 3 -1 2 1 4   (−1 restarts)
 //! property float x   ...
 //! element face 2
 //! property list uchar int vertex_indices
 //! end_header
 //! ```
 //!
-//! No crate for PLY is used: the available ones build a map for each row, which is far slower than a binary file allows, and
-//! do not report where an error is. Triangles of `tristrips` follow the faces, with the winding in which they are drawn.
+//! No PLY crate is used: the available ones build a map per row, which is far slower than necessary
+//! for binary files, and do not report the position of an error. Triangles of `tristrips` follow
+//! the faces, with their winding as drawn.
 //!
 //! # References
-//! Greg Turk: *The PLY Polygon File Format*, 1994. The `tristrips` element: Stanford 3D Scanning Repository, `ply2` tools, 1999.
+//! Greg Turk: *The PLY Polygon File Format*, 1994. The `tristrips` element: Stanford 3D Scanning
+//! Repository, `ply2` tools, 1999.
 //!
 //! # Complexity
-//! One pass; only the file's bytes and the arrays of the result are held.
+//! One pass; memory for the file's bytes and the arrays of the result.
 
 mod columns;
 mod fixed_rows;

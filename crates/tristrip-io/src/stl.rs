@@ -1,10 +1,10 @@
 //! STL: a list of triangles with three positions each. Equal positions are welded into one vertex.
 //!
 //! ```text
-//! text    solid name                          binary   80 bytes  any text
-//!           facet normal x y z                          4 bytes  number of triangles
-//!             outer loop                               50 bytes  each: normal, three positions (12 floats),
-//!               vertex x y z     (three)                         2 bytes that some programs use for colours
+//! text    solid name                       binary   80 bytes  any text
+//!           facet normal x y z                       4 bytes  number of triangles
+//!             outer loop                            50 bytes  each: normal, positions (12 floats),
+//!               vertex x y z     (three)                      2 bytes, sometimes a colour
 //!             endloop
 //!           endfacet
 //!         endsolid name

@@ -135,7 +135,7 @@ fn a_long_folder_is_not_repeated_for_every_material() {
     let (materials, images) = library(&format!("{folder}/a.mtl"), lines.collect::<String>());
     assert_eq!(images.len(), 4096);
     assert!(images.iter().all(|image| image.len() < 4020 && image.starts_with("fff")));
-    assert!(materials.problems[0].ends_with("only the first 4096 images of 150000 are read"));
+    assert!(materials.problems[0].ends_with("only the first 4096 of 150000 images are read"));
     // Each name repeated would be 600 MB.
     assert!(peak_bytes().is_none_or(|peak| peak < 400 << 20), "{:?}", peak_bytes());
 }
@@ -197,7 +197,7 @@ fn libraries_and_images_that_name_each_other_are_read_once() {
     );
     assert_eq!(names(&model), ["a.mtl", "a.mtl", "model.obj", "model.obj"]);
     let materials = model.materials.as_ref().unwrap();
-    assert_eq!(materials.problems, ["model.obj: no material in it"]);
+    assert_eq!(materials.problems, ["model.obj: contains no materials"]);
     assert_eq!(materials.image_size("m"), None);
     let glb = write(&model, &[Drawing::Faces], Format::Glb, Layout::List).unwrap();
     assert!(json_of(&glb).get("images").is_none());

@@ -145,6 +145,6 @@ fn a_tlod_file_is_no_mesh() {
     fs::copy(&path, &renamed).unwrap();
     for input in [&renamed, &path] {
         let refused = tristrip().arg("strip").arg(input).assert().code(1);
-        refused.stderr(contains("found a .tlod model of view-dependent detail, expected a mesh or a scene"));
+        refused.stderr(contains("found a view-dependent .tlod model, expected a mesh or a scene"));
     }
 }

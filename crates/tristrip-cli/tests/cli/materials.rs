@@ -125,7 +125,7 @@ fn what_cannot_travel_gives_one_warning_also_in_quiet_mode() {
         run.args(["convert", "-q"]).arg(&obj).arg("-o").arg(dir.path().join(name));
         run.assert().success()
     };
-    to("a.ply").stderr(contains("materials are not written: PLY has none"));
+    to("a.ply").stderr(contains("materials are not written: PLY does not support them"));
     fs::write(dir.path().join("mats/box.mtl"), [MTL, "bump b.png\n"].concat()).unwrap();
     to("a.glb").stderr(contains("bump map in 1 material").and(contains("b.png")));
     fs::remove_file(dir.path().join("mats/box.mtl")).unwrap();

@@ -305,7 +305,7 @@ fn bad_inputs_have_messages_and_exit_code_1() {
             .stdout(is_empty())
             .stderr(contains(name).and(contains(message)));
     };
-    fails(&empty, "byte 0: found an empty file, expected a file in PLY");
+    fails(&empty, "byte 0: found an empty file, expected a non-empty PLY file");
     fails(dir.path(), "found a directory, expected a file");
     fails(&dir.path().join("none.obj"), "no such file or directory");
     let nan = dir.path().join("nan.obj");

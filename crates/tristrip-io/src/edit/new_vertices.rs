@@ -23,7 +23,7 @@ use crate::model::Model;
 /// A model with new vertices.
 #[derive(Debug)]
 pub struct Extended {
-    /// The parts in their order. Outside of a scene that is written as a GLB, parts with new vertices
+    /// The parts in their order. Except in a scene written as a GLB, parts with new vertices
     /// have no faces.
     pub model: Model,
     /// The index of the first new vertex of each part; `None` for a part without new vertices.
@@ -79,7 +79,8 @@ pub fn fixed_vertices(
 /// let new = NewVertices { sources: vec![0, 1, 2], normals, ..NewVertices::default() };
 /// let extended = with_new_vertices(&model, &[Some(new)], Format::Ply)?;
 /// let first = extended.first[0].unwrap_or(0);
-/// let result = with_triangles(&extended.model, vec![vec![first, first + 1, first + 2]], Format::Ply)?;
+/// let triangles = vec![vec![first, first + 1, first + 2]];
+/// let result = with_triangles(&extended.model, triangles, Format::Ply)?;
 /// let mesh = &result.model.parts[0].mesh;
 /// assert_eq!((mesh.vertex_count(), mesh.attributes()[0].float(2)), (3, Some(1.0)));
 /// # Ok::<(), tristrip_io::Error>(())

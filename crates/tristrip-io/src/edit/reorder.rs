@@ -73,7 +73,8 @@ impl Reordered {
 /// let model = read(b"v 9 9 9\nv 0 1 0\nv 0 0 0\nv 1 0 0\nf 3 4 2\n", Format::Obj)?;
 /// let mut strips = tristrip::Strips::default();
 /// strips.push(&[2, 3, 1]);
-/// let reordered = reorder(&model, &[Drawing::Strips(&strips)], Format::Ply, tristrip::Layout::Restart)?;
+/// let drawings = [Drawing::Strips(&strips)];
+/// let reordered = reorder(&model, &drawings, Format::Ply, tristrip::Layout::Restart)?;
 /// assert_eq!(reordered.groups[0].order.new_to_old(), [2, 3, 1, 0]);
 /// assert_eq!(reordered.strips[0].as_ref().map(|strips| strips.vertices()), Some(&[0, 1, 2][..]));
 /// let ply = write(&reordered.model, &reordered.drawings(), Format::Ply, reordered.layout)?;

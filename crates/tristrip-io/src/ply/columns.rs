@@ -1,23 +1,23 @@
-//! The properties of a vertex other than its position, grouped into attributes.
+//! Groups the properties of a vertex other than its position into attributes.
 
 use tristrip::{Attribute, AttributeData};
 
 use super::fixed_rows::FixedRows;
 use super::header::{Element, Scalar};
 
-/// One vertex attribute while it is read.
+/// A vertex attribute during reading.
 pub(super) struct VertexColumn {
     pub(super) attribute: Attribute,
     /// The properties of its components.
     from: Vec<usize>,
-    /// Whether values that are not finite are replaced by 0, as in normals, texture coordinates and colours.
+    /// Whether values that are not finite become 0, as in normals, texture coordinates and colours.
     finite: bool,
     /// The number of replaced values.
     pub(super) replaced: u64,
 }
 
 impl VertexColumn {
-    /// Reserves capacity; the caller has checked that the file can hold `row_count` rows.
+    /// Reserves capacity. The caller has checked that the file can contain `row_count` rows.
     pub(super) fn reserve(&mut self, row_count: usize) {
         let n = row_count * self.from.len();
         match &mut self.attribute.data {
@@ -32,11 +32,11 @@ impl VertexColumn {
         }
     }
 
-    /// Appends the values of rows of the same size.
+    /// Appends the values of rows of fixed size.
     pub(super) fn gather(&mut self, rows: &FixedRows<'_>) {
         let from = &self.from;
         match (&mut self.attribute.data, rows.kind(from[0])) {
-            // Attributes with a name of glTF are 32-bit floats.
+            // Attributes with glTF names are 32-bit floats.
             (AttributeData::F32(v), Scalar::F64) => rows.gather(from, v, |b| f64::from_le_bytes(b) as f32),
             (AttributeData::F32(v), _) => rows.gather(from, v, f32::from_le_bytes),
             (AttributeData::F64(v), _) => rows.gather(from, v, f64::from_le_bytes),
@@ -76,7 +76,8 @@ impl VertexColumn {
     }
 }
 
-/// Groups the properties of a vertex into attributes: under glTF's names where glTF has them, all others under their own.
+/// Groups the properties of a vertex into attributes, under glTF names if there are any, else under
+/// their own.
 pub(super) fn columns(element: &Element, position: [usize; 3]) -> Vec<VertexColumn> {
     let mut taken = position.to_vec();
     let mut columns: Vec<VertexColumn> = Vec::new();

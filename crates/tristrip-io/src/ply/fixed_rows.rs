@@ -1,16 +1,17 @@
-//! Binary rows that all have the same size, decoded column by column: the type of a property is looked up once and not once per row.
+//! Binary rows of fixed size, decoded column by column: the type of a property is looked up once
+//! instead of once per row.
 
 use super::header::{Property, Scalar};
 
-/// Rows of numbers, one after the other.
+/// Consecutive rows of numbers.
 pub(super) struct FixedRows<'a> {
     /// The offset of the first row in the file.
     start: usize,
     bytes: &'a [u8],
     is_big_endian: bool,
-    /// Bytes of a row.
+    /// The size of a row in bytes.
     size: usize,
-    /// The offset of each property in the row, with its type.
+    /// The offset of each property in the row, and its type.
     columns: Vec<(usize, Scalar)>,
 }
 
@@ -36,7 +37,7 @@ impl<'a> FixedRows<'a> {
         self.columns[property].1
     }
 
-    /// Appends the values of some properties of the same type, those of each row together.
+    /// Appends the values of properties of the same type, row by row.
     pub(super) fn gather<T, const N: usize>(
         &self,
         properties: &[usize],
@@ -50,7 +51,7 @@ impl<'a> FixedRows<'a> {
         }
     }
 
-    /// Returns the values of some properties of the same type, row by row.
+    /// Returns the values of properties of the same type, row by row.
     pub(super) fn gather_arrays<T, const N: usize, const K: usize>(
         &self,
         properties: [usize; K],
@@ -61,7 +62,7 @@ impl<'a> FixedRows<'a> {
         rows.map(|row| offsets.map(|offset| read(self.value(row, offset)))).collect()
     }
 
-    /// Returns the bytes of a value in a row, the lowest first.
+    /// Returns the bytes of a value in a row, in little-endian order.
     fn value<const N: usize>(&self, row: &[u8], offset: usize) -> [u8; N] {
         let mut bytes = row[offset..].first_chunk::<N>().copied().unwrap_or([0; N]);
         if self.is_big_endian {
@@ -70,7 +71,7 @@ impl<'a> FixedRows<'a> {
         bytes
     }
 
-    /// Returns the values of a property as 64-bit floats, which represent the numbers of every type exactly.
+    /// Returns the values of a property as 64-bit floats, which represent every type exactly.
     pub(super) fn wide(&self, property: usize) -> Vec<f64> {
         let mut out = Vec::new();
         let from = &[property];

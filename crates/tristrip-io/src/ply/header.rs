@@ -1,4 +1,4 @@
-//! The header: the elements of the file, the number of their rows, and the properties of each row.
+//! The header: elements, their row counts, and the properties of their rows.
 
 use crate::error::Error;
 use crate::text::{Text, integer, quote};
@@ -75,12 +75,12 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// Returns the index of the property with a name.
+    /// Returns the index of the property named `name`.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|property| property.name == name)
     }
 
-    /// Describes where the header declares the element.
+    /// Describes the position of the element's declaration.
     pub(super) fn position(&self) -> String {
         format!("line {}", self.line)
     }
@@ -91,9 +91,9 @@ impl Element {
 pub(super) struct PlyHeader {
     pub(super) encoding: PlyEncoding,
     pub(super) elements: Vec<Element>,
-    /// Offset of the first row, in bytes.
+    /// The offset of the first row in bytes.
     pub(super) body: usize,
-    /// Number of the first row's line.
+    /// The line number of the first row.
     pub(super) body_line: u64,
 }
 
@@ -103,7 +103,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<PlyHeader, Error> {
     match text.word() {
         Some(b"ply") if bytes.starts_with(b"ply") => {}
         Some(b"ply") => {
-            return Err(Error::format("byte 0", "something before `ply`", "`ply` as the first three bytes"));
+            return Err(Error::format(
+                "byte 0",
+                "other bytes before `ply`",
+                "`ply` as the first three bytes",
+            ));
         }
         Some(word) => return Err(Error::format("line 1", quote(word), "`ply`")),
         None => return Err(text.missing("`ply`")),
@@ -150,7 +154,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<PlyHeader, Error> {
     let end = text.offset();
     let line = text.line() + 1;
     text.next_line();
-    // Where lines end with CR alone, an LF after the last one is the first byte of the rows.
+    // If lines end with CR alone, an LF after the last CR is already the first byte of the rows.
     let body = if bytes[..end].contains(&b'\n') { text.offset() } else { bytes.len().min(end + 1) };
     Ok(PlyHeader { encoding, elements, body, body_line: line })
 }

@@ -1,4 +1,4 @@
-//! Reads rows into a mesh: vertices with their attributes, faces, and the triangles of strips.
+//! Reads rows into a mesh: vertices with attributes, faces, and the triangles of strips.
 
 use tristrip::MAX_COUNT;
 use tristrip::strip_triangles;
@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::model::{Model, Part, StoredStrips};
 use crate::polygons::Polygons;
 
-/// The restart index of `tristrips`; no vertex has it, as a mesh has fewer vertices.
+/// The restart index of `tristrips`. No vertex has this index, because a mesh has fewer vertices.
 const RESTART: u32 = u32::MAX;
 
 /// The restart index as a signed and as an unsigned number.
@@ -37,7 +37,7 @@ struct PlyReader<R> {
     positions: Vec<[f32; 3]>,
     attributes: Vec<Attribute>,
     polygons: Polygons,
-    /// The rows of strips, where there are any.
+    /// The rows of strips, if there are any.
     strips: Option<StoredStrips>,
     notes: Vec<String>,
 }
@@ -56,7 +56,7 @@ impl<R: Rows> PlyReader<R> {
     }
 
     fn run(mut self, header: &PlyHeader) -> Result<Model, Error> {
-        // Faces may come before the vertices, so the header gives the bound of their indices.
+        // Faces may precede the vertices, so the header provides the bound of their indices.
         let Some(vertices) = header.elements.iter().find(|element| element.name == "vertex") else {
             return Err(Error::format(
                 format!("line {}", header.body_line - 1),
@@ -150,16 +150,16 @@ impl<R: Rows> PlyReader<R> {
             }
         }
         for property in element.properties.iter().filter(|property| property.count.is_some()) {
-            self.notes.push(format!("vertex property `{}`, a list, dropped", property.name));
+            self.notes.push(format!("list property `{}` of vertices dropped", property.name));
         }
         if list_values > 0 {
-            self.notes.push(format!("values in lists of vertices dropped: {list_values}"));
+            self.notes.push(format!("values in vertex lists dropped: {list_values}"));
         }
         self.note_vertices(rounded, columns);
         Ok(())
     }
 
-    /// Stores the attributes of the vertices; notes what was changed.
+    /// Stores the vertex attributes and adds notes on changed values.
     fn note_vertices(&mut self, rounded: u64, columns: Vec<VertexColumn>) {
         if rounded > 0 {
             self.notes.push(format!("vertices rounded to 32-bit floats: {rounded}"));
@@ -167,7 +167,7 @@ impl<R: Rows> PlyReader<R> {
         for column in columns {
             if column.replaced > 0 {
                 let (name, n) = (&column.attribute.name, column.replaced);
-                self.notes.push(format!("values of {name} not finite, replaced by 0: {n}"));
+                self.notes.push(format!("values of {name} that are not finite, replaced by 0: {n}"));
             }
             self.attributes.push(column.attribute);
         }
@@ -176,7 +176,7 @@ impl<R: Rows> PlyReader<R> {
     fn read_faces(&mut self, element: &Element) -> Result<(), Error> {
         let index = index_list(element)?;
         let Some(index) = index else { return Ok(()) };
-        // Capacity for triangles; the remaining bytes limit what a wrong count can allocate.
+        // Capacity for triangles. The remaining bytes limit what a wrong count can allocate.
         let most = self.rows.values_left(element.properties[index].value);
         let capacity = (3 * element.row_count).min(most) as usize;
         if self.polygons.face_count() == 0 {
@@ -244,7 +244,7 @@ impl<R: Rows> PlyReader<R> {
         }
         self.strips = Some(stored);
         if short > 0 {
-            self.notes.push(format!("strips of fewer than three vertices, which draw nothing: {short}"));
+            self.notes.push(format!("strips of fewer than three vertices, without triangles: {short}"));
         }
         self.note_dropped(element, index);
         Ok(())
@@ -261,7 +261,7 @@ impl<R: Rows> PlyReader<R> {
         Ok(row)
     }
 
-    /// Stores a strip and its triangles; returns whether it is too short to draw one.
+    /// Stores a strip and its triangles. Returns whether it is too short for a triangle.
     fn add_strip(&mut self, run: &[u32], stored: &mut StoredStrips) -> bool {
         strip_triangles(run).for_each(|triangle| self.polygons.push_face(&triangle));
         if !run.is_empty() {
@@ -270,7 +270,7 @@ impl<R: Rows> PlyReader<R> {
         (1..3).contains(&run.len())
     }
 
-    /// Skips an element that a mesh cannot hold.
+    /// Skips an element that a mesh cannot represent.
     fn skip(&mut self, element: &Element) -> Result<(), Error> {
         if !element.properties.is_empty() {
             for _ in 0..element.row_count {
@@ -303,7 +303,7 @@ impl<R: Rows> PlyReader<R> {
         Ok(count)
     }
 
-    /// Reads a list's count, an integer of the count's type that is not larger than the remaining bytes can hold.
+    /// Reads the count of a list and checks it against the number of remaining bytes.
     #[allow(clippy::cast_sign_loss, reason = "negative counts are refused above")]
     fn list_count(&mut self, property: &Property) -> Result<u64, Error> {
         let value = self.rows.value(property.count.unwrap_or(Scalar::U8), &property.name)?;
@@ -320,7 +320,7 @@ impl<R: Rows> PlyReader<R> {
     fn vertex(&self, value: f64) -> Result<u32, Error> {
         if value < 0.0 || value >= f64::from(self.vertex_count) {
             let found = format!("vertex index {value}");
-            let expected = format!("0 or more, below {}", self.vertex_count);
+            let expected = format!("at least 0 and less than {}", self.vertex_count);
             return Err(Error::format(self.rows.position(), found, expected));
         }
         Ok(value as u32)
@@ -336,7 +336,7 @@ impl<R: Rows> PlyReader<R> {
     }
 }
 
-/// Returns the positions of vertices in rows of the same size, and how many of them were rounded.
+/// Returns the positions of vertices in rows of fixed size, and the number of rounded ones.
 fn positions(
     rows: &FixedRows<'_>,
     element: &Element,
@@ -372,7 +372,7 @@ fn not_finite(rows: &FixedRows<'_>, element: &Element, mut axes: [usize; 3], row
     Error::format(format!("byte {}", rows.offset(row, bad.0)), format!("{:?}", bad.1), expected)
 }
 
-/// Returns the property with the list of vertices; `None` if the element has no rows.
+/// Returns the property with the list of vertices, or `None` if the element has no rows.
 fn index_list(element: &Element) -> Result<Option<usize>, Error> {
     let found = element.find("vertex_indices").or_else(|| element.find("vertex_index"));
     let list = found.filter(|&i| {

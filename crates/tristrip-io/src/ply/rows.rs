@@ -1,4 +1,4 @@
-//! The rows as a stream of numbers, with one interface for text and for both byte orders.
+//! The rows as a stream of numbers, with one interface for text and both byte orders.
 
 use super::fixed_rows::FixedRows;
 use super::header::{Element, Property, Scalar};
@@ -7,42 +7,45 @@ use crate::polygons::Polygons;
 use crate::text::{Text, integer, quote};
 use tristrip::text::counted;
 
-/// Reads numbers in the order of the file. 64-bit floats represent the numbers of every PLY type exactly.
+/// Reads numbers in file order. 64-bit floats represent the numbers of every PLY type exactly.
 pub(super) trait Rows {
     /// Reads the next number.
     fn value(&mut self, kind: Scalar, name: &str) -> Result<f64, Error>;
     /// Describes the position of the last number.
     fn position(&self) -> String;
-    /// Reads rows of the same size as a whole, if there are as many and these are binary.
+    /// Reads `row_count` rows of fixed size at once. Only for binary rows that are completely
+    /// present.
     fn fixed_rows(&mut self, _properties: &[Property], _row_count: usize) -> Option<FixedRows<'_>> {
         None
     }
-    /// Appends a list of vertex indices, if these are binary numbers of 32 bits and all below a bound. Otherwise nothing is read.
+    /// Appends a list of 32-bit binary vertex indices that are all below `bound`. Returns false,
+    /// without reading anything, if the list is not of this form.
     fn push_indices(&mut self, _kind: Scalar, _count: usize, _bound: u32, _out: &mut Polygons) -> bool {
         false
     }
-    /// Reads the next rows, `most` at most, as long as they are triangles in lists as most programs write them: a binary count of
-    /// 8 bits and indices of 32 bits, all below a bound. Returns how many.
+    /// Reads up to `most` rows that are triangles in the most common form: an 8-bit binary count
+    /// and 32-bit indices, all below `bound`. Returns their number.
     fn push_triangles(&mut self, _list: &Property, _most: u64, _bound: u32, _out: &mut Polygons) -> u64 {
         0
     }
-    /// Reads the indices of a row of strips, under the same conditions as [`Rows::push_indices`]; all bits of a restart are set.
+    /// Reads the indices of a row of strips under the conditions of [`Rows::push_indices`]. All
+    /// bits of a restart are set.
     fn strip_row(&mut self, _kind: Scalar, _count: usize, _bound: u32) -> Option<Vec<u32>> {
         None
     }
     /// Ends a row.
     fn end_row(&mut self, element: &Element) -> Result<(), Error>;
-    /// Returns the largest number of values that the remaining bytes can hold.
+    /// Returns the maximum number of values in the remaining bytes.
     fn values_left(&self, kind: Scalar) -> u64;
-    /// Returns the largest number of rows, of at least one property, that the remaining bytes can hold.
+    /// Returns the maximum number of rows, of at least one property, in the remaining bytes.
     fn rows_left(&self, properties: &[Property]) -> u64;
     /// Returns the number of remaining bytes.
     fn bytes_left(&self) -> usize;
-    /// Checks that only padding follows; anything else means that a count is too small.
+    /// Checks that only padding follows. Anything else means that a count is too small.
     fn end(&mut self) -> Result<(), Error>;
 }
 
-/// Rows of text: each begins on a new line; a long row may continue on the following lines.
+/// Rows of text: each starts on a new line and may continue on the following lines.
 pub(super) struct AsciiRows<'a> {
     text: Text<'a>,
 }
@@ -121,19 +124,21 @@ impl AsciiRows<'_> {
     }
 }
 
-/// Checks whether numbers have 32 bits and can be compared with a bound as unsigned ones: negative numbers are above it then.
+/// Checks whether numbers have 32 bits and can be compared with `bound` as unsigned ones. Negative
+/// numbers are then above it.
 fn are_32_bit_indices(kind: Scalar, bound: u32) -> bool {
     matches!(kind, Scalar::I32 | Scalar::U32) && bound <= 1 << 31
 }
 
-/// The number of rows that are checked before they are read: they stay in the processor's caches in between.
+/// The number of rows that are checked before they are read; small enough to stay in the CPU
+/// caches.
 const ROWS_PER_BLOCK: usize = 1024;
 
 /// Rows of binary numbers.
 pub(super) struct BinaryRows<'a, const BIG: bool> {
     bytes: &'a [u8],
     at: usize,
-    /// Offset of the last number.
+    /// The offset of the last number.
     last: usize,
 }
 
@@ -156,7 +161,7 @@ impl<'a, const BIG: bool> BinaryRows<'a, BIG> {
         }
     }
 
-    /// Returns the next numbers without reading them, if they may be indices of 32 bits.
+    /// Returns the next numbers without consuming them, if they may be 32-bit indices.
     fn indices(&self, kind: Scalar, count: usize, bound: u32) -> Option<&'a [[u8; 4]]> {
         let bytes = self.bytes.get(self.at..)?.get(..count.checked_mul(4)?)?;
         are_32_bit_indices(kind, bound).then_some(bytes.as_chunks::<4>().0)

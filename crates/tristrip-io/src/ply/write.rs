@@ -1,4 +1,5 @@
-//! Writes little-endian binary PLY: the vertices of all parts, faces, and strips as `tristrips` rows.
+//! Writes little-endian binary PLY: the vertices of all parts, the faces, and strips as `tristrips`
+//! rows.
 
 use std::fmt::Write;
 
@@ -9,7 +10,7 @@ use crate::join::{self, clean};
 use crate::le_bytes::{append, fill_rows};
 use crate::model::{Drawing, Model};
 
-/// The restart index of `tristrips`, −1, as an unsigned number.
+/// The restart index −1 of `tristrips` as an unsigned number.
 const RESTART: u32 = u32::MAX;
 
 /// Writes a PLY file.
@@ -87,7 +88,7 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing], layout: Layout) -> Resu
     Ok(out)
 }
 
-/// Lists what PLY cannot hold of a model.
+/// Lists the data of a model that PLY cannot represent.
 pub(crate) fn losses(model: &Model) -> Vec<String> {
     let mut out = Vec::new();
     if model.parts.len() > 1 {
@@ -102,7 +103,7 @@ pub(crate) fn losses(model: &Model) -> Vec<String> {
     out
 }
 
-/// The rows that follow the vertices.
+/// The rows after the vertices.
 struct IndexRows {
     /// Rows of `tristrips`, with [`RESTART`] between strips.
     strips: Vec<Vec<u32>>,
@@ -124,7 +125,7 @@ impl IndexRows {
                 Layout::List => {}
                 Layout::Restart => {
                     let row = strips.to_restart(RESTART).into_iter().map(shift);
-                    // The strips of all parts form one row, as other software writes it.
+                    // The strips of all parts form one row, as in other software.
                     match rows.strips.first_mut() {
                         Some(first) => {
                             first.push(RESTART);
@@ -165,7 +166,7 @@ impl IndexRows {
         Ok(rows)
     }
 
-    /// Calls `face` with the corners of each face and the number of vertices before those of its part.
+    /// Calls `face` with the corners of each face and the index of its part's first vertex.
     fn for_each_face(&self, drawings: &[Drawing], model: &Model, mut face: impl FnMut(&[u32], u32)) {
         if self.face_count == 0 {
             return;
@@ -181,7 +182,7 @@ impl IndexRows {
     }
 }
 
-/// An attribute that is written, with the names of its properties.
+/// A written attribute, and the names of its properties.
 struct WrittenAttribute {
     name: String,
     names: Vec<String>,
@@ -189,7 +190,8 @@ struct WrittenAttribute {
 }
 
 impl WrittenAttribute {
-    /// Checks whether the values are written as floats. Normalized integers are, except colours, as PLY has no type for them.
+    /// Checks whether the values are written as floats. Normalized integers other than colours are,
+    /// because PLY has no type for them.
     fn as_floats(attribute: &Attribute) -> bool {
         let colour =
             is_colour(attribute) && matches!(attribute.data, AttributeData::U8(_) | AttributeData::U16(_));
@@ -216,7 +218,7 @@ impl WrittenAttribute {
         attributes.iter().find(|attribute| alike(attribute, &self.like))
     }
 
-    /// Returns the number of bytes that each vertex takes.
+    /// Returns the number of bytes per vertex.
     fn bytes(&self) -> usize {
         let each = match self.kind() {
             "char" | "uchar" => 1,
@@ -256,7 +258,7 @@ fn alike(a: &Attribute, b: &Attribute) -> bool {
     a.name == b.name && shape(a) == shape(b)
 }
 
-/// Returns the attributes that every part has, and notes on those that are not written because a part lacks them.
+/// Returns the attributes that every part has, and notes on the others.
 fn columns(model: &Model) -> (Vec<WrittenAttribute>, Vec<String>) {
     let mut columns: Vec<WrittenAttribute> = Vec::new();
     let mut left_out: Vec<String> = Vec::new();
@@ -291,7 +293,8 @@ fn columns(model: &Model) -> (Vec<WrittenAttribute>, Vec<String>) {
     (columns, left_out)
 }
 
-/// Returns the property names of an attribute: PLY's usual names where it has them, else the attribute's name, numbered.
+/// Returns the property names of an attribute: the usual PLY names if there are any, else the
+/// attribute's name with numbers.
 fn property_names(attribute: &Attribute, taken: &mut Vec<String>) -> Vec<String> {
     let wanted: Vec<String> = match (attribute.name.as_str(), attribute.components) {
         ("NORMAL", 3) => ["nx", "ny", "nz"].map(str::to_owned).to_vec(),

@@ -1,25 +1,26 @@
-//! The limits of the reader: the counts that a file may state, and its size.
+//! The limits of the reader: the declared counts of a file, and its size.
 
 use crate::error::Error;
 
-/// The maximum number of bytes of memory that [`read`](super::read()) uses per byte of the file.
+/// Maximum memory that [`read`](super::read()) uses per byte of the file, in bytes.
 pub const MEMORY_PER_BYTE: u64 = 32;
 
-/// Limits of [`read`](super::read()). A file with larger counts is refused before its data is read.
+/// Limits of [`read`](super::read()). A file with larger counts is rejected before its data is
+/// read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct TlodLimits {
-    /// The largest number of vertices, 2^26 by default.
+    /// Maximum number of vertices; 2^26 by default.
     pub vertices: u32,
-    /// The largest number of triangles, 2^27 by default.
+    /// Maximum number of triangles; 2^27 by default.
     pub triangles: u32,
-    /// The largest number of collapses, 2^26 by default.
+    /// Maximum number of collapses; 2^26 by default.
     pub collapses: u32,
-    /// The largest number of attributes, 64 by default.
+    /// Maximum number of attributes; 64 by default.
     pub attributes: u32,
-    /// The largest number of bytes in the name of an attribute, 1024 by default.
+    /// Maximum length of an attribute name in bytes; 1024 by default.
     pub name_bytes: u32,
-    /// The largest number of bytes in the file, 4 GiB by default.
+    /// Maximum file size in bytes; 4 GiB by default.
     pub bytes: u64,
 }
 
@@ -37,7 +38,7 @@ impl Default for TlodLimits {
 }
 
 impl TlodLimits {
-    /// Sets the largest number of vertices.
+    /// Sets the maximum number of vertices.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -52,7 +53,7 @@ impl TlodLimits {
         Self { vertices, ..self }
     }
 
-    /// Sets the largest number of triangles.
+    /// Sets the maximum number of triangles.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -66,7 +67,7 @@ impl TlodLimits {
         Self { triangles, ..self }
     }
 
-    /// Sets the largest number of collapses.
+    /// Sets the maximum number of collapses.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -80,13 +81,13 @@ impl TlodLimits {
         Self { collapses, ..self }
     }
 
-    /// Sets the largest number of attributes.
+    /// Sets the maximum number of attributes.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
     /// # let mut bytes = Vec::new();
     /// # tlod::write(&model, &mut bytes)?;
-    /// // This model has none.
+    /// This model has no attributes.
     /// assert!(tlod::read(&bytes[..], &TlodLimits::default().with_attributes(0)).is_ok());
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
@@ -95,7 +96,7 @@ impl TlodLimits {
         Self { attributes, ..self }
     }
 
-    /// Sets the largest number of bytes in the name of an attribute.
+    /// Sets the maximum length of an attribute name in bytes.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -109,7 +110,7 @@ impl TlodLimits {
         Self { name_bytes, ..self }
     }
 
-    /// Sets the largest number of bytes in the file.
+    /// Sets the maximum file size in bytes.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -1,4 +1,5 @@
-//! The content of a file: a mesh, its strips and its collapses, which fit together.
+//! The content of a file: a mesh, its strips and its collapses, which are consistent with each
+//! other.
 
 use tristrip::text::counted;
 use tristrip::verify::verify;
@@ -10,7 +11,8 @@ use crate::error::Error;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct TlodModel {
-    /// The positions and all attributes. The faces are the triangles of the strips, in the order in which these draw them.
+    /// The positions and all attributes. The faces are the triangles of the strips, in drawing
+    /// order.
     pub mesh: Mesh,
     /// The strips of the full mesh.
     pub strips: Strips,
@@ -19,17 +21,20 @@ pub struct TlodModel {
 }
 
 impl TlodModel {
-    /// Creates a model, and puts the triangles of the mesh and of the collapses in the order of the strips. Polygons become the triangles that draw
-    /// them; degenerate triangles are dropped. That the order of the strips was chosen on purpose is not kept.
+    /// Creates a model, and puts the triangles of the mesh and of the collapses in the order of the
+    /// strips. Polygons become the triangles that the strips draw; degenerate triangles are
+    /// dropped. The strips lose the information whether their order was optimized.
     ///
     /// # Errors
-    /// The strips do not draw exactly the faces of the mesh, or exactly the triangles of the collapses; they have welds, which a file does not store.
+    /// The strips do not draw exactly the faces of the mesh or the triangles of the collapses, or
+    /// they have welds, which a file cannot store.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// assert_eq!(model.mesh.faces().corners(), model.sequence.triangles());
-    /// let none = TlodModel::new(model.mesh, Strips::default(), model.sequence);
-    /// assert!(none.unwrap_err().to_string().starts_with("strips of the mesh: triangles missing: 2, "));
+    /// assert_eq!(model.mesh.faces().corners(), model.sequence.triangles()); let none =
+    /// TlodModel::new(model.mesh, Strips::default(), model.sequence);
+    /// assert!(none.unwrap_err().to_string().starts_with("strips of the mesh: triangles missing: 2,
+    /// "));
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn new(mesh: Mesh, strips: Strips, sequence: CollapseSequence) -> Result<Self, Error> {
@@ -58,25 +63,26 @@ impl TlodModel {
         Ok(())
     }
 
-    /// Returns whether the strips, the mesh and the collapses have the same triangles in the same order.
+    /// Returns whether the strips, the mesh and the collapses have the same triangles in the same
+    /// order.
     fn is_in_order(&self) -> bool {
         let triangles = self.sequence.triangles();
         let drawn = self.strips.triangles().flatten();
         drawn.eq(triangles.iter().copied()) && self.mesh.faces().as_triangles() == Some(triangles)
     }
 
-    /// Checks that the fields still fit together: they can be changed one by one.
+    /// Checks that the public fields are still consistent.
     pub(super) fn check(&self) -> Result<(), Error> {
         check_vertices(&self.mesh, &self.strips, &self.sequence)?;
         if self.is_in_order() {
             return Ok(());
         }
-        let message = "triangles: found others in the mesh, the strips or the collapses, expected the same in the same order";
+        let message = "triangles: found differences between mesh, strips and collapses, expected the same triangles in the same order";
         Err(Error::Unsupported(message.into()))
     }
 }
 
-/// Returns the end of each strip in the list of their vertices.
+/// Returns the end of each strip in the list of strip vertices.
 pub(super) fn strip_ends(strips: &Strips) -> impl Iterator<Item = u32> {
     strips.iter().scan(0, |end, strip| {
         *end += strip.len() as u32;
@@ -84,7 +90,7 @@ pub(super) fn strip_ends(strips: &Strips) -> impl Iterator<Item = u32> {
     })
 }
 
-/// Checks that all are over the same vertices.
+/// Checks that mesh, strips and collapses have the same vertices.
 fn check_vertices(mesh: &Mesh, strips: &Strips, sequence: &CollapseSequence) -> Result<(), Error> {
     let vertex_count = mesh.vertex_count();
     if sequence.vertex_count() != vertex_count {
@@ -97,7 +103,7 @@ fn check_vertices(mesh: &Mesh, strips: &Strips, sequence: &CollapseSequence) -> 
     if !strips.welds().is_empty() {
         let found = strips.welds().len();
         return Err(Error::Unsupported(format!(
-            "strips: found {}, expected those of the mesh",
+            "strips: found {}, expected no welds",
             counted(found, "welded vertex")
         )));
     }

@@ -1,4 +1,4 @@
-//! Reads a file: section after section, each checked before its numbers are used.
+//! Reads a file section by section; each is checked before its numbers are used.
 
 use std::io::Read;
 
@@ -11,11 +11,14 @@ use super::sections::{ATTRIBUTE_BYTES, Counts, MAGIC, SectionKind, VERSION, empt
 use super::source::{TlodSource, wrong_length};
 use crate::error::Error;
 
-/// Reads a model from its first byte to the end of the source. Nothing is allocated for bytes that do not arrive.
+/// Reads a model up to the end of the source. Memory is allocated only for bytes that were read.
+/// Error positions are offsets in the source.
 ///
 /// # Errors
-/// The source fails or ends too early; it is not a `.tlod` file, or of another version; a checksum, a length or a number is wrong, or bytes follow the
-/// model; a limit is exceeded. The position is that in the source.
+/// - The source fails or ends too early.
+/// - It is not a `.tlod` file, or has another version.
+/// - A checksum, a length or a number is wrong, or bytes follow the model.
+/// - A limit is exceeded.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -120,7 +123,7 @@ fn read_attribute(
     Ok(Attribute { name, components, normalized: normalized == 1, data })
 }
 
-/// Reads the values of an attribute, up to the end of its section.
+/// Reads the values of an attribute up to the end of its section.
 fn read_values(source: &mut TlodSource<'_>, data: &mut AttributeData) -> Result<(), Error> {
     let count = source.left() / value_type(data).1;
     let what = "the values of an attribute";
@@ -149,13 +152,13 @@ fn read_strips(source: &mut TlodSource<'_>, counts: Counts) -> Result<Strips, Er
     let strips = Strips::from_parts(vertices, ends)?;
     let triangle_count = strips.triangles().count();
     if triangle_count != counts.triangles as usize {
-        let expected = format!("{}, as stated", counts.triangles);
+        let expected = format!("{}, the declared count", counts.triangles);
         return Err(Error::format(format!("byte {at}"), counted(triangle_count, "triangle"), expected));
     }
     Ok(strips)
 }
 
-/// The collapses as the file has them, the first from the full mesh first.
+/// The collapses as stored in the file, from the full mesh on.
 struct StoredCollapses {
     errors: Vec<f32>,
     ends: Vec<u32>,
@@ -186,20 +189,21 @@ impl StoredCollapses {
     }
 }
 
-/// Checks that ends that begin at a byte never decrease, and that the last one is the number of items.
+/// Checks that the ends, stored at byte `at`, never decrease, and that the last is the number of
+/// items.
 fn check_ends(what: &str, at: u64, ends: &[u32], count: u32) -> Result<(), Error> {
     let wrong = ends.windows(2).position(|pair| pair[0] > pair[1]).map(|i| i + 1);
     let last = ends.last().copied().unwrap_or(0);
     let (i, expected) = match wrong {
-        Some(i) => (i, format!("at least {}, the end before", ends[i - 1])),
-        None if last != count => (ends.len().saturating_sub(1), format!("{count}, the number of all")),
+        Some(i) => (i, format!("at least {}, the previous end", ends[i - 1])),
+        None if last != count => (ends.len().saturating_sub(1), format!("{count}, the total number")),
         None => return Ok(()),
     };
     let found = format!("end {} of {what}", ends.get(i).copied().unwrap_or(0));
     Err(Error::format(format!("byte {}", at + 4 * i as u64), found, expected))
 }
 
-/// Checks that the vertices of strips, which begin at a byte, exist.
+/// Checks that the strip vertices, stored at byte `at`, exist.
 fn check_vertices(at: u64, vertices: &[u32], vertex_count: u32) -> Result<(), Error> {
     let Some(i) = vertices.iter().position(|&v| v >= vertex_count) else { return Ok(()) };
     let found = format!("vertex {}", vertices[i]);

@@ -1,4 +1,4 @@
-//! The constants of the file, and the counts in its first section.
+//! The constants of the format, and the counts in the first section.
 
 use tristrip::AttributeData;
 use tristrip::text::counted;
@@ -8,9 +8,9 @@ use crate::error::Error;
 
 pub(super) const MAGIC: [u8; 8] = *b"\x89TLOD\r\n\x1a";
 pub(super) const VERSION: u32 = 1;
-/// The bytes that are read or written at a time.
+/// The number of bytes read or written at a time.
 pub(super) const PIECE_BYTES: usize = 1 << 16;
-/// The bytes in an attribute section before the name.
+/// The number of bytes in an attribute section before the name.
 pub(super) const ATTRIBUTE_BYTES: u64 = 8;
 
 /// The kind of a section.
@@ -38,7 +38,7 @@ impl SectionKind {
     }
 }
 
-/// The counts of everything in a file.
+/// All counts of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Counts {
     pub(super) vertices: u32,
@@ -63,7 +63,8 @@ impl Counts {
         Self { vertices, attributes, strips, strip_vertices, triangles, collapses, renames }
     }
 
-    /// Checks the counts that begin at a byte. Those without a limit of their own are limited by the bytes of the file.
+    /// Checks the counts, stored at byte `at`. Counts without their own limit are limited by the
+    /// file size.
     pub(super) fn check(self, at: u64, limits: &TlodLimits) -> Result<(), Error> {
         let limited = [
             (0, "vertices", self.vertices, limits.vertices),
@@ -74,9 +75,9 @@ impl Counts {
         limited
             .into_iter()
             .try_for_each(|(i, what, found, limit)| check(at + 4 * i, what, found.into(), limit.into()))?;
-        // Each rename removes another vertex.
+        // Each rename removes a different vertex.
         if self.renames > self.vertices {
-            let expected = format!("at most {}, one for each vertex", self.vertices);
+            let expected = format!("at most {}, one per vertex", self.vertices);
             return Err(Error::format(
                 format!("byte {}", at + 24),
                 counted(self.renames, "rename"),
@@ -86,7 +87,7 @@ impl Counts {
         Ok(())
     }
 
-    /// Returns the length of a section, if it depends on nothing else.
+    /// Returns the length of a section if the counts determine it.
     pub(super) fn section_bytes(self, kind: SectionKind) -> Option<u64> {
         let [vertices, _, strips, strip_vertices, _, collapses, renames] = self.to_numbers().map(u64::from);
         match kind {
@@ -99,7 +100,7 @@ impl Counts {
     }
 }
 
-/// Returns the number of the type of an attribute's values, and the bytes of a value.
+/// Returns the type code of an attribute's values and the size of a value in bytes.
 pub(super) fn value_type(data: &AttributeData) -> (u8, u64) {
     match data {
         AttributeData::F32(_) => (0, 4),
@@ -113,7 +114,7 @@ pub(super) fn value_type(data: &AttributeData) -> (u8, u64) {
     }
 }
 
-/// Returns an empty list of the type with a number.
+/// Returns an empty list of the type with this code.
 pub(super) fn empty_values(value_type: u8) -> Option<AttributeData> {
     Some(match value_type {
         0 => AttributeData::F32(Vec::new()),

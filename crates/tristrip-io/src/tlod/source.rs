@@ -1,4 +1,4 @@
-//! Reads the sections of a file in pieces of bounded size, and checks their checksums.
+//! Reads the sections of a file in bounded pieces and verifies their checksums.
 
 use std::io::{ErrorKind, Read};
 
@@ -9,16 +9,16 @@ use super::sections::{PIECE_BYTES, SectionKind};
 use crate::error::Error;
 use tristrip::text::counted;
 
-/// A stream of bytes, from its first one on.
+/// A stream of bytes from the start of the file.
 pub(super) struct TlodSource<'a> {
     reader: &'a mut dyn Read,
     /// The number of bytes read.
     at: u64,
-    /// The byte at which the content of the section ends.
+    /// The end of the current section's content.
     section_end: u64,
     checksum: Hasher,
     piece: Vec<u8>,
-    /// The largest number of bytes in the file.
+    /// Maximum file size in bytes.
     limit: u64,
 }
 
@@ -41,7 +41,8 @@ impl<'a> TlodSource<'a> {
         Ok(bytes)
     }
 
-    /// Begins a section of a kind, and returns the length of its content, which must be `length` if this is known.
+    /// Begins a section of a kind and returns the length of its content. The length must be
+    /// `length`, if that is given.
     pub(super) fn begin(&mut self, kind: SectionKind, length: Option<u64>) -> Result<u64, Error> {
         let start = self.at;
         let name = String::from_utf8_lossy(&kind.code()).into_owned();
@@ -62,12 +63,13 @@ impl<'a> TlodSource<'a> {
         Ok(found)
     }
 
-    /// Returns the number of bytes in the section that were not read yet.
+    /// Returns the number of unread bytes in the section.
     pub(super) fn left(&self) -> u64 {
         self.section_end - self.at
     }
 
-    /// Reads numbers of `N` bytes, as many as there are in the section or fewer. The list grows with what arrives.
+    /// Reads `count` numbers of `N` bytes each; the section must have as many. The list grows with
+    /// the data read.
     pub(super) fn numbers<T, const N: usize>(
         &mut self,
         count: u64,
@@ -82,7 +84,7 @@ impl<'a> TlodSource<'a> {
             piece.resize(here * N, 0);
             self.fill(&mut piece, expected)?;
             if numbers.capacity() < numbers.len() + here {
-                // Twice as much as there is, without room beyond the last number.
+                // Double the size, without capacity beyond the last number.
                 let more = (numbers.len().max(here) as u64).min(left);
                 numbers.reserve_exact(more as usize);
             }
@@ -93,7 +95,7 @@ impl<'a> TlodSource<'a> {
         Ok(numbers)
     }
 
-    /// Reads the checksum of the section, and compares it.
+    /// Reads and verifies the checksum of the section.
     pub(super) fn end(&mut self) -> Result<(), Error> {
         let (at, expected) = (self.at, self.checksum.clone().finalize());
         let found = u32::from_le_bytes(self.bytes("a checksum")?);
@@ -103,11 +105,11 @@ impl<'a> TlodSource<'a> {
         Err(Error::format(
             format!("byte {at}"),
             format!("checksum {found:08x}"),
-            format!("{expected:08x}, that of the section"),
+            format!("{expected:08x}, the checksum of the section"),
         ))
     }
 
-    /// Checks that there is no other byte.
+    /// Checks that no bytes follow.
     pub(super) fn finish(&mut self) -> Result<(), Error> {
         let mut byte = [0];
         match self.some(&mut byte)? {
@@ -116,7 +118,7 @@ impl<'a> TlodSource<'a> {
         }
     }
 
-    /// Reads exactly as many bytes as there is room for.
+    /// Fills the slice completely.
     fn fill(&mut self, bytes: &mut [u8], expected: &str) -> Result<(), Error> {
         let mut done = 0;
         while done < bytes.len() {
@@ -135,7 +137,7 @@ impl<'a> TlodSource<'a> {
     fn some(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
         loop {
             match self.reader.read(bytes) {
-                // A reader must not state more than it had room for.
+                // A faulty reader may report more bytes than fit.
                 Ok(count) => return Ok(count.min(bytes.len())),
                 Err(error) if error.kind() == ErrorKind::Interrupted => (),
                 Err(source) => {
@@ -146,8 +148,8 @@ impl<'a> TlodSource<'a> {
     }
 }
 
-/// Returns the error of a section with another length than the counts give.
+/// Returns the error for a section whose length differs from the expected one.
 pub(super) fn wrong_length(at: u64, section: &str, found: u64, expected: u64) -> Error {
     let found = format!("{} in section {section}", counted(found, "byte"));
-    Error::format(format!("byte {at}"), found, format!("{expected}, by the counts"))
+    Error::format(format!("byte {at}"), found, format!("{expected}, according to the counts"))
 }

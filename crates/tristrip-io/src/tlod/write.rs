@@ -1,4 +1,4 @@
-//! Writes a file, in pieces of bounded size.
+//! Writes a file in bounded pieces.
 
 use std::io::Write;
 
@@ -10,10 +10,11 @@ use super::sections::{ATTRIBUTE_BYTES, Counts, MAGIC, PIECE_BYTES, SectionKind, 
 use crate::error::Error;
 use crate::le_bytes;
 
-/// Writes a model. The same model gives the same bytes.
+/// Writes a model. The output is deterministic.
 ///
 /// # Errors
-/// The target fails; the fields of the model were changed and do not fit together any more; there are more items of a kind than a file can state.
+/// The target fails, the public fields of the model are no longer consistent, or a count exceeds 32
+/// bits.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -61,7 +62,7 @@ pub fn write(model: &TlodModel, target: &mut impl Write) -> Result<(), Error> {
     target.end()
 }
 
-/// Counts what a model has.
+/// Returns the counts of a model.
 fn counts_of(model: &TlodModel) -> Result<Counts, Error> {
     let renames = model.sequence.iter().map(|collapse| collapse.renames.len()).sum();
     Ok(Counts {
@@ -139,7 +140,7 @@ impl TlodTarget<'_> {
         Ok(())
     }
 
-    /// Does the same for numbers that are not in a list.
+    /// Writes numbers from an iterator.
     fn each<T: Copy, const N: usize>(
         &mut self,
         mut numbers: impl Iterator<Item = T>,

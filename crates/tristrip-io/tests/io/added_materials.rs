@@ -60,7 +60,10 @@ fn a_glb_has_the_materials_and_each_image_once() {
     assert_eq!(plain_materials(&after).unwrap(), (expected, Vec::new()));
     assert_eq!(after.scene.unwrap().appearance().unwrap().images.len(), 2);
     assert!(material_losses(&before, Format::Glb).is_empty());
-    assert_eq!(material_losses(&before, Format::Ply), ["materials are not written: PLY has none"]);
+    assert_eq!(
+        material_losses(&before, Format::Ply),
+        ["materials are not written: PLY does not support them"]
+    );
 }
 
 #[test]

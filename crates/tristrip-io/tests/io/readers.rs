@@ -110,11 +110,11 @@ fn ply_strips_become_triangles_with_their_winding() {
     assert_eq!(
         model.notes,
         [
-            "strips of fewer than three vertices, which draw nothing: 1",
+            "strips of fewer than three vertices, without triangles: 1",
             "rows of element `camera` dropped: 1",
             "rows of element `nothing` dropped: 4000000000",
-            "vertex property `near`, a list, dropped",
-            "values in lists of vertices dropped: 1",
+            "list property `near` of vertices dropped",
+            "values in vertex lists dropped: 1",
         ]
     );
 }
@@ -130,7 +130,10 @@ fn ply_doubles_are_rounded_and_counted() {
     assert_eq!(mesh.attributes()[2].data, AttributeData::F64(vec![0.1, 0.1]));
     assert_eq!(
         model.notes,
-        ["vertices rounded to 32-bit floats: 1", "values of TEXCOORD_0 not finite, replaced by 0: 1"]
+        [
+            "vertices rounded to 32-bit floats: 1",
+            "values of TEXCOORD_0 that are not finite, replaced by 0: 1"
+        ]
     );
 }
 
@@ -204,8 +207,10 @@ fn ply_means_the_same_in_text_and_in_both_byte_orders() {
     };
     for lists in [faces.clone(), strips] {
         let text = load("ascii", &vertices, &lists).unwrap();
-        let expected =
-            ["vertices rounded to 32-bit floats: 5", "values of NORMAL not finite, replaced by 0: 1"];
+        let expected = [
+            "vertices rounded to 32-bit floats: 5",
+            "values of NORMAL that are not finite, replaced by 0: 1",
+        ];
         assert_eq!(text.notes[..2], expected);
         for encoding in ["binary_little_endian", "binary_big_endian"] {
             let model = load(encoding, &vertices, &lists).unwrap();
@@ -225,7 +230,7 @@ fn ply_means_the_same_in_text_and_in_both_byte_orders() {
         assert_eq!(what(encoding, &infinite, &faces), expected, "{encoding}");
         for (name, index) in [("face", 5), ("face", -2), ("tristrips", 5), ("tristrips", -2)] {
             let lists = [triangle(), (name, vec![0.0, 1.0, f64::from(index)])];
-            let expected = format!("found vertex index {index}, expected 0 or more, below 5");
+            let expected = format!("found vertex index {index}, expected at least 0 and less than 5");
             assert_eq!(what(encoding, &vertices, &lists), expected, "{encoding}");
         }
     }

@@ -336,6 +336,6 @@ fn parts_know_whether_they_are_drawn_as_strips() {
 fn formats_without_a_writer_list_those_with_one() {
     for format in [Format::Stl, Format::Off, Format::Gltf] {
         let error = write(&Model::default(), &[], format, Layout::List).unwrap_err();
-        assert!(error.to_string().ends_with("cannot be written; .obj, .ply and .glb can"), "{error}");
+        assert!(error.to_string().ends_with("cannot be written; use .obj, .ply or .glb"), "{error}");
     }
 }

@@ -211,7 +211,7 @@ fn strips_with_welds_are_refused() {
     let strips = stripify(&mesh, &StripifyOptions::default().with_weld(true)).unwrap();
     let sequence = CollapseSequence::from_collapses(6, strips.to_list(), []).unwrap();
     let wrong = TlodModel::new(mesh, strips, sequence).unwrap_err().to_string();
-    assert_eq!(wrong, "strips: found 2 welded vertices, expected those of the mesh");
+    assert_eq!(wrong, "strips: found 2 welded vertices, expected no welds");
 }
 
 #[test]
@@ -284,8 +284,7 @@ fn counts_without_data_are_errors() {
     long.extend((12 * u64::from(u32::MAX)).to_le_bytes());
     assert_eq!(message(&long), "byte 68: found the end of the file, expected positions");
     let longer = [&start[..], b"POSN", &[255; 8]].concat();
-    let expected =
-        "byte 60: found 18446744073709551615 bytes in section POSN, expected 51539607540, by the counts";
+    let expected = "byte 60: found 18446744073709551615 bytes in section POSN, expected 51539607540, according to the counts";
     assert_eq!(message(&longer), expected);
     // The length of an attribute's section is not known from the counts alone.
     let mut attribute = written(&small());
@@ -401,8 +400,8 @@ fn errors_say_where_and_what() {
     let (head, positions, attribute, strips, collapses) = (0, 1, 2, 10, 11);
     let number = u32::to_le_bytes;
     for (section, offset, new, expected) in [
-        (head, 24, number(9), "byte 48: found 9 renames, expected at most 8, one for each vertex"),
-        (head, 16, number(5), "found 4 triangles, expected 5, as stated"),
+        (head, 24, number(9), "byte 48: found 9 renames, expected at most 8, one per vertex"),
+        (head, 16, number(5), "found 4 triangles, expected 5, the declared count"),
         (positions, 12, f32::NAN.to_le_bytes(), "vertex 1: found coordinate NaN, expected a finite number"),
         (
             attribute,
@@ -428,8 +427,8 @@ fn errors_say_where_and_what() {
             [b'T', 0xff, b'P', b'E'],
             "byte 188: found `T\\xffPE_0 \\xc3\\xa9`, expected a name in UTF-8",
         ),
-        (strips, 4, number(3), "found end 3 of strips, expected at least 4, the end before"),
-        (strips, 8, number(10), "found end 10 of strips, expected 9, the number of all"),
+        (strips, 4, number(3), "found end 3 of strips, expected at least 4, the previous end"),
+        (strips, 8, number(10), "found end 10 of strips, expected 9, the total number"),
         (strips, 12, number(8), "found vertex 8, expected less than 8"),
         (
             collapses,
@@ -437,7 +436,7 @@ fn errors_say_where_and_what() {
             (-1.0_f32).to_le_bytes(),
             "parameter `error`: found -1 of collapse 0 from the full mesh",
         ),
-        (collapses, 16, number(0), "found end 0 of collapses, expected at least 1, the end before"),
+        (collapses, 16, number(0), "found end 0 of collapses, expected at least 1, the previous end"),
         (
             collapses,
             24,

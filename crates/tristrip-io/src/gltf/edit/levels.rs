@@ -162,7 +162,8 @@ impl Scene {
     /// Returns the index of the document's mesh that each part belongs to.
     ///
     /// ```
-    /// let model = tristrip_io::read(br#"{"asset":{"version":"2.0"}}"#, tristrip_io::Format::Gltf)?;
+    /// let json = br#"{"asset":{"version":"2.0"}}"#;
+    /// let model = tristrip_io::read(json, tristrip_io::Format::Gltf)?;
     /// assert!(model.scene.unwrap_or_default().mesh_of_parts().is_empty());
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```

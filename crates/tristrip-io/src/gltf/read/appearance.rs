@@ -162,7 +162,8 @@ impl Scene {
     /// are too many instances.
     ///
     /// ```
-    /// let json = br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"translation":[1,2,3]}]}"#;
+    /// let json = br#"{"asset":{"version":"2.0"},
+    ///     "scenes":[{"nodes":[0]}],"nodes":[{"translation":[1,2,3]}]}"#;
     /// let model = tristrip_io::gltf::read(json.to_vec(), None)?;
     /// let appearance = model.scene.unwrap_or_default().appearance()?;
     /// assert!(appearance.instances.is_empty() && appearance.images.is_empty());

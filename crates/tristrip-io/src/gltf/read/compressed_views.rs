@@ -2,7 +2,7 @@
 //! `KHR_meshopt_compression`. The rest of the reader and the writer see only uncompressed buffers.
 //!
 //! ```text
-//! bufferViews[i]: { buffer: 1, byteLength: 48,     uncompressed layout; the fallback buffer may be empty
+//! bufferViews[i]: { buffer: 1, byteLength: 48,     layout after decompression; fallback buffer
 //!   extensions: { EXT_meshopt_compression:
 //!     { buffer: 0, byteOffset: 96, byteLength: 37, range of the compressed bytes
 //!       mode: ATTRIBUTES, filter: OCTAHEDRAL, byteStride: 8, count: 6 } } }

@@ -176,7 +176,8 @@ impl MorphReader<'_> {
     ///     "meshes":[{"primitives":[{"attributes":{"POSITION":0},"targets":[{"POSITION":0}]}]}],
     ///     "accessors":[{"componentType":5126,"count":3,"type":"VEC3"}]}"#;
     /// let scene = tristrip_io::gltf::read(json.to_vec(), None)?.scene.unwrap_or_default();
-    /// assert_eq!(scene.morph_reader().displacements(0, Some(0), "POSITION")?, Some(vec![[0.0; 3]; 3]));
+    /// let moved = scene.morph_reader().displacements(0, Some(0), "POSITION")?;
+    /// assert_eq!(moved, Some(vec![[0.0; 3]; 3]));
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn displacements(

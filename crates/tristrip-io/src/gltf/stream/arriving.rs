@@ -67,7 +67,8 @@ impl ArrivalLimits {
 ///     assert!(!arriving.is_complete());
 ///     arriving.update(std::slice::from_ref(byte))?;
 /// }
-/// assert!(arriving.finish().is_ok() && arriving.model(None)?.is_some_and(|model| model.parts.len() == 1));
+/// assert!(arriving.finish().is_ok());
+/// assert!(arriving.model(None)?.is_some_and(|model| model.parts.len() == 1));
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 #[derive(Debug, Clone)]
