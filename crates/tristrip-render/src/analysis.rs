@@ -1,4 +1,4 @@
-//! The chart of an analysis: misses against the size of the vertex cache, and a histogram of strip lengths.
+//! The chart of an analysis: cache misses by vertex cache size, and a histogram of strip lengths.
 
 use tristrip::vertex_cache::{Replacement, VertexCacheStatistics};
 
@@ -11,18 +11,19 @@ use tristrip_pipeline::analyze::{self, CacheMisses};
 pub struct Curve {
     /// The name of the file.
     pub file: String,
-    /// Its statistics, with a vertex cache of each size.
+    /// Its statistics for each vertex cache size.
     pub analysis: analyze::Outcome,
 }
 
-/// Draws the curves of all files in one chart: two panels, or one if there are no strips.
+/// Draws a chart of all files with two panels, or one if there are no strips.
 ///
 /// # Errors
-/// The drawing library fails; no input is known that causes this.
+/// The drawing library fails. No known input causes this.
 ///
 /// ```
 /// use tristrip_render::analysis::{Curve, draw};
-/// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let model = tristrip_io::read(obj, tristrip_io::Format::Obj)?;
 /// let analysis = tristrip_pipeline::analyze::run(&model, &Default::default(), &())?;
 /// let curve = Curve { file: "a.obj".into(), analysis };
 /// assert!(draw(&[curve], false)?.starts_with("<svg"));
@@ -66,7 +67,8 @@ fn misses(curves: &[Curve], flushed: bool) -> Panel {
     )
 }
 
-/// Returns the lower bounds of the misses: each used vertex is a miss once. Files with the same bound share a line.
+/// Returns the lower bounds of the misses: each used vertex misses at least once. Files with the
+/// same bound share a line.
 fn lower_bounds(curves: &[Curve]) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     let mut drawn: Vec<Vec<(f64, f64)>> = Vec::new();
@@ -111,13 +113,13 @@ fn entries(cache: &CacheMisses) -> f64 {
 }
 
 impl Curve {
-    /// Returns a number of misses per triangle.
+    /// Returns `misses` per triangle.
     fn acmr(&self, misses: usize) -> f64 {
         let stored = &self.analysis.stored;
         VertexCacheStatistics { misses, triangles: stored.triangles, vertices: stored.vertices }.acmr()
     }
 
-    /// Returns the name of a line, with the file if there are several.
+    /// Returns the name of a line, including the file if there are several.
     fn name(&self, what: &str, all: &[Self]) -> String {
         if all.len() == 1 { what.to_owned() } else { format!("{}, {what}", self.file) }
     }

@@ -1,4 +1,4 @@
-//! Charts as SVG text: panels of lines, points and bars, for pages and reports.
+//! SVG charts: panels of lines, points and bars for pages and reports.
 //!
 //! ```text
 //!  title
@@ -8,10 +8,11 @@
 //!  └────────────
 //!     entries
 //! ```
-//! No font is read: text is positioned by its anchor, and text widths are estimated where space must be reserved. Logarithms come from
-//! `libm`, not from the platform. So the same data gives the same bytes on every machine. The background is white, so that the chart is
-//! readable on a dark page, too. Series differ in the shape of their symbols, not only in colour, and a
-//! line that another one hides is known by its symbols.
+//! The same data gives the same bytes on every machine: no font is loaded, text is positioned by
+//! its anchor, text widths are estimated where space must be reserved, and logarithms come from
+//! `libm`. The background is white, which keeps the chart readable on a dark page. Series differ in
+//! the shape of their symbols as well as in colour, so a line hidden by another is still
+//! recognizable.
 
 mod axis;
 mod labels;
@@ -36,7 +37,7 @@ const PANEL_HEIGHT: u32 = 340;
 /// Draws panels in rows of `columns` as one SVG document.
 ///
 /// # Errors
-/// The drawing library fails; no input is known that causes this.
+/// The drawing library fails. No known input causes this.
 pub fn svg(panels: &[Panel], columns: usize) -> Result<String, Error> {
     let columns = columns.clamp(1, panels.len().max(1));
     let rows = panels.len().div_ceil(columns).max(1);
@@ -62,7 +63,8 @@ mod tests {
         Scale::Linear { from_zero: true }
     }
 
-    /// Returns panels with every mark, scale and label, and with texts and numbers that need escaping or are out of range.
+    /// Returns panels with every mark, scale and label, with text that needs escaping and numbers
+    /// out of range.
     fn sample() -> Vec<Panel> {
         let curve =
             |k: f64| (1..=6).map(|i| (f64::from(1 << i), k * (0.5 + 1.0 / f64::from(1 << i)))).collect();
@@ -143,7 +145,7 @@ mod tests {
         assert_eq!(label_count(panel.with_every_label()), 14);
     }
 
-    /// Returns how many elements of an SVG are drawn in a colour, and the different shapes of those that are no lines across the chart.
+    /// Returns the names of the SVG elements in a colour, except text.
     fn symbols(text: &str, colour: &str) -> Vec<String> {
         let drawn = text.lines().filter(|line| line.contains(colour) && !line.contains("<text"));
         drawn.map(|line| line.split_whitespace().next().unwrap_or_default().to_owned()).collect()
@@ -155,7 +157,8 @@ mod tests {
         let series = ["FIFO", "LRU"].map(|name| Series::new(name, Mark::Line, curve.clone())).to_vec();
         let axis = |title| Axis::new(title, linear());
         let text = svg(&[Panel::new("The same", axis("x"), axis("y"), series)], 1).unwrap();
-        // The discs of the first and the squares of the second: one in the legend, and those of the line.
+        // Discs of the first series and squares of the second: one in the legend, the others on the
+        // line.
         let (fifo, lru) = (symbols(&text, "#0072B2"), symbols(&text, "#D55E00"));
         assert!((10..=14).contains(&fifo.iter().filter(|shape| *shape == "<circle").count()), "{fifo:?}");
         assert!((10..=14).contains(&lru.iter().filter(|shape| *shape == "<rect").count()), "{lru:?}");
@@ -181,7 +184,7 @@ mod tests {
         let axis = |title| Axis::new(title, linear());
         let shapes: Vec<String> = (0..series::SYMBOLS)
             .map(|index| {
-                // The series before have no points, so that all symbols are those of one series.
+                // The preceding series have no points, so all symbols belong to one series.
                 let empty = |n: usize| Series::new(&n.to_string(), Mark::Bars, Vec::new()).faint();
                 let mut all: Vec<Series> = (0..index).map(empty).collect();
                 all.push(Series::new("one", Mark::Points, points(1)).faint());

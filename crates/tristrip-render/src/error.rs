@@ -1,6 +1,6 @@
-//! The errors of charts and images.
+//! Errors of charts and images.
 
-/// Why a chart or an image could not be drawn.
+/// The reason why a chart or an image could not be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -11,7 +11,7 @@ pub enum Error {
     #[error("chart: {0}")]
     Chart(String),
     /// An image cannot be drawn as requested.
-    #[error("picture: {0}")]
+    #[error("image: {0}")]
     Image(String),
 }
 

@@ -1,27 +1,34 @@
-//! Pictures of meshes, of strips and of whole textured models, as PNG files in memory, and what differs between two models in pictures.
+//! Images of meshes, strips and textured models as PNG files in memory, and image differences
+//! between two models.
 //!
 //! ```text
-//! positions, strips ─▶ scene: triangles, normals, paint ─▶ camera: pixels and depth ─▶ raster: bands of rows, nearest triangle ─▶ encoding: PNG
-//!         └▶ colours: neighbouring strips differ ──┐                                    │ shader: colour at a point
-//! model ─▶ textured: parts in their places ─▶ surfaces: materials, textures ────────────┘
+//! positions, strips ─▶ scene: triangles, normals, paint ─▶ camera: pixels, depth ─▶ raster ─▶ PNG
+//!         └▶ colours: neighbouring strips differ ──┐                                │
+//! model ─▶ textured: placed parts ─▶ surfaces: materials, textures ─▶ shader: colour at a point
 //!                └▶ sides: eight cameras around the first of two models ─▶ differences, holes
 //! ```
 //! # Algorithm
-//! 1. A camera projects the vertices: without perspective, scaled to fill the picture, for strips; with perspective, from the eight corners
-//!    of the bounding box, for textured models; or as the camera of a view of detail sees them, without what is behind it.
-//! 2. A corner has the normal of the file, or the mean normal of the triangles around its position, unless the surface has a crease there.
-//! 3. Each strip gets the colour of a palette that its neighbours do not have. A textured model shows its base colour, its
-//!    normals or its texture coordinates, as the [`Mode`] says.
-//! 4. Bands of rows are drawn in parallel, with 4 × 4 samples per pixel. The nearest triangle of each sample is found first; then the shader
-//!    gives its colour there, with values that are corrected for perspective and textures that are mixed from four pixels.
+//! 1. A camera projects the vertices. For strips, the projection is parallel and scaled to fill the
+//!    image. For textured models, it is perspective, fitted to the eight corners of the bounding
+//!    box. Alternatively, the camera of a level-of-detail view is used; geometry behind it is
+//!    clipped.
+//! 2. A corner has the normal of the file, or the mean normal of the triangles at its position,
+//!    unless the surface has a crease there.
+//! 3. Each strip gets a palette colour that differs from those of its neighbours. A textured model
+//!    shows its base colour, normals or texture coordinates, depending on the [`Mode`].
+//! 4. Bands of rows are drawn in parallel with 4 × 4 samples per pixel. The nearest triangle of
+//!    each sample is found first. The shader then computes its colour with perspective-correct
+//!    interpolation and bilinear texture filtering.
 //!
-//! Only sums, products, quotients, square roots and `libm` decide, and images are decoded without instructions of one architecture, so that a
-//! picture has the same bytes on every machine. There is a crate for software rendering, `euc`, but its published version is years old, and
-//! it does not state this.
+//! An image has the same bytes on every machine: only sums, products, quotients, square roots and
+//! `libm` are used, and images are decoded without architecture-specific instructions. The crate
+//! `euc` for software rendering is not used, because its published version is years old and does
+//! not guarantee this.
 //!
 //! # Complexity
-//! Linear time in triangles and samples, and a test of each triangle per band. 150 bytes per triangle, and about as much again while a part
-//! is added or for texture coordinates and colours; 12 bytes per sample of the bands that are drawn at the same time.
+//! Linear time in triangles and samples, plus one test per triangle and band. Memory: 150 bytes per
+//! triangle, about twice that while a part is added or with texture coordinates and colours, and 12
+//! bytes per sample of the bands drawn at the same time.
 
 mod attributes;
 mod camera;
@@ -56,11 +63,12 @@ pub use sheet::{SheetImage, sheet};
 pub use sides::{Differences, SIDES, compare, rows_of_sides};
 pub use textured::TexturedModel;
 
-/// Draws strips with one colour per strip; strips that share an edge have different colours. A part is its positions and its strips.
-/// Returns the bytes of a PNG file.
+/// Draws strips in one colour per strip; strips that share an edge differ in colour. A part
+/// consists of its positions and its strips. Returns the bytes of a PNG file.
 ///
 /// # Errors
-/// A size is 0 or too large, the view has no direction, a coordinate is not finite, or strips name a vertex without a position.
+/// A size is 0 or too large, the view has no direction, a coordinate is not finite, or a strip uses
+/// a vertex without a position.
 ///
 /// ```
 /// use tristrip::Strips;
@@ -77,11 +85,12 @@ pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Resu
     fitted(coloured(parts)?, options)
 }
 
-/// Draws strips as [`strips`] does, as a camera with perspective sees them. Nothing behind the camera is drawn. The vertical angle is that of the camera, the
-/// size of the picture that of the options.
+/// Draws strips like [`strips`], from a perspective camera. Geometry behind the camera is clipped.
+/// The camera defines the vertical field of view, the options the image size.
 ///
 /// # Errors
-/// A size is 0 or too large, a coordinate is not finite, or strips name a vertex without a position.
+/// A size is 0 or too large, a coordinate is not finite, or a strip uses a vertex without a
+/// position.
 ///
 /// ```
 /// use tristrip::{Strips, lod::Camera};
@@ -90,7 +99,8 @@ pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Resu
 /// let mut strip = Strips::default();
 /// strip.push(&[0, 1, 2, 3]);
 /// let camera = Camera::new([0.5, 0.5, 2.0], [0.5, 0.5, 0.0])?;
-/// let png = strips_seen(&[(&square, &strip)], &camera, &RenderOptions::default().with_size(64, 48))?;
+/// let options = RenderOptions::default().with_size(64, 48);
+/// let png = strips_seen(&[(&square, &strip)], &camera, &options)?;
 /// assert!(png.starts_with(b"\x89PNG"));
 /// # Ok::<(), tristrip_render::Error>(())
 /// ```
@@ -102,10 +112,12 @@ pub fn strips_seen(
     seen(&coloured(parts)?, camera, options)
 }
 
-/// Draws triangles, three indices each, in one colour. A part is its positions and its triangles. Returns the bytes of a PNG file.
+/// Draws triangles, three indices each, in one colour. A part consists of its positions and its
+/// triangles. Returns the bytes of a PNG file.
 ///
 /// # Errors
-/// A size is 0 or too large, the view has no direction, a coordinate is not finite, or a triangle names a vertex without a position.
+/// A size is 0 or too large, the view has no direction, a coordinate is not finite, or a triangle
+/// uses a vertex without a position.
 ///
 /// ```
 /// use tristrip_render::images::{RenderOptions, triangles};
@@ -119,17 +131,20 @@ pub fn triangles(parts: &[(&[[f32; 3]], &[u32])], options: &RenderOptions) -> Re
     fitted(plain(parts)?, options)
 }
 
-/// Draws triangles as [`triangles`] does, as a camera with perspective sees them. Nothing behind the camera is drawn.
+/// Draws triangles like [`triangles`], from a perspective camera. Geometry behind the camera is
+/// clipped.
 ///
 /// # Errors
-/// A size is 0 or too large, a coordinate is not finite, or a triangle names a vertex without a position.
+/// A size is 0 or too large, a coordinate is not finite, or a triangle uses a vertex without a
+/// position.
 ///
 /// ```
 /// use tristrip::lod::Camera;
 /// use tristrip_render::images::{RenderOptions, triangles_seen};
 /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let camera = Camera::new([0.5, 0.5, 2.0], [0.5, 0.5, 0.0])?;
-/// let png = triangles_seen(&[(&corners, &[0, 1, 2])], &camera, &RenderOptions::default().with_size(64, 48))?;
+/// let options = RenderOptions::default().with_size(64, 48);
+/// let png = triangles_seen(&[(&corners, &[0, 1, 2])], &camera, &options)?;
 /// assert!(png.starts_with(b"\x89PNG"));
 /// # Ok::<(), tristrip_render::Error>(())
 /// ```
@@ -141,12 +156,12 @@ pub fn triangles_seen(
     seen(&plain(parts)?, camera, options)
 }
 
-/// Draws triangles as a camera sees them, and encodes them.
+/// Draws triangles from a camera and encodes the image.
 fn seen(facets: &[Facet], camera: &lod::Camera, options: &RenderOptions) -> Result<Vec<u8>, Error> {
     encode(&pixels_seen(facets, camera, options)?, options)
 }
 
-/// Draws triangles as large as the picture allows, and encodes them.
+/// Draws triangles as large as the image allows and encodes the image.
 fn fitted(mut facets: Vec<Facet>, options: &RenderOptions) -> Result<Vec<u8>, Error> {
     let camera = Camera::fitted(&facets, options)?;
     for facet in &mut facets {
@@ -159,7 +174,7 @@ fn fitted(mut facets: Vec<Facet>, options: &RenderOptions) -> Result<Vec<u8>, Er
 mod tests {
     use super::*;
 
-    /// Decodes a picture without transparency.
+    /// Decodes an image without transparency.
     fn decoded(png: &[u8]) -> (u32, Vec<[u8; 3]>) {
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
         let mut data = vec![0; reader.output_buffer_size().unwrap()];
@@ -168,7 +183,7 @@ mod tests {
         (info.width, data.as_chunks().0.to_vec())
     }
 
-    /// Returns a square at a depth, and its two triangles.
+    /// Returns the corners of a square at a depth.
     fn square(x: f32, z: f32) -> Vec<[f32; 3]> {
         [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[a, b]| [x + a, b, z]).to_vec()
     }
@@ -221,7 +236,8 @@ mod tests {
         assert_eq!(pool.install(|| picture(&[0, 1, 2])), picture(&[0, 1, 2]));
     }
 
-    /// A floor around the eye has its horizon in the middle of the picture: everything below is floor, and what is behind the eye does not show.
+    /// A floor around the eye has its horizon in the middle of the image. Everything below is
+    /// floor, and geometry behind the eye is not visible.
     #[test]
     fn what_is_behind_the_camera_is_cut_off() {
         let floor = [[-1e4, -1.0, -1e4], [1e4, -1.0, -1e4], [-1e4, -1.0, 1e4], [1e4, -1.0, 1e4]];
@@ -238,7 +254,7 @@ mod tests {
         assert!(decoded(&png).1.iter().all(|&pixel| pixel == [255; 3]));
     }
 
-    /// A square of height 1 at the distance at which the picture has height 2.
+    /// A square of height 1 at the distance at which the image has height 2.
     #[test]
     fn a_camera_shows_lengths_in_perspective() {
         let corners = square(-0.5, 0.0).into_iter().map(|[x, y, z]| [x, y - 0.5, z]).collect::<Vec<_>>();

@@ -1,16 +1,18 @@
-//! Rate and distortion of streams: the error of the levels against the bytes that lead to them.
+//! Rate-distortion charts of streams: the error of the levels by the bytes read.
 
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
 
-/// Draws the error after each chunk against the bytes up to its end, for each named file; with errors of 0 left out.
+/// Draws the error after each chunk by the end of the chunk in the file, for each named file.
+/// Errors of 0 are omitted.
 ///
 /// # Errors
-/// The drawing library fails; no input is known that causes this.
+/// The drawing library fails. No known input causes this.
 ///
 /// ```
 /// let chunks = vec![(1_000, 0.1), (3_000, 0.05), (7_000, 0.02)];
-/// assert!(tristrip_render::rate::draw(&[("bunny.glb".to_owned(), chunks)])?.contains("bunny.glb"));
+/// let svg = tristrip_render::rate::draw(&[("bunny.glb".to_owned(), chunks)])?;
+/// assert!(svg.contains("bunny.glb"));
 /// # Ok::<(), tristrip_render::Error>(())
 /// ```
 pub fn draw(files: &[(String, Vec<(usize, f32)>)]) -> Result<String, Error> {

@@ -19,7 +19,7 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// Formats a number of bytes.
+/// Formats a size in bytes.
 ///
 /// ```
 /// assert_eq!([312, 1_300_000].map(tristrip_render::text::bytes), ["312 bytes", "1.3 MB"]);
@@ -32,8 +32,8 @@ pub fn bytes(n: usize) -> String {
     }
 }
 
-/// Formats rows of cells as an aligned table with two spaces between columns; the given columns are right-aligned. Lines have no
-/// trailing spaces.
+/// Formats rows of cells as an aligned table with two spaces between columns. The columns in
+/// `right` are right-aligned. Lines have no trailing spaces.
 ///
 /// ```
 /// let rows = [vec!["strips".to_owned(), "7".into()], vec!["swaps".into(), "12".into()]];
@@ -54,11 +54,13 @@ pub fn table(rows: &[Vec<String>], right: Range<usize>) -> String {
     out
 }
 
-/// Formats rows as a Markdown table; the first row is the head, and the given columns are right-aligned.
+/// Formats rows as a Markdown table. The first row is the header; the columns in `right` are
+/// right-aligned.
 ///
 /// ```
 /// let rows = [vec!["strips".to_owned(), "swaps".into()], vec!["7".into(), "12".into()]];
-/// assert!(tristrip_render::text::markdown(&rows, 0..2).starts_with("| strips | swaps |\n|---:|---:|\n"));
+/// let table = tristrip_render::text::markdown(&rows, 0..2);
+/// assert!(table.starts_with("| strips | swaps |\n|---:|---:|\n"));
 /// ```
 pub fn markdown(rows: &[Vec<String>], right: Range<usize>) -> String {
     let columns = rows.first().map_or(0, Vec::len);

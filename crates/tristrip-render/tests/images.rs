@@ -275,7 +275,7 @@ fn wrong_images_and_a_model_behind_the_eye_are_refused() {
         let mut bad = glb.clone();
         bad[at + offset] = byte;
         let error = TexturedModel::new(&read(&bad, Format::Glb).unwrap()).unwrap_err().to_string();
-        assert!(error.contains(message) && error.starts_with("picture: images[0]: "), "{error}");
+        assert!(error.contains(message) && error.starts_with("image: images[0]: "), "{error}");
     }
     let triangle = |scale: &str| {
         let text = format!("v 0 0 0\nv {scale} 0 0\nv 0 {scale} {scale}\nf 1 2 3\n");

@@ -1,8 +1,9 @@
-//! Axes: from values to coordinates, and the ticks.
+//! Axes: the mapping of values to coordinates, and the ticks.
 //!
-//! A scale maps a value to a coordinate; a span has the range of coordinates, and its ticks with their labels. Steps of a linear axis
-//! are 1, 2 or 5 times a power of ten, found by multiplication. Logarithmic axes use the logarithms of `libm`, because the precision of
-//! those of the platform differs, and a chart must have the same bytes on every machine.
+//! A scale maps a value to a coordinate. A span has the range of coordinates and the ticks with
+//! their labels. Steps of a linear axis are 1, 2 or 5 times a power of ten, found by
+//! multiplication. Logarithmic axes use `libm`, because the precision of the platform's logarithms
+//! differs, and a chart must have the same bytes on every machine.
 
 use std::ops::Range;
 
@@ -16,22 +17,22 @@ const STEPS: f64 = 6.0;
 /// The maximum number of ticks of a logarithmic axis.
 const LOG_TICKS: usize = 10;
 
-/// Greater coordinates are not shown: `f64` could not distinguish their ticks.
+/// Larger coordinates are not shown, because `f64` could not distinguish their ticks.
 const LARGEST: f64 = 1e15;
 
-/// How values map to coordinates.
+/// The mapping of values to coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Scale {
-    /// Equal steps from 0, or from near the least value.
+    /// Equal steps, starting at 0 or near the minimum.
     Linear {
-        /// Whether the axis begins at 0.
+        /// Whether the axis starts at 0.
         from_zero: bool,
     },
-    /// Equal ratios, ticks at powers of two.
+    /// Logarithmic, with ticks at powers of two.
     Log2,
-    /// Equal ratios, ticks at powers of ten, with 2 and 5 between if there is space.
+    /// Logarithmic, with ticks at powers of ten, and at 2 and 5 times these if there is space.
     Log10,
-    /// Names at 0, 1, 2 …
+    /// Names at 0, 1, 2, …
     Names(Vec<String>),
 }
 
@@ -48,7 +49,7 @@ impl Axis {
         Self { title: title.into(), scale }
     }
 
-    /// Returns a span that contains values; with bars it extends by 0.5 at both ends.
+    /// Returns a span that contains the values. With bars, it extends by 0.5 at both ends.
     pub(super) fn span(&self, values: impl Iterator<Item = f64>, bars: bool) -> AxisSpan {
         let coordinates = values.filter_map(|value| self.scale.coordinate(value));
         let (low, high) =
@@ -68,7 +69,7 @@ impl Axis {
 }
 
 impl Scale {
-    /// Returns the coordinate of a value; `None` if the scale cannot show it.
+    /// Returns the coordinate of a value, or `None` if the scale cannot show it.
     pub(super) fn coordinate(&self, value: f64) -> Option<f64> {
         let coordinate = match self {
             Self::Linear { .. } | Self::Names(_) => value,
@@ -123,7 +124,7 @@ impl ValueFormatter<f64> for AxisSpan {
 }
 
 fn linear(low: f64, high: f64) -> AxisSpan {
-    // A single value is in the middle of an interval around it.
+    // A single value is centred in an interval.
     let (low, high) = if low < high {
         (low, high)
     } else {
@@ -136,7 +137,8 @@ fn linear(low: f64, high: f64) -> AxisSpan {
     AxisSpan { low: first * step, high: (last * step).max(first * step + step), ticks: ticks.collect() }
 }
 
-/// Returns the least step of 1, 2 or 5 times a power of ten that is at least a length, and its number of decimals.
+/// Returns the smallest step of 1, 2 or 5 times a power of ten that is at least `least`, and its
+/// number of decimals.
 fn step(least: f64) -> (f64, usize) {
     let mut power = 1.0_f64;
     let mut digits = 0_usize;
@@ -174,7 +176,7 @@ fn log2(low: f64, high: f64) -> AxisSpan {
 }
 
 fn log10(low: f64, high: f64) -> AxisSpan {
-    // Parsed from text, each power is the nearest `f64`.
+    // Powers are parsed from text, so each is the nearest `f64`.
     let powers = (-12..=15).filter_map(|power| format!("1e{power}").parse::<f64>().ok());
     let candidates: Vec<f64> =
         powers.flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * power)).collect();

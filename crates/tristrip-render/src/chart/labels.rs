@@ -1,18 +1,19 @@
-//! Label placement: beside the points, or, if every label must be shown, farther away with a leader line.
+//! Label placement: next to the points, or farther away with a leader line if every label must be
+//! shown.
 //!
 //! ```text
 //!      above                   · · · ·
-//!  left  ●  right   and then   ·  ●  ·   candidate positions on squares of growing size, until one is free
+//!  left  ●  right   and then   ·  ●  ·   candidates on squares of growing size
 //!      below                   · · · ·
 //! ```
 //! # Algorithm
-//! Greedy, in the order of the labels: each takes its first free candidate. Positions are whole pixels, so that the result does not
-//! depend on the rounding of a machine.
+//! Greedy, in the order of the labels: each label takes its first free candidate. Positions are
+//! integer pixels, so the result does not depend on rounding.
 
 /// Left, top, right and bottom in pixels.
 pub(super) type PixelRect = [i32; 4];
 
-/// The distance from a point to a label beside it, in pixels.
+/// The distance from a point to a label next to it, in pixels.
 const BESIDE: i32 = 7;
 /// Half the height of a label.
 const HALF_HEIGHT: i32 = 6;
@@ -25,7 +26,7 @@ const SYMBOL: i32 = 5;
 /// The distance between two candidates of a ring.
 const STEP: i32 = 6;
 
-/// A label to be placed.
+/// A label to place.
 #[derive(Debug, Clone)]
 pub(super) struct PointLabel {
     /// The labelled point.
@@ -34,15 +35,15 @@ pub(super) struct PointLabel {
     pub(super) width: i32,
 }
 
-/// Where a label is drawn.
+/// The position of a label.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct LabelPosition {
     pub(super) rect: PixelRect,
-    /// The leader line from the point, if the label is not beside it.
+    /// The leader line from the point, if the label is not next to it.
     pub(super) leader: Option<((i32, i32), (i32, i32))>,
 }
 
-/// What labels must avoid.
+/// The symbols and lines that labels must avoid.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Obstacles {
     symbols: Vec<PixelRect>,
@@ -65,8 +66,8 @@ impl Obstacles {
     }
 }
 
-/// Returns a position for each label, or `None` if there is no free space. With obstacles, all candidates around a point are tried,
-/// otherwise only the four beside it.
+/// Returns a position for each label, or `None` if there is no free space. With obstacles, all
+/// candidates around a point are tried; without, only the four next to it.
 pub(super) fn place_labels(
     labels: &[PointLabel],
     bounds: PixelRect,
@@ -88,25 +89,26 @@ pub(super) fn place_labels(
     positions
 }
 
-/// What labels and leader lines must avoid; weaker levels have more free candidates. No label ever covers a label or a symbol.
+/// What labels and leader lines must avoid. Weaker levels have more free candidates. No label ever
+/// overlaps a label or a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Clearance {
-    /// Nothing else: needed only where labels surround a point.
+    /// Nothing else. Needed only if labels surround a point.
     Least,
-    /// No label covers a leader line, and no leader line crosses a label.
+    /// No label overlaps a leader line, and no leader line crosses a label.
     Labels,
-    /// In addition, no leader line crosses another, or a symbol other than its own.
+    /// In addition, no leader line crosses another one, or a symbol other than its own.
     Symbols,
-    /// In addition, no label covers a line of a series.
+    /// In addition, no label overlaps a line of a series.
     Lines,
 }
 
 impl Clearance {
-    /// All levels, from the strictest to the weakest.
+    /// All levels, from strictest to weakest.
     const ALL: [Self; 4] = [Self::Lines, Self::Symbols, Self::Labels, Self::Least];
 }
 
-/// The space that is not free.
+/// The occupied space.
 #[derive(Debug, Default)]
 struct Occupied {
     bounds: PixelRect,
@@ -116,7 +118,8 @@ struct Occupied {
 }
 
 impl Occupied {
-    /// Checks whether a label at a position, of the point `at`, keeps a level of clearance.
+    /// Checks whether a label of the point `at` can be placed at a position with the given
+    /// clearance.
     fn is_free(&self, position: &LabelPosition, at: (i32, i32), clearance: Clearance) -> bool {
         let Obstacles { symbols, lines } = &self.obstacles;
         let free = |of: &[PixelRect], rect: &PixelRect| of.iter().all(|other| !overlap(rect, other));
@@ -154,7 +157,8 @@ fn candidates(label: &PointLabel, with_rings: bool) -> impl Iterator<Item = Labe
     near.into_iter().chain(far)
 }
 
-/// Iterates over points on the sides of a square around 0, from the middle of each side outwards.
+/// Iterates over points on the sides of a square around the origin, from the middle of each side
+/// outwards.
 fn square(half: i32) -> impl Iterator<Item = (i32, i32)> {
     let along = (0..=half / STEP).flat_map(|i| [i * STEP, -i * STEP]);
     along.flat_map(move |offset| [(half, offset), (-half, offset), (offset, -half), (offset, half)])

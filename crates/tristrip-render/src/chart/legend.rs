@@ -13,7 +13,8 @@ const SYMBOL_WIDTH: i32 = 30;
 /// The distance between two entries.
 const GAP: i32 = 16;
 
-/// Draws the legend from its top left corner, in rows of at most `width` pixels. Returns its height.
+/// Draws the legend from its top left corner, in rows of at most `width` pixels. Returns its
+/// height.
 pub(super) fn draw(
     area: &Area<'_>,
     series: &[Series],

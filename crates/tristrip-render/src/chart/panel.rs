@@ -28,7 +28,7 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Creates a panel. A panel of more than one series has a legend.
+    /// Creates a panel. With more than one series, it has a legend.
     pub fn new(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Self {
         Self { title: title.into(), x, y, series, note: String::new(), every_label: false }
     }
@@ -40,16 +40,17 @@ impl Panel {
         self
     }
 
-    /// Draws a label that has no free space beside its point farther away, with a leader line. Labels cover no symbols.
+    /// Draws every label: those without free space next to their point are placed farther away,
+    /// with a leader line. Labels never overlap symbols.
     #[must_use]
     pub fn with_every_label(mut self) -> Self {
         self.every_label = true;
         self
     }
 
-    /// Draws the panel into an area of the root; symbols and labels are drawn in root coordinates.
+    /// Draws the panel into an area of the root. Symbols and labels are drawn in root coordinates.
     pub(super) fn draw(&self, area: &Area<'_>, root: &Area<'_>) -> DrawResult {
-        // 1. Ranges of the axes.
+        // 1. Axis ranges.
         let values = |take: fn(&(f64, f64)) -> f64| {
             self.series.iter().flat_map(move |series| series.points.iter().map(take))
         };
@@ -88,7 +89,8 @@ impl Panel {
             .axis_style(INK)
             .draw()?;
 
-        // 4. Series, in reverse order, so that the first is on top; symbols last, so that no line hides them.
+        // 4. Series in reverse order, so the first is on top. Symbols are drawn last, so no line
+        //    hides them.
         let mut bar = bars;
         for (index, series) in self.series.iter().enumerate().rev() {
             if series.mark == Mark::Bars {
@@ -104,15 +106,15 @@ impl Panel {
         self.draw_labels((root, &plot), &x, &y)
     }
 
-    /// Iterates over the points of a series that the axes can show: index and axis coordinates.
+    /// Iterates over the visible points of a series: index and axis coordinates.
     fn coordinates<'a>(&'a self, series: &'a Series) -> impl Iterator<Item = (usize, (f64, f64))> + 'a {
         series.points.iter().enumerate().filter_map(|(index, &(x, y))| {
             Some((index, (self.x.scale.coordinate(x)?, self.y.scale.coordinate(y)?)))
         })
     }
 
-    /// Returns the points of a series that have a symbol: of a line, a few. Those of several lines alternate, so that where one line hides
-    /// another the symbols of both are seen.
+    /// Returns the points of a series that get a symbol; on a line, only some of them. The symbols
+    /// of several lines alternate, so they are visible where one line hides another.
     fn marked(&self, index: usize, series: &Series) -> Vec<(f64, f64)> {
         let points: Vec<(f64, f64)> = self.coordinates(series).map(|(_, at)| at).collect();
         match series.mark {
@@ -121,7 +123,7 @@ impl Panel {
             Mark::Line => {
                 let lines = self.series.iter().filter(|series| series.mark == Mark::Line).count();
                 let stride = points.len().div_ceil(SYMBOLS_PER_LINE).max(lines.min(points.len())).max(1);
-                // The first symbols of the lines are spread over a stride.
+                // The first symbols of the lines are spread over one stride.
                 let first = (index * stride / lines.max(1)) % stride;
                 points.into_iter().skip(first).step_by(stride).collect()
             }
@@ -153,7 +155,8 @@ impl Panel {
         Ok(())
     }
 
-    /// Draws labels beside their points or farther away, so that they overlap neither each other nor the border.
+    /// Draws labels next to their points or farther away, without overlapping each other or the
+    /// border.
     fn draw_labels(
         &self,
         (root, plot): (&Area<'_>, &Plot<'_, '_>),
@@ -186,7 +189,7 @@ impl Panel {
         Ok(())
     }
 
-    /// Collects what labels must avoid: all symbols and lines.
+    /// Collects all symbols and lines, which labels must avoid.
     fn obstacles(&self, plot: &Plot<'_, '_>) -> Obstacles {
         let mut obstacles = Obstacles::default();
         for series in self.series.iter().filter(|series| series.mark != Mark::Bars) {

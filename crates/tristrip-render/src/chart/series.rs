@@ -1,4 +1,4 @@
-//! Data series: named points, and the mark by which they are drawn.
+//! Data series: named points and their mark.
 
 use plotters::prelude::*;
 
@@ -7,17 +7,18 @@ use super::style::{Area, DrawResult, FAINT, series_colour};
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
-    /// A line through the points in their order; some points have a symbol.
+    /// A line through the points in order; some points have a symbol.
     Line,
-    /// A step function: horizontal from each point to the x of the next, then vertical; each point has a symbol.
+    /// A step function: horizontal from each point to the x of the next, then vertical. Each point
+    /// has a symbol.
     Steps,
     /// Symbols only.
     Points,
-    /// Bars from the axis; bars of several series stand side by side.
+    /// Bars from the axis. Bars of several series are drawn side by side.
     Bars,
 }
 
-/// Points with one name, colour and mark.
+/// Points with a common name, colour and mark.
 #[derive(Debug, Clone)]
 pub struct Series {
     pub(super) name: String,
@@ -28,40 +29,42 @@ pub struct Series {
 }
 
 impl Series {
-    /// Creates a series. Points that are not finite, or not positive on a logarithmic axis, are not drawn.
+    /// Creates a series. Points that are not finite, or not positive on a logarithmic axis, are not
+    /// drawn.
     pub fn new(name: &str, mark: Mark, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.into(), mark, points, labels: Vec::new(), faint: false }
     }
 
-    /// Creates bars at 0, 1, 2 … for an axis of names.
+    /// Creates bars at 0, 1, 2, … for an axis of names.
     pub fn bars(name: &str, heights: &[f64]) -> Self {
         Self::new(name, Mark::Bars, heights.iter().enumerate().map(|(i, &h)| (i as f64, h)).collect())
     }
 
-    /// Adds a label per point. Empty labels, and labels without free space, are not drawn.
+    /// Adds a label per point. Empty labels and labels without free space are not drawn.
     #[must_use]
     pub fn with_labels(mut self, labels: Vec<String>) -> Self {
         self.labels = labels;
         self
     }
 
-    /// Draws the series in grey, as background.
+    /// Draws the series in grey, in the background.
     #[must_use]
     pub fn faint(mut self) -> Self {
         self.faint = true;
         self
     }
 
-    /// Returns the colour of this series, given its index in the panel.
+    /// Returns the colour of this series for its index in the panel.
     pub(super) fn colour(&self, index: usize) -> RGBColor {
         if self.faint { FAINT } else { series_colour(index) }
     }
 }
 
-/// The number of different symbols; a chart with more series repeats them.
+/// The number of different symbols. Charts with more series repeat them.
 pub(super) const SYMBOLS: usize = 8;
 
-/// Draws the symbol of a series, by its index: a disc, a square, a triangle, a cross, a diamond, a ring, a triangle that points down, a plus.
+/// Draws the symbol of a series by its index: disc, square, triangle, cross, diamond, ring,
+/// inverted triangle, plus.
 pub(super) fn draw_symbol(area: &Area<'_>, (x, y): (i32, i32), index: usize, colour: RGBColor) -> DrawResult {
     let polygon = |corners: &[(i32, i32)]| {
         Polygon::new(corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect::<Vec<_>>(), colour.filled())
@@ -86,7 +89,7 @@ pub(super) fn draw_symbol(area: &Area<'_>, (x, y): (i32, i32), index: usize, col
     }
 }
 
-/// Inserts a corner between each two points: the x of the second, the y of the first.
+/// Inserts a corner between consecutive points, with the x of the second and the y of the first.
 pub(super) fn with_corners(points: impl Iterator<Item = (f64, f64)>) -> impl Iterator<Item = (f64, f64)> {
     let mut previous = None;
     points.flat_map(move |(x, y)| {

@@ -1,10 +1,10 @@
-//! Colours, sizes and text styles that all elements of a chart share.
+//! Colours, sizes and text styles shared by all elements of a chart.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Okabe and Ito's colours, which people with colour-vision deficiencies can distinguish.
+/// The colours of Okabe and Ito, which people with colour-vision deficiencies can distinguish.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -16,7 +16,7 @@ const COLOURS: [RGBColor; 7] = [
 ];
 /// The colour of axes and text.
 pub(super) const INK: RGBColor = RGBColor(40, 40, 40);
-/// The colour of the marks of background series, and of leader lines.
+/// The colour of background series and leader lines.
 pub(super) const FAINT: RGBColor = RGBColor(158, 158, 158);
 /// The colour of labels of background series.
 pub(super) const FAINT_INK: RGBColor = RGBColor(112, 112, 112);
@@ -25,7 +25,7 @@ pub(super) const GRID: RGBColor = RGBColor(222, 222, 222);
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type DrawResult<T = ()> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
 
-/// Returns the colour of the series with an index; colours repeat after seven series.
+/// Returns the colour for a series index. Colours repeat after seven series.
 pub(super) fn series_colour(index: usize) -> RGBColor {
     COLOURS[index % COLOURS.len()]
 }
@@ -41,11 +41,11 @@ pub(super) fn title_style() -> TextStyle<'static> {
 }
 
 fn font(pixels: u32, style: FontStyle) -> FontDesc<'static> {
-    // The library takes the line height and divides by 1.24 to get the font height.
+    // The library expects the line height and divides it by 1.24 to get the font height.
     FontDesc::new(FontFamily::SansSerif, 1.24 * f64::from(pixels), style)
 }
 
-/// Estimates the width of a text in pixels; the estimate is an upper bound for most texts.
+/// Estimates the width of a text in pixels. The estimate is an upper bound for most texts.
 pub(super) fn text_width(text: &str, pixels: i32) -> i32 {
     (text.chars().take(1000).map(|_| 3 * pixels).sum::<i32>() + 4) / 5
 }

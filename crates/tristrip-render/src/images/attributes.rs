@@ -1,9 +1,9 @@
-//! The values of vertex attributes as floats, whatever their types are.
+//! Converts vertex attributes of any type to floats.
 
 use tristrip::{Attribute, AttributeData};
 
-/// Returns the first values of a vertex as floats, integers as fractions of their range where the attribute says so; zeros where it has
-/// fewer.
+/// Returns the first values of a vertex as floats. Normalized integers become fractions of their
+/// range. Missing components are zero.
 pub(super) fn values<const N: usize>(attribute: &Attribute, vertex: u32) -> [f32; N] {
     let components = usize::from(attribute.components);
     std::array::from_fn(|i| {

@@ -1,10 +1,10 @@
-//! Cameras: from the axes of a model to pixels and depth.
+//! Cameras: from model axes to pixels and depth.
 //!
 //! ```text
-//!              up                        parallel:    depth = towards · p
-//!               │   ╱ towards the eye    perspective: depth = 1 / w, w = distance from the eye along the axis
-//!               │ ╱
-//!               └──── right              both grow towards the eye and are linear over a triangle in the picture
+//!       up                       parallel:    depth = towards · p
+//!        │   ╱ towards the eye   perspective: depth = 1 / w, w = distance along the view axis
+//!        │ ╱
+//!        └──── right             both increase towards the eye and are linear over a triangle
 //! ```
 
 use super::options::{RenderOptions, View};
@@ -13,17 +13,18 @@ use super::vector::{Vector, add, cross, dot, sub, unit};
 use crate::error::Error;
 use tristrip::lod;
 
-/// The part of the width and height that the margins on both sides leave for the model.
+/// The fraction of the width and height that the model fills; the rest is margin.
 const FILLED: f64 = 0.94;
 
-/// The distance of the eye from the middle of a box, in halves of its diagonal: a field of view of about 40 degrees.
+/// The distance of the eye from the centre of a box, in halves of its diagonal: a field of view of
+/// about 40 degrees.
 const EYE_DISTANCE: f64 = 3.0;
-/// The least distance of what is drawn from the eye, in the same unit.
+/// The near plane, in the same unit.
 const NEAR: f64 = 0.01;
-/// The same of a view of detail, in distances of the eye from the point that it looks at. What is nearer is not drawn.
+/// The near plane of a level-of-detail view, relative to the distance from the eye to the target.
 const NEAR_OF_VIEW: f64 = 1e-3;
 
-/// The axes of a picture, in those of the model.
+/// The image axes in model coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Axes {
     right: Vector,
@@ -38,42 +39,42 @@ impl Axes {
             Some(Self { right, up: cross(towards, right), towards })
         });
         axes.ok_or_else(|| {
-            Error::Image("view: found no direction, expected a direction of view and another one up".into())
+            Error::Image("view: found no direction, expected a view direction and an up direction that is not parallel".into())
         })
     }
 
-    /// Returns a vector of the picture in the axes of the model.
+    /// Converts a vector from image axes to model axes.
     pub(super) fn outward(&self, [x, y, z]: Vector) -> Vector {
         let along = |axis: Vector, length: f64| axis.map(|share| share * length);
         add(add(along(self.right, x), along(self.up, y)), along(self.towards, z))
     }
 
-    /// Returns a vector of the model in the axes of the picture.
+    /// Converts a vector from model axes to image axes.
     fn inward(&self, v: Vector) -> Vector {
         [dot(v, self.right), dot(v, self.up), dot(v, self.towards)]
     }
 }
 
-/// From where, and with which scale, a picture is seen.
+/// The position, direction and scale of a view.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Camera {
     pub(super) axes: Axes,
-    /// The eye, and the least distance from it; `None` for a parallel projection.
+    /// The eye and the distance of the near plane; `None` for a parallel projection.
     eye: Option<(Vector, f64)>,
     scale: f64,
-    /// The point of the projection in the middle of the picture.
+    /// The projected point at the centre of the image.
     middle: [f64; 2],
     size: [f64; 2],
 }
 
 impl Camera {
-    /// Returns the camera with parallel rays that fills the picture with triangles.
+    /// Returns the parallel camera for which the triangles fill the image.
     pub(super) fn fitted(facets: &[Facet], options: &RenderOptions) -> Result<Self, Error> {
         let corners = facets.iter().flat_map(|facet| facet.corners);
         Self::unscaled(options, options.view, None)?.filled_with(corners)
     }
 
-    /// Returns the camera with perspective that fills the picture with a box.
+    /// Returns the perspective camera for which a box fills the image.
     pub(super) fn around(low: Vector, high: Vector, options: &RenderOptions) -> Result<Self, Error> {
         let view = options.view;
         let centre = [0, 1, 2].map(|i| low[i] / 2.0 + high[i] / 2.0);
@@ -81,10 +82,10 @@ impl Camera {
         let radius = dot(half, half).sqrt();
         if !radius.is_finite() {
             return Err(Error::Image(format!(
-                "found a box from {low:?} to {high:?}, expected a smaller one"
+                "found a bounding box from {low:?} to {high:?}, expected a smaller one"
             )));
         }
-        // A model without extent is seen from any distance.
+        // A model without extent is visible from any distance.
         let radius = if radius > 0.0 { radius } else { 1.0 };
         let towards = Axes::of(view)?.towards;
         let eye = add(centre, towards.map(|x| x * (EYE_DISTANCE * radius)));
@@ -93,7 +94,8 @@ impl Camera {
         camera.filled_with((0..8).map(corner))
     }
 
-    /// Returns the camera of a view of detail, for a picture of any width and height: the vertical angle is that of the view.
+    /// Returns the camera of a level-of-detail view for any image size. The view defines the
+    /// vertical field of view.
     pub(super) fn of_view(view: &lod::Camera, options: &RenderOptions) -> Result<Self, Error> {
         options.check()?;
         let [right, up, forward] = view.axes();
@@ -113,7 +115,7 @@ impl Camera {
         Ok(Self { axes: Axes::of(view)?, eye, scale: 1.0, middle: [0.0; 2], size })
     }
 
-    /// Scales the projection so that points fill the picture.
+    /// Scales the projection so that the points fill the image.
     fn filled_with(self, points: impl Iterator<Item = Vector>) -> Result<Self, Error> {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for point in points {
@@ -128,7 +130,8 @@ impl Camera {
         Ok(Self { scale: scale(0).min(scale(1)), middle, ..self })
     }
 
-    /// Whether the depth is the reciprocal of the distance, and values over a triangle are therefore weighted by it.
+    /// Whether depth is the reciprocal of the distance. Interpolation over a triangle is then
+    /// perspective-correct.
     pub(super) fn perspective(&self) -> bool {
         self.eye.is_some()
     }
@@ -144,7 +147,8 @@ impl Camera {
         Ok(seen)
     }
 
-    /// Adds what of a triangle of one colour is in front of the eye, in pixels and depth: nothing, or one or two triangles.
+    /// Adds the part of a triangle in front of the near plane, in pixels and depth: nothing, one or
+    /// two triangles. The triangle must have one colour.
     ///
     /// ```text
     ///        a            two corners in front of the near plane: a, b and the two points where
@@ -153,7 +157,8 @@ impl Camera {
     ///  ─────╲───╲── near
     ///        ╲╱ c         eye below
     /// ```
-    /// The point of an edge is computed from its end in front, so that it is the same in both triangles of the edge.
+    /// The intersection with an edge is computed from its visible end, so both triangles of the
+    /// edge get the same point.
     pub(super) fn clip(&self, facet: &Facet, seen: &mut Vec<Facet>) -> Result<(), Error> {
         let Some((eye, near)) = self.eye else {
             seen.push(self.facet(facet)?);
@@ -180,14 +185,14 @@ impl Camera {
         for pair in outline.windows(2).skip(1) {
             let corners = [outline[0], pair[0], pair[1]];
             let part = Facet { corners: corners.map(|c| c.0), normals: corners.map(|c| c.1), ..*facet };
-            // Rounding of the points on the plane does not matter.
+            // Tolerate rounding of points on the near plane.
             let wider = Self { eye: Some((eye, 0.5 * near)), ..*self };
             seen.push(wider.facet(&part)?);
         }
         Ok(())
     }
 
-    /// Returns the eye, and the direction from it through a point of the picture in pixels.
+    /// Returns the eye and the direction from it through a pixel.
     #[cfg(test)]
     pub(super) fn ray(&self, pixel: [f64; 2]) -> Option<(Vector, Vector)> {
         let (eye, _) = self.eye?;
@@ -196,14 +201,14 @@ impl Camera {
         Some((eye, self.axes.outward([x, y, -1.0])))
     }
 
-    /// Returns a point in the projection, without scale, and its depth.
+    /// Returns the unscaled projection of a point, and its depth.
     fn projected(&self, point: Vector) -> Result<Vector, Error> {
         let Some((eye, near)) = self.eye else { return Ok(self.axes.inward(point)) };
         let [x, y, z] = self.axes.inward(sub(point, eye));
         let distance = -z;
         if distance < near || distance.is_nan() {
-            let expected = "expected a point in front of it; is it the same model?";
-            return Err(Error::Image(format!("found {point:?} beside or behind the eye, {expected}")));
+            let expected = "expected a point in front of it; do both files contain the same model?";
+            return Err(Error::Image(format!("found {point:?} next to or behind the eye, {expected}")));
         }
         Ok([x / distance, y / distance, 1.0 / distance])
     }

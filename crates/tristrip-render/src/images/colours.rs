@@ -1,4 +1,4 @@
-//! The colours of strips: neighbours differ, and every colour of the palette is used about equally.
+//! The colours of strips: neighbours differ, and all palette colours are used about equally.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,8 @@ use tristrip::strip_triangles;
 /// The colour of a mesh without strips, in sRGB.
 pub(super) const PLAIN: [u8; 3] = [198, 203, 211];
 
-/// Hues in an order in which consecutive ones differ strongly, in sRGB; all are light enough to show the shading.
+/// sRGB hues, ordered so that consecutive ones differ strongly. All are light enough to show the
+/// shading.
 const PALETTE: [[u8; 3]; 14] = [
     [74, 144, 217],
     [243, 156, 72],
@@ -26,10 +27,11 @@ const PALETTE: [[u8; 3]; 14] = [
     [200, 96, 178],
 ];
 
-/// Returns the colour of each strip, in sRGB.
+/// Returns the sRGB colour of each strip.
 ///
-/// The strips with the most triangles choose first: among the colours that no neighbour has, the one that is used least. If the neighbours
-/// have all colours, the one that covers the fewest triangles around the strip.
+/// Strips choose in descending order of their triangle counts. A strip takes the least used colour
+/// that no neighbour has. If its neighbours have all colours, it takes the one with the fewest
+/// shared edges.
 pub(super) fn of_strips(strips: &Strips) -> Vec<[u8; 3]> {
     let neighbours = neighbours(strips);
     let sizes: Vec<usize> = strips.iter().map(|strip| strip_triangles(strip).count()).collect();
@@ -51,7 +53,7 @@ pub(super) fn of_strips(strips: &Strips) -> Vec<[u8; 3]> {
     chosen.into_iter().map(|colour| PALETTE[colour.unwrap_or(0)]).collect()
 }
 
-/// Returns for each strip the strips that share edges with it, and the number of edges.
+/// Returns for each strip its neighbours and the number of shared edges.
 fn neighbours(strips: &Strips) -> Vec<Vec<(u32, usize)>> {
     let mut first: HashMap<[u32; 2], u32> = HashMap::new();
     let mut pairs: Vec<[u32; 2]> = Vec::new();

@@ -1,12 +1,12 @@
-//! Pixels as PNG files.
+//! Encodes pixels as PNG files.
 
 use super::options::RenderOptions;
 use crate::error::Error;
 
-/// The levels of red, green and blue, and of grey, of a file of few colours.
+/// The levels per channel of the colour cube, and the grey levels, of an indexed file.
 const LEVELS: u8 = 6;
 const GREYS: u8 = 40;
-/// The difference of the channels up to which a pixel is grey.
+/// Maximum channel difference of a pixel that counts as grey.
 const GREY: u8 = 24;
 
 /// Encodes pixels as a PNG file.
@@ -18,7 +18,7 @@ pub(super) fn encode(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<
     file(options, colour, &data, |_| ())
 }
 
-/// Returns a file of eight bits per sample, with what is set beside the colours.
+/// Returns a file with eight bits per sample. `set` configures the encoder further.
 fn file(
     options: &RenderOptions,
     colour: png::ColorType,
@@ -38,18 +38,19 @@ fn file(
     Ok(bytes)
 }
 
-/// Encodes opaque pixels as a PNG file of 256 colours, which has a fourth of the size: a cube of six levels of each channel, and 40 greys.
+/// Encodes opaque pixels as a PNG file with a palette of 256 colours, a quarter of the size: a cube
+/// of six levels per channel, and 40 greys.
 pub(super) fn encode_few(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<u8>, Error> {
     let data: Vec<u8> = pixels.iter().map(|&[r, g, b, _]| index([r, g, b])).collect();
     file(options, png::ColorType::Indexed, &data, |encoder| {
         encoder.set_palette(palette());
         encoder.set_compression(png::Compression::High);
-        // Differences of palette indices mean nothing.
+        // Differences of palette indices are meaningless.
         encoder.set_filter(png::Filter::NoFilter);
     })
 }
 
-/// Returns the colours in the order of their indices: the greys, then the cube.
+/// Returns the colours in index order: the greys, then the cube.
 fn palette() -> Vec<u8> {
     let value = |level: u8, levels: u8| (u32::from(level) * 255 / u32::from(levels - 1)) as u8;
     let greys = (0..GREYS).flat_map(|level| [value(level, GREYS); 3]);
@@ -79,7 +80,7 @@ mod tests {
         assert!(colours.len() == 256 && rest.is_empty());
         for (number, &colour) in colours.iter().enumerate() {
             let nearest = colours[usize::from(index(colour))];
-            // Greys of the cube are among the greys, of which one is within half of a step.
+            // Greys of the cube map to the grey levels, one of which is within half a step.
             let difference = (0..3).map(|k| nearest[k].abs_diff(colour[k])).max().unwrap();
             assert!(difference <= if number < 40 { 0 } else { 4 }, "{colour:?}, {nearest:?}");
         }

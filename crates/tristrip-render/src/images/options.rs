@@ -1,11 +1,12 @@
-//! How a picture is drawn: its size, the direction of view and the background.
+//! Rendering options: size, view direction and background.
 
 use crate::error::Error;
 
-/// The greatest width and height in pixels.
+/// Maximum width and height in pixels.
 pub const MAX_SIZE: u32 = 8192;
 
-/// How a picture is drawn. The default is 1200 × 900 pixels on white, seen from the front and a little from above and the right.
+/// Rendering options. The default is 1200 × 900 pixels on white, from the front, slightly above and
+/// to the right.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct RenderOptions {
@@ -15,20 +16,20 @@ pub struct RenderOptions {
     pub height: u32,
     /// The direction of view.
     pub view: View,
-    /// The colour of the background, in sRGB; `None` for a transparent one.
+    /// The sRGB background colour; `None` for a transparent background.
     pub background: Option<[u8; 3]>,
 }
 
-/// What the colours of a model show.
+/// What the colours of an image show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// The base colour, with its texture and the colours of vertices, in light from the eye.
+    /// The base colour with its texture and vertex colours, lit from the eye.
     Textured,
-    /// The normals, mixed between the vertices: x, y and z from -1 to 1 as red, green and blue.
+    /// Interpolated normals: x, y and z from -1 to 1 as red, green and blue.
     Normals,
-    /// The texture coordinates: u as red and v as green, mirrored outside 0 to 1.
+    /// Texture coordinates: u as red and v as green, mirrored outside 0 to 1.
     Uv,
-    /// Grey, in light from the upper left.
+    /// Grey, lit from the upper left.
     Shaded,
 }
 
@@ -36,7 +37,7 @@ impl Mode {
     /// All modes.
     pub const ALL: [Self; 4] = [Self::Textured, Self::Normals, Self::Uv, Self::Shaded];
 
-    /// Returns the name in reports: `textured`, `normals`, `uv` or `shaded`.
+    /// Returns the name used in reports: `textured`, `normals`, `uv` or `shaded`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Textured => "textured",
@@ -46,18 +47,18 @@ impl Mode {
         }
     }
 
-    /// Whether colours are light, not values.
+    /// Whether colours are light intensities rather than values.
     pub(super) fn is_lit(self) -> bool {
         matches!(self, Self::Textured | Self::Shaded)
     }
 }
 
-/// The direction from which a model is seen.
+/// The view direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// The direction from the model to the eye, of any length.
     pub from: [f64; 3],
-    /// The direction that is up in the picture, of any length; not parallel to `from`.
+    /// The up direction of the image, of any length, not parallel to `from`.
     pub up: [f64; 3],
 }
 
@@ -91,13 +92,13 @@ impl RenderOptions {
         Self { width, height, ..self }
     }
 
-    /// Sets the direction of view.
+    /// Sets the view direction.
     #[must_use]
     pub fn with_view(self, view: View) -> Self {
         Self { view, ..self }
     }
 
-    /// Sets the colour of the background, in sRGB; `None` for a transparent one.
+    /// Sets the sRGB background colour; `None` for a transparent background.
     #[must_use]
     pub fn with_background(self, background: Option<[u8; 3]>) -> Self {
         Self { background, ..self }

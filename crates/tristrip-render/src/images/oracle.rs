@@ -1,4 +1,4 @@
-//! The rasterizer compared with rays through every sample, which meet every triangle in space.
+//! Compares the rasterizer with ray casting through every sample.
 
 use tristrip::{Attribute, AttributeData, Faces, Mesh, random::Random};
 use tristrip_io::{Model, Part};
@@ -11,7 +11,7 @@ use super::vector::{Vector, cross, dot, mix, sub, unit};
 
 const SIZE: u32 = 20;
 
-/// Triangles with normals and texture coordinates at their corners, in a cube.
+/// Random triangles in a cube, with normals and texture coordinates at their corners.
 struct Soup {
     corners: Vec<[Vector; 3]>,
     normals: Vec<[Vector; 3]>,
@@ -48,7 +48,7 @@ impl Soup {
         )
     }
 
-    /// Returns the nearest triangle that a ray meets, and the shares of its corners there.
+    /// Returns the nearest triangle that a ray hits, and the barycentric coordinates of the hit.
     fn hit(&self, eye: Vector, direction: Vector) -> Option<(usize, Vector)> {
         let mut nearest: Option<(f64, usize, Vector)> = None;
         for (number, &[a, b, c]) in self.corners.iter().enumerate() {
@@ -70,7 +70,7 @@ impl Soup {
         nearest.map(|(_, number, shares)| (number, shares))
     }
 
-    /// Returns the value of a mode where a ray ends, and whether it meets a triangle.
+    /// Returns the expected value of a ray for a mode.
     fn value(&self, hit: Option<(usize, Vector)>, mode: Mode) -> Vector {
         let Some((number, shares)) = hit else { return [1.0; 3] };
         if mode == Mode::Normals {

@@ -1,4 +1,4 @@
-//! Triangles in their colours, and their pixels as a camera sees them.
+//! Coloured triangles, and their pixels from a camera.
 
 use tristrip::{Strips, lod};
 
@@ -10,7 +10,7 @@ use super::scene::{self, Facet};
 use super::shader::Shader;
 use crate::error::Error;
 
-/// Returns the triangles of strips, in one colour per strip.
+/// Returns the triangles of strips in one colour per strip.
 pub(super) fn coloured(parts: &[(&[[f32; 3]], &Strips)]) -> Result<Vec<Facet>, Error> {
     let mut facets = Vec::new();
     for (positions, strips) in parts {
@@ -35,7 +35,7 @@ pub(super) fn plain(parts: &[(&[[f32; 3]], &[u32])]) -> Result<Vec<Facet>, Error
     Ok(facets)
 }
 
-/// Draws triangles as a camera sees them.
+/// Draws triangles from a camera.
 pub(super) fn pixels_seen(
     facets: &[Facet],
     camera: &lod::Camera,

@@ -1,14 +1,18 @@
-//! Where the vertices of a part are in a place of the scene: moved by morph targets, then by the joints of a skin or by the transform of a node.
+//! The pose of a part in the scene: morph targets, then the joints of a skin or the transform of a
+//! node.
 //!
 //! # Algorithm
-//! As glTF defines linear blend skinning: the transform of a vertex is the sum of the matrices of its joints, each times its weight. Weights that do not sum to 1 are
-//! divided by their sum; a vertex without weights follows its first joint. A normal is transformed by the cofactors of the linear map.
+//! Linear blend skinning as defined by glTF: the transform of a vertex is the weighted sum of its
+//! joint matrices. Weights that do not sum to 1 are normalized; a vertex without weights follows
+//! its first joint. Normals are transformed by the cofactor matrix.
 //!
 //! # References
-//! The Khronos Group: *glTF 2.0 Specification*, 2021, sections 3.7.2.2 (morph targets) and 3.7.3 (skins).
+//! The Khronos Group: *glTF 2.0 Specification*, 2021, sections 3.7.2.2 (morph targets) and 3.7.3
+//! (skins).
 //!
 //! # Complexity
-//! Linear in corners of triangles and joints per vertex. Displacements are kept for one place at a time.
+//! Linear in triangle corners and joints per vertex. Displacements are stored for one instance at a
+//! time.
 
 use std::collections::BTreeSet;
 
@@ -20,38 +24,39 @@ use super::attributes::values;
 use super::vector::{Vector, add, cross, dot, unit};
 use crate::error::Error;
 
-/// The joints and weights in an attribute.
+/// The number of joints and weights per attribute.
 const JOINTS: usize = 4;
 
 /// The rows of an affine transform.
 type Transform = [[f64; 4]; 3];
 
-/// Finds the poses of the parts of a scene.
+/// Computes the poses of a scene's parts.
 pub(super) struct Poses<'a> {
     skins: &'a [Skin],
     morphs: Option<MorphReader<'a>>,
     notes: BTreeSet<String>,
 }
 
-/// Where the vertices of a part are.
+/// The pose of a part's vertices.
 pub(super) struct Pose<'a> {
     place: Placement,
-    /// How far each vertex and each normal is moved before.
+    /// Morph displacements of positions and of normals.
     moved: [Option<Vec<[f32; 3]>>; 2],
     joints: Option<Joints<'a>>,
 }
 
-/// The joints that vertices follow.
+/// The joints of a mesh's vertices.
 struct Joints<'a> {
     matrices: &'a [Transform],
-    /// Attributes of joints, each with its weights.
+    /// Joint attributes with their weights.
     sets: Vec<(&'a Attribute, &'a Attribute)>,
 }
 
-/// An affine transform, and what it does to normals.
+/// An affine transform and its normal matrix.
 struct Placement {
     rows: Transform,
-    /// The rows of the linear map of normals: the cofactors, which are the transposed inverse times the determinant.
+    /// The rows of the normal matrix: the cofactors, which are the inverse transpose times the
+    /// determinant.
     of_normals: [Vector; 3],
 }
 
@@ -61,7 +66,7 @@ impl<'a> Poses<'a> {
         Self { skins, morphs, notes: BTreeSet::new() }
     }
 
-    /// Returns the pose of a part in a place.
+    /// Returns the pose of a part's instance.
     pub(super) fn of(&mut self, mesh: &'a Mesh, instance: &Instance) -> Pose<'a> {
         let moved = ["POSITION", "NORMAL"].map(|name| self.displacements(mesh, instance, name));
         let skin = instance.skin.and_then(|skin| self.skins.get(skin));
@@ -69,7 +74,7 @@ impl<'a> Poses<'a> {
         Pose { place: Placement::of(instance.transform), moved, joints }
     }
 
-    /// Returns how far morph targets move the vertices of a part, if they can be read.
+    /// Returns the morph displacements of a part's vertices, if they can be read.
     fn displacements(&mut self, mesh: &Mesh, instance: &Instance, name: &str) -> Option<Vec<[f32; 3]>> {
         match self.morphs.as_mut()?.displacements(instance.part, instance.node, name) {
             Ok(moved) => moved.filter(|moved| moved.len() == mesh.vertex_count()),
@@ -80,14 +85,14 @@ impl<'a> Poses<'a> {
         }
     }
 
-    /// Returns what is not drawn as the file has it, in words.
+    /// Returns the differences between the image and the file, as text.
     pub(super) fn into_notes(self) -> impl Iterator<Item = String> {
         self.notes.into_iter()
     }
 }
 
 impl Pose<'_> {
-    /// Returns where a vertex is in the scene.
+    /// Returns the position of a vertex in the scene.
     pub(super) fn point(&self, point: Vector, vertex: u32) -> Result<Vector, Error> {
         let point = self.displaced(0, point, vertex);
         let moved = match self.of_joints(vertex) {
@@ -100,7 +105,7 @@ impl Pose<'_> {
         Err(Error::Image(format!("scene: found a vertex at {moved:?}, expected finite coordinates")))
     }
 
-    /// Returns the normal of a vertex in the scene, of length 1.
+    /// Returns the unit normal of a vertex in the scene.
     pub(super) fn normal(&self, normal: Vector, vertex: u32) -> Option<Vector> {
         let normal = self.displaced(1, normal, vertex);
         match self.of_joints(vertex) {
@@ -120,7 +125,7 @@ impl Pose<'_> {
 }
 
 impl<'a> Joints<'a> {
-    /// Finds the joints and weights of a mesh; `None` if it has none.
+    /// Finds the joints and weights of a mesh. Returns `None` if it has none.
     fn of(matrices: &'a [Transform], mesh: &'a Mesh) -> Option<Self> {
         let attribute = |name: &str| mesh.attributes().iter().find(|attribute| attribute.name == name);
         let set = |number: usize| {
@@ -130,13 +135,13 @@ impl<'a> Joints<'a> {
         (!sets.is_empty()).then_some(Self { matrices, sets })
     }
 
-    /// Returns the transform of a vertex; `None` if it has no joint of the skin.
+    /// Returns the transform of a vertex, or `None` if it has no joint of the skin.
     fn blended(&self, vertex: u32) -> Option<Transform> {
         let (mut sum, mut total) = (Transform::default(), 0.0);
         for (joints, weights) in &self.sets {
             let joints = values::<JOINTS>(joints, vertex);
             for (joint, weight) in joints.into_iter().zip(values::<JOINTS>(weights, vertex)) {
-                // Not a number is no weight, either.
+                // NaN is not a valid weight either.
                 let Some(matrix) = self.matrix(joint).filter(|_| weight > 0.0) else { continue };
                 let weight = f64::from(weight);
                 total += weight;

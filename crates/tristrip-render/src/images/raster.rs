@@ -1,4 +1,5 @@
-//! Draws triangles with a depth per sample, band by band: first the nearest triangle of each sample, then its colour.
+//! Rasterizes triangles with a depth per sample, band by band: first the nearest triangle of each
+//! sample, then its colour.
 
 use rayon::prelude::*;
 
@@ -10,20 +11,22 @@ use super::vector::{Vector, dot};
 /// Samples per pixel in each direction.
 pub(super) const SAMPLES: usize = 4;
 
-/// Rows of pixels that are drawn at the same time by one thread.
+/// The number of pixel rows that a thread draws at a time.
 const BAND: usize = 16;
 
-/// The number of a sample that no triangle covers.
+/// The index stored in a sample without a triangle.
 const NONE: u32 = u32::MAX;
 
-/// Draws triangles in pixels and depth, and returns the pixels in rows from the top, in sRGB over the background. Alpha is the share of the
-/// samples that triangles cover: 255 for all, at least 15 for any.
+/// Draws triangles given in pixels and depth. Returns the pixels in rows from the top, in sRGB over
+/// the background. Alpha is the fraction of covered samples: 255 if all are covered, at least 15 if
+/// any is.
 pub(super) fn draw(facets: &[Facet], shader: &Shader<'_>, options: &RenderOptions) -> Vec<[u8; 4]> {
     let (width, height) = (options.width as usize, options.height as usize);
     let mut pixels = vec![[0; 4]; width * height];
     pixels.par_chunks_mut(width * BAND).enumerate().for_each(|(band, pixels)| {
         let rows = pixels.len() / width;
-        // The sample rows of the band, from the top of the picture; facets have their origin at the bottom.
+        // The sample rows of the band from the top of the image. The origin of facets is at the
+        // bottom.
         let top = (height - band * BAND) as f64;
         let mut samples = Samples::new(width * SAMPLES, rows * SAMPLES, top);
         (0..).zip(facets).for_each(|(number, facet)| samples.add(number, facet));
@@ -32,7 +35,8 @@ pub(super) fn draw(facets: &[Facet], shader: &Shader<'_>, options: &RenderOption
     pixels
 }
 
-/// Returns the number of samples that [`draw`] tests for a triangle: those of its bounding box, within the picture.
+/// Returns the number of samples that [`draw`] tests for a triangle: those of its bounding box
+/// within the image.
 pub(super) fn tested_samples(corners: [Vector; 3], options: &RenderOptions) -> u64 {
     let along = |axis: usize, size: u32| {
         let scaled = corners.map(|corner| SAMPLES as f64 * corner[axis]);
@@ -41,11 +45,11 @@ pub(super) fn tested_samples(corners: [Vector; 3], options: &RenderOptions) -> u
     along(0, options.width) * along(1, options.height)
 }
 
-/// The samples of a band: the depth of the nearest triangle, and its number.
+/// The samples of a band: the depth of the nearest triangle, and its index.
 struct Samples {
     width: usize,
     height: usize,
-    /// The height of the upper border, in pixels.
+    /// The y coordinate of the upper border in pixels.
     top: f64,
     depths: Vec<f64>,
     nearest: Vec<u32>,
@@ -57,13 +61,14 @@ impl Samples {
         Self { width, height, top, depths: vec![f64::NEG_INFINITY; count], nearest: vec![NONE; count] }
     }
 
-    /// Returns a triangle in sample coordinates: the centre of sample (x, y) is at (x + 1/2, y + 1/2), y downwards.
+    /// Converts a triangle to sample coordinates. The centre of sample (x, y) is at (x + 1/2, y +
+    /// 1/2); y points down.
     fn outline(&self, facet: &Facet) -> Option<Outline> {
         let scale = SAMPLES as f64;
         Outline::of(facet.corners.map(|[x, y, depth]| [scale * x, scale * (self.top - y), depth]))
     }
 
-    /// Draws the part of a triangle that lies in the band.
+    /// Draws the part of a triangle within the band.
     fn add(&mut self, number: u32, facet: &Facet) {
         let Some(outline) = self.outline(facet) else { return };
         let [a, b, c] = outline.corners;
@@ -85,7 +90,7 @@ impl Samples {
         }
     }
 
-    /// Averages the samples of each pixel, over the background.
+    /// Averages the samples of each pixel over the background.
     fn resolve(
         &self,
         pixels: &mut [[u8; 4]],
@@ -126,11 +131,11 @@ impl Samples {
     }
 }
 
-/// A triangle in sample coordinates, of some area.
+/// A triangle in sample coordinates with nonzero area.
 struct Outline {
     corners: [Vector; 3],
     area: f64,
-    /// Whether its back is seen.
+    /// Whether it is a back face.
     back: bool,
 }
 
@@ -138,11 +143,11 @@ impl Outline {
     fn of(corners: [Vector; 3]) -> Option<Self> {
         let [a, b, c] = corners;
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        // Counter-clockwise triangles are clockwise where y points down.
+        // Counter-clockwise triangles are clockwise if y points down.
         (area != 0.0 && area.is_finite()).then_some(Self { corners, area, back: area > 0.0 })
     }
 
-    /// Returns the shares of the corners at the centre of a sample; `None` outside.
+    /// Returns the barycentric coordinates of the centre of a sample, or `None` if it is outside.
     fn weights(&self, x: usize, y: usize) -> Option<Vector> {
         let [a, b, c] = self.corners;
         let at = [x as f64 + 0.5, y as f64 + 0.5];
@@ -150,8 +155,8 @@ impl Outline {
         weights.iter().all(|&weight| weight >= 0.0).then_some(weights)
     }
 
-    /// Returns the shares that values of the corners have. With perspective the values over distance are linear in the picture, not the
-    /// values themselves.
+    /// Returns the interpolation weights of the corners' values. In perspective, value/distance is
+    /// linear in the image, not the value itself.
     fn values(&self, weights: Vector, perspective: bool) -> Vector {
         if !perspective {
             return weights;
@@ -162,8 +167,8 @@ impl Outline {
     }
 }
 
-/// Returns on which side of a line a point is. The two directions of a line give exactly opposite values, so that no sample falls between
-/// two triangles that share an edge.
+/// Returns the side of a line on which a point lies. Both directions of a line give exactly
+/// opposite values, so no sample falls between two triangles that share an edge.
 fn side(p: Vector, q: Vector, at: [f64; 2]) -> f64 {
     let forward = (p[0], p[1]) <= (q[0], q[1]);
     let (p, q) = if forward { (p, q) } else { (q, p) };
@@ -171,7 +176,8 @@ fn side(p: Vector, q: Vector, at: [f64; 2]) -> f64 {
     if forward { side } else { -side }
 }
 
-/// Returns the samples whose centres lie between the least and the greatest coordinate; `None` if there are none.
+/// Returns the samples whose centres are between the minimum and the maximum coordinate, or `None`
+/// if there are none.
 #[allow(clippy::cast_sign_loss, reason = "clamped to the band")]
 fn covered(coordinates: [f64; 3], count: usize) -> Option<std::ops::Range<usize>> {
     let low = coordinates.into_iter().fold(f64::INFINITY, f64::min) - 0.5;

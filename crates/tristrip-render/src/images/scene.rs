@@ -1,37 +1,38 @@
-//! What is drawn: triangles in the axes of the model, their normals, and what colours them.
+//! The geometry to draw: triangles in model axes, with normals and paint.
 
 use std::collections::HashMap;
 
 use super::vector::{Vector, add, cross, dot, sub, unit};
 use crate::error::Error;
 
-/// The least cosine of the angle between the normal of a triangle and that of its vertex; at a sharper crease, such as an edge of a cube, the
-/// triangle is flat.
+/// Minimum cosine between the normals of a triangle and its vertex for smooth shading. Sharper
+/// creases, such as the edges of a cube, are shaded flat.
 const CREASE: f64 = 0.8;
 
-/// A triangle of a picture.
+/// A triangle of an image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Facet {
-    /// In the axes of the model; once a camera has seen them, in pixels from the lower left corner, with a depth that grows towards the eye.
+    /// In model axes. After projection: in pixels from the lower left corner, with a depth that
+    /// increases towards the eye.
     pub(super) corners: [Vector; 3],
-    /// Of length 1, in the axes of the model.
+    /// Unit normals in model axes.
     pub(super) normals: [Vector; 3],
     pub(super) paint: Paint,
 }
 
-/// What colours a triangle.
+/// The colour source of a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Paint {
-    /// A colour in sRGB.
+    /// An sRGB colour.
     Colour([u8; 3]),
-    /// The corners of a textured model with this number.
+    /// The index of the corner values in a textured model.
     Corners(u32),
 }
 
 /// Returns the position of a vertex.
 ///
 /// # Errors
-/// There is no such vertex, or it is not finite.
+/// The vertex does not exist, or its position is not finite.
 pub(super) fn position(positions: &[[f32; 3]], vertex: u32) -> Result<Vector, Error> {
     let found = positions.get(vertex as usize).ok_or_else(|| {
         Error::Image(format!("found vertex {vertex}, expected less than {}", positions.len()))
@@ -43,7 +44,7 @@ pub(super) fn position(positions: &[[f32; 3]], vertex: u32) -> Result<Vector, Er
     Ok(found.map(f64::from))
 }
 
-/// Adds the triangles of a part, each with its colour.
+/// Adds the triangles of a part with their colours.
 pub(super) fn add_part(
     facets: &mut Vec<Facet>,
     positions: &[[f32; 3]],
@@ -67,8 +68,8 @@ pub(super) fn add_part(
     Ok(())
 }
 
-/// Returns the normals at the corners of each triangle: the mean of the triangles around the position, weighted by their areas, or at a
-/// crease that of the triangle; `None` for a triangle without area.
+/// Returns the corner normals of each triangle: the area-weighted mean of the triangles at the
+/// position, or at a crease the normal of the triangle. `None` for a triangle without area.
 pub(super) fn corner_normals(triangles: &[[Vector; 3]]) -> Vec<Option<[Vector; 3]>> {
     let mut sums: HashMap<PositionBits, Vector> = HashMap::new();
     for &corners in triangles {
@@ -88,14 +89,15 @@ pub(super) fn corner_normals(triangles: &[[Vector; 3]]) -> Vec<Option<[Vector; 3
     triangles.iter().map(of_triangle).collect()
 }
 
-/// The bits of a position: vertices at the same position have one normal, whatever their other attributes.
+/// The bits of a position. Vertices at the same position share a normal, whatever their other
+/// attributes.
 type PositionBits = [u64; 3];
 
 fn bits(position: Vector) -> PositionBits {
     position.map(f64::to_bits)
 }
 
-/// Returns the normal of a triangle, of twice its area as length.
+/// Returns the normal of a triangle; its length is twice the area.
 pub(super) fn normal([a, b, c]: [Vector; 3]) -> Vector {
     cross(sub(b, a), sub(c, a))
 }

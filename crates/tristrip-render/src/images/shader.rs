@@ -1,4 +1,4 @@
-//! The colour of a triangle at a point.
+//! Computes the colour of a triangle at a point.
 
 use super::camera::Camera;
 use super::colours::PLAIN;
@@ -8,17 +8,17 @@ use super::surfaces::Surfaces;
 use super::tones::Tones;
 use super::vector::{Vector, dot, mix, unit};
 
-/// The direction to the light in the axes of the picture: from the upper left, in front of the model.
+/// The light direction in image axes: from the upper left, in front of the model.
 const LIGHT: Vector = [-0.45, 0.65, 0.75];
-/// The shares of the light that comes from all sides and from a direction.
+/// The intensities of ambient and directional light.
 const AMBIENT: f64 = 0.34;
 const DIRECT: f64 = 0.70;
 
-/// What colours are made from.
+/// The parameters of shading.
 pub(super) struct Shader<'a> {
     mode: Mode,
     surfaces: Option<&'a Surfaces>,
-    /// The directions to the light and to the eye, of length 1.
+    /// Unit vectors to the light and to the eye.
     light: Vector,
     towards: Vector,
     /// Whether the depth of a corner is the reciprocal of its distance.
@@ -27,7 +27,7 @@ pub(super) struct Shader<'a> {
 }
 
 impl<'a> Shader<'a> {
-    /// Colours triangles of colours of their own, in the light from the upper left.
+    /// Shades triangles that have their own colours, with light from the upper left.
     pub(super) fn plain(camera: &Camera) -> Self {
         let axes = camera.axes;
         let light = unit(axes.outward(LIGHT)).unwrap_or(axes.towards);
@@ -36,13 +36,13 @@ impl<'a> Shader<'a> {
         Self { mode: Mode::Shaded, surfaces: None, light, towards: axes.towards, perspective, tones }
     }
 
-    /// Colours the triangles of a textured model.
+    /// Shades the triangles of a textured model.
     pub(super) fn textured(camera: &Camera, surfaces: &'a Surfaces, mode: Mode) -> Self {
         Self { mode, surfaces: Some(surfaces), ..Self::plain(camera) }
     }
 
-    /// Returns the colour of a triangle at a point, given by its shares of the corners, for averages: in linear light, or in the mode's own
-    /// values.
+    /// Returns the colour of a triangle at barycentric coordinates, in a form that can be averaged:
+    /// linear light, or the values of the mode.
     pub(super) fn colour(&self, facet: &Facet, shares: Vector, back: bool) -> [f32; 3] {
         let number = match facet.paint {
             Paint::Colour(colour) => return self.lit(facet, shares, back, colour),
@@ -55,7 +55,7 @@ impl<'a> Shader<'a> {
                 normal.map(|x| (0.5 * x + 0.5) as f32)
             }
             (Mode::Uv, Some(surfaces)) => {
-                // Mirrored outside 0 to 1, so that no border is sharper than the coordinates are.
+                // Mirrored outside 0 to 1, which avoids discontinuities.
                 let [u, v] = surfaces.coordinates(number, shares).map(|x| {
                     let x = x.rem_euclid(2.0);
                     if x > 1.0 { 2.0 - x } else { x }
@@ -71,7 +71,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns a colour in the light, on the side of a triangle that is seen.
+    /// Returns the lit colour of the visible side of a triangle.
     fn lit(&self, facet: &Facet, shares: Vector, back: bool, colour: [u8; 3]) -> [f32; 3] {
         let towards = unit(mix(shares, facet.normals)).map_or(0.0, |n| dot(n, self.light));
         let towards = if back { -towards } else { towards };
@@ -79,12 +79,12 @@ impl<'a> Shader<'a> {
         self.tones.linear(colour).map(|share| share * light)
     }
 
-    /// Returns a colour in sRGB as one for averages.
+    /// Converts an sRGB colour to the form for averaging.
     pub(super) fn decoded(&self, colour: [u8; 3]) -> [f32; 3] {
         if self.mode.is_lit() { self.tones.linear(colour) } else { colour.map(|x| f32::from(x) / 255.0) }
     }
 
-    /// Returns an average as values of a picture.
+    /// Converts an average to the values of an image.
     #[allow(clippy::cast_sign_loss, reason = "clamped")]
     pub(super) fn encoded(&self, colour: [f32; 3]) -> [u8; 3] {
         if self.mode.is_lit() {

@@ -1,4 +1,4 @@
-//! Sheets: pictures of strips side by side in one file.
+//! Sheets: several images of strips in one file.
 
 use tristrip::{Strips, lod};
 
@@ -7,7 +7,7 @@ use super::options::RenderOptions;
 use super::painted::{coloured, pixels_seen, plain};
 use crate::error::Error;
 
-/// The pictures in a row.
+/// The number of images per row.
 const COLUMNS: usize = 2;
 
 /// One image of a sheet.
@@ -17,16 +17,17 @@ pub struct SheetImage<'a> {
     pub positions: &'a [[f32; 3]],
     /// The strips to draw.
     pub strips: &'a Strips,
-    /// The camera that sees them.
+    /// The camera.
     pub camera: &'a lod::Camera,
-    /// Whether each strip has its colour.
+    /// Whether each strip has its own colour.
     pub is_coloured: bool,
 }
 
-/// Draws pictures of one size, two in a row, in reading order. Returns the bytes of a PNG file of 256 colours.
+/// Draws images of one size, two per row, in reading order. Returns the bytes of a PNG file with
+/// 256 colours.
 ///
 /// # Errors
-/// The sheet is too large, a coordinate is not finite, or strips name a vertex without a position.
+/// The sheet is too large, a coordinate is not finite, or a strip uses a vertex without a position.
 pub fn sheet(pictures: &[SheetImage<'_>], [width, height]: [u32; 2]) -> Result<Vec<u8>, Error> {
     let columns = pictures.len().clamp(1, COLUMNS);
     let rows = pictures.len().div_ceil(columns).max(1);
@@ -52,7 +53,7 @@ pub fn sheet(pictures: &[SheetImage<'_>], [width, height]: [u32; 2]) -> Result<V
     encode_few(&pixels, &whole)
 }
 
-/// Returns the size of some pictures; one that is too large stays so.
+/// Returns `size` times `count`, saturated: a sheet that is too large is still rejected.
 fn times(size: u32, count: usize) -> u32 {
     size.saturating_mul(u32::try_from(count).unwrap_or(u32::MAX))
 }
@@ -85,7 +86,7 @@ mod tests {
         let (width, pixels) = decoded(&sheet(&pictures, [40, 30]).unwrap());
         assert_eq!((width, pixels.len()), (80, 80 * 60));
         let white = |x: usize, y: usize| pixels[y * 80 + x] == [255; 3];
-        // The middles of the four places, and a corner of the second one.
+        // The centres of the four images, and a corner of the second.
         assert_eq!([white(20, 15), white(60, 15), white(20, 45), white(60, 45)], [false, false, false, true]);
         assert!(white(42, 2) && !white(20, 2));
         let grey = |[r, g, b]: [u8; 3]| r == g && g == b;

@@ -1,52 +1,57 @@
-//! Eight sides of a model, and how much a second model differs from it there.
+//! Eight side views of a model, and the differences of a second model in them.
 //!
 //! # Algorithm
-//! The eight views look at the bounding box of the first model from beyond its corners, with perspective, so that every direction of a
-//! surface is seen from somewhere. Both models have the cameras of the first, and the same background. A pixel is *covered* if triangles
-//! cover all of its samples, and *empty* if they cover none.
+//! The eight perspective cameras look at the bounding box of the first model from beyond its
+//! corners, so every surface direction is visible from one of them. Both models use the cameras of
+//! the first, and the same background. A pixel is *covered* if triangles cover all of its samples,
+//! and *empty* if they cover none.
 //!
 //! - Different: a channel differs by more than 8 of 255.
-//! - Hole: covered in the first model, with its eight neighbours, and not all covered in the second.
-//! - Grown: empty in the first model, with its eight neighbours, and not empty in the second.
+//! - Hole: covered in the first model, including its eight neighbours, and not fully covered in the
+//!   second.
+//! - Grown: empty in the first model, including its eight neighbours, and not empty in the second.
 
 use super::encoding::encode;
 use super::options::{Mode, RenderOptions, View};
 use super::textured::TexturedModel;
 use crate::error::Error;
 
-/// The width and height in pixels of the pictures that are compared.
+/// The width and height of compared images in pixels.
 const COMPARED_SIZE: u32 = 256;
-/// The greatest difference of a channel that does not count.
+/// Maximum channel difference that is ignored.
 const TOLERANCE: u8 = 8;
 
 /// The number of views.
 pub const SIDES: usize = 8;
 
-/// How much two models differ, in pixels summed over the eight views.
+/// Differences between two models, in pixels summed over the eight views.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Differences {
-    /// The pixels that show a part of at least one of the models.
+    /// Pixels that show at least one of the models.
     pub shown: usize,
-    /// Those of them that differ by more than 8 of 255 in a channel.
+    /// Of these, pixels that differ by more than 8 of 255 in a channel.
     pub different: usize,
-    /// The pixels where the background is seen through the second model, and that are not at the silhouette of the first.
+    /// Pixels where the background is visible through the second model, except at the silhouette of
+    /// the first.
     pub holes: usize,
-    /// The pixels that show the second model where the first one has only background, and that are not at its silhouette.
+    /// Pixels that show the second model where the first has only background, except at its
+    /// silhouette.
     pub grown: usize,
 }
 
 impl Differences {
-    /// Returns the share of the pixels shown that differ, from 0 to 1.
+    /// Returns the fraction of shown pixels that differ, from 0 to 1.
     pub fn share(&self) -> f64 {
         self.different as f64 / self.shown.max(1) as f64
     }
 }
 
-/// Compares a model with another one that replaces it, such as a simplified one, in eight pictures of 256 × 256 pixels.
+/// Compares a model with its replacement, such as a simplified model, in eight images of 256 × 256
+/// pixels.
 ///
 /// # Errors
-/// A triangle of `after` is beside or behind the eye, far outside the bounding box of `before`.
+/// A triangle of `after` is next to or behind the eye, far outside the bounding box of `before`.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -68,10 +73,12 @@ pub fn compare(before: &TexturedModel, after: &TexturedModel, mode: Mode) -> Res
     Ok(differences)
 }
 
-/// Draws models below each other, each from the eight sides of the first one, in squares of `size` pixels. Returns the bytes of a PNG file.
+/// Draws one row of images per model, from the eight sides of the first model, in squares of `size`
+/// pixels. Returns the bytes of a PNG file.
 ///
 /// # Errors
-/// The picture would be too large, or as of [`compare`].
+/// The image would be too large, or a triangle is next to or behind the eye, far outside the
+/// bounding box of the first model.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -102,7 +109,7 @@ pub fn rows_of_sides(models: &[&TexturedModel], mode: Mode, size: u32) -> Result
     encode(&pixels, &sheet)
 }
 
-/// Returns the options of the eight views: from beyond the corners of a box, the upper four first.
+/// Returns the options of the eight views from beyond the corners of a box, the upper four first.
 fn views(size: u32) -> impl Iterator<Item = RenderOptions> {
     const AROUND: [[f64; 2]; 4] = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
     [1.0, -1.0].into_iter().flat_map(move |height| {
@@ -114,14 +121,14 @@ fn views(size: u32) -> impl Iterator<Item = RenderOptions> {
 }
 
 impl Differences {
-    /// Adds a view, in rows of `width` pixels.
+    /// Adds a view with rows of `width` pixels.
     fn add(&mut self, before: &[[u8; 4]], after: &[[u8; 4]], width: usize) {
         for (at, (b, a)) in before.iter().zip(after).enumerate() {
             let shown = b[3] > 0 || a[3] > 0;
             self.shown += usize::from(shown);
             let differs = (0..3).any(|channel| b[channel].abs_diff(a[channel]) > TOLERANCE);
             self.different += usize::from(shown && differs);
-            // Pixels outside the picture are background.
+            // Pixels outside the image count as background.
             let is_around = |alpha: u8| {
                 let (x, y) = (at % width, at / width);
                 (y.wrapping_sub(1)..=y + 1).all(|y| {

@@ -1,4 +1,5 @@
-//! What the triangles of a model show: texture coordinates and colours at their corners, materials, and decoded textures.
+//! The surface data of a model: texture coordinates and colours at triangle corners, materials, and
+//! decoded textures.
 
 use tristrip_io::gltf::{Appearance, Material, Wrap};
 
@@ -7,7 +8,7 @@ use super::tones::Tones;
 use super::vector::{Vector, mix};
 use crate::error::Error;
 
-/// What the triangles of a model show.
+/// The surface data of a model's triangles.
 #[derive(Debug, Default)]
 pub(super) struct Surfaces {
     corners: Vec<Corners>,
@@ -19,12 +20,12 @@ pub(super) struct Surfaces {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Corners {
     pub(super) coordinates: [[f32; 2]; 3],
-    /// In linear light.
+    /// Linear light.
     pub(super) colours: [[f32; 3]; 3],
     pub(super) material: u32,
 }
 
-/// A material whose image is decoded.
+/// A material with a decoded image.
 #[derive(Debug, Clone, Copy)]
 struct Surface {
     base_colour: [f32; 3],
@@ -32,7 +33,7 @@ struct Surface {
 }
 
 impl Surfaces {
-    /// Decodes the images of a scene, and collects the materials of its parts.
+    /// Decodes the images of a scene and collects the materials of its parts.
     pub(super) fn of(appearance: &Appearance) -> Result<Self, Error> {
         let mut budget = MAX_PIXELS;
         let decode = |image| Texture::decode(image, &mut budget);
@@ -46,7 +47,7 @@ impl Surfaces {
         Ok(Self { corners: Vec::new(), materials, textures })
     }
 
-    /// Adds a triangle, and returns its number.
+    /// Adds a triangle and returns its index.
     pub(super) fn push(&mut self, corners: Corners) -> u32 {
         self.corners.push(corners);
         (self.corners.len() - 1) as u32

@@ -1,6 +1,7 @@
-//! Textures: images decoded within a budget, and sampled between their pixels.
+//! Textures: images decoded within a budget, with bilinear sampling.
 //!
-//! PNG and JPEG are decoded by crates without instructions of one architecture, so that a texture has the same pixels on every machine.
+//! The PNG and JPEG decoders use no architecture-specific instructions, so a texture has the same
+//! pixels on every machine.
 
 use std::io::Cursor;
 
@@ -13,12 +14,12 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use super::tones::Tones;
 use crate::error::Error;
 
-/// The greatest number of pixels of all textures of a model together: 192 MiB.
+/// Maximum number of pixels of all textures of a model: 192 MiB.
 pub(super) const MAX_PIXELS: usize = 1 << 26;
 
-/// How a PNG file begins.
+/// The magic bytes of PNG.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
-/// How a JPEG file begins.
+/// The magic bytes of JPEG.
 const JPEG: &[u8] = b"\xff\xd8\xff";
 
 /// A decoded image.
@@ -26,12 +27,12 @@ const JPEG: &[u8] = b"\xff\xd8\xff";
 pub(super) struct Texture {
     width: usize,
     height: usize,
-    /// Rows from the top, in sRGB.
+    /// sRGB pixels in rows from the top.
     pixels: Vec<[u8; 3]>,
 }
 
 impl Texture {
-    /// Decodes an image, and takes its pixels from a budget.
+    /// Decodes an image and charges its pixels to a budget.
     pub(super) fn decode(image: &Image, budget: &mut usize) -> Result<Self, Error> {
         let bytes = image.bytes();
         let wrong = |why: String| Error::Image(format!("{}: {why}", image.at));
@@ -41,7 +42,7 @@ impl Texture {
             decode_jpeg(bytes, budget).map_err(wrong)
         } else {
             let found: Vec<u8> = bytes.iter().copied().take(8).collect();
-            Err(wrong(format!("found an image that begins with {found:?}, expected PNG or JPEG")))
+            Err(wrong(format!("found an image that starts with {found:?}, expected PNG or JPEG")))
         }
     }
 
@@ -57,7 +58,8 @@ impl Texture {
         Ok(Self { width, height, pixels })
     }
 
-    /// Returns the colour at texture coordinates, in linear light, mixed from the four nearest pixels. The origin is the upper left corner.
+    /// Returns the bilinearly interpolated colour at texture coordinates, in linear light. The
+    /// origin is the upper left corner.
     pub(super) fn sample(&self, [u, v]: [f64; 2], wrap: [Wrap; 2], tones: &Tones) -> [f32; 3] {
         let (x, y) = (u * self.width as f64 - 0.5, v * self.height as f64 - 0.5);
         let (left, above) = (x.floor(), y.floor());
@@ -72,7 +74,7 @@ impl Texture {
     }
 }
 
-/// Returns the pixel of a row or column that is seen at a whole number, which may be outside.
+/// Returns the pixel index for an integral coordinate, which may be outside the image.
 #[allow(clippy::cast_sign_loss, reason = "not negative; what is not a number becomes 0")]
 fn wrapped(at: f64, count: usize, wrap: Wrap) -> usize {
     let n = count as f64;
@@ -87,7 +89,7 @@ fn wrapped(at: f64, count: usize, wrap: Wrap) -> usize {
     (at as usize).min(count - 1)
 }
 
-/// Takes the pixels of an image from a budget.
+/// Charges the pixels of an image to a budget.
 fn charge(width: usize, height: usize, budget: &mut usize) -> Result<(), String> {
     let left = width.checked_mul(height).and_then(|count| budget.checked_sub(count));
     *budget = left.ok_or_else(|| {
@@ -98,12 +100,13 @@ fn charge(width: usize, height: usize, budget: &mut usize) -> Result<(), String>
 
 fn decode_png(bytes: &[u8], budget: &mut usize) -> Result<Texture, String> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
-    // Palettes and fewer bits become bytes; of 16 bits the upper ones are kept.
+    // Palettes and fewer bits are expanded to bytes; 16-bit channels are reduced to their upper
+    // byte.
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
     charge(width, height, budget)?;
-    let size = reader.output_buffer_size().ok_or("found a larger image than memory")?;
+    let size = reader.output_buffer_size().ok_or("found an image that exceeds the memory")?;
     let mut data = vec![0; size];
     let frame = reader.next_frame(&mut data).map_err(|error| error.to_string())?;
     Texture::new(width, height, &data, frame.color_type.samples())

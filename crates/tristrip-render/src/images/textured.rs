@@ -1,4 +1,4 @@
-//! Whole models: the parts in their places, with normals, texture coordinates, colours and textures.
+//! Complete models: placed parts with normals, texture coordinates, colours and textures.
 
 use tristrip::Mesh;
 use tristrip_io::Model;
@@ -18,11 +18,12 @@ use super::tones::Tones;
 use super::vector::{Vector, unit};
 use crate::error::Error;
 
-/// How often the triangles of a model may be drawn on average, and how many triangles are always allowed.
+/// How often the triangles of a model may be drawn on average, and the number of triangles that are
+/// always allowed.
 const MAX_COPIES: usize = 16;
 const FREE_TRIANGLES: usize = 1 << 20;
 
-/// A model that is ready to be drawn: its triangles in the axes of its scene, and its textures.
+/// A model prepared for rendering: its triangles in scene axes, and its textures.
 #[derive(Debug)]
 pub struct TexturedModel {
     facets: Vec<Facet>,
@@ -33,13 +34,15 @@ pub struct TexturedModel {
 }
 
 impl TexturedModel {
-    /// Places the parts of a model as its scene does, in its rest pose, and decodes its textures. Polygons are drawn as fans around their first corner.
+    /// Places the parts of a model as in its scene, in the rest pose, and decodes its textures.
+    /// Polygons are drawn as fans around their first corner.
     ///
-    /// Skins and the weights of morph targets are applied, animations are not; every material is opaque. Models without a scene are grey.
+    /// Skins and morph weights are applied, animations are not. Every material is opaque. Models
+    /// without a scene are grey.
     ///
     /// # Errors
-    /// The scene is not valid, an image is not PNG or JPEG or is too large, a coordinate is not finite, or the scene repeats its parts too
-    /// often.
+    /// The scene is invalid, an image is not a PNG or JPEG or is too large, a coordinate is not
+    /// finite, or the scene repeats its parts too often.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -76,18 +79,19 @@ impl TexturedModel {
         Ok(textured)
     }
 
-    /// Returns what is not drawn as the file has it, in words.
+    /// Returns the differences between images and the file, as text.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// Returns the number of triangles that are drawn; a part counts in each place where the scene shows it. Those without area are not drawn.
+    /// Returns the number of drawn triangles. A part counts once per instance; triangles without
+    /// area are not drawn.
     pub fn triangle_count(&self) -> usize {
         self.facets.len()
     }
 
-    /// Returns the number of samples that [`picture`](Self::picture) tests, which is the larger part of its time: the bounding boxes of all triangles, also of
-    /// those that others hide.
+    /// Returns the number of samples that [`picture`](Self::picture) tests, which dominates its
+    /// time: those of the bounding boxes of all triangles, including hidden ones.
     ///
     /// # Errors
     /// A size is 0 or too large, or the view has no direction.
@@ -97,8 +101,9 @@ impl TexturedModel {
     /// use tristrip_render::images::{RenderOptions, TexturedModel};
     /// let count = |faces: usize| {
     ///     let obj = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(faces));
-    ///     TexturedModel::new(&read(obj.as_bytes(), Format::Obj)?)?.sample_count(&RenderOptions::default())
-    ///         .map_err(Box::<dyn std::error::Error>::from)
+    ///     let model = TexturedModel::new(&read(obj.as_bytes(), Format::Obj)?)?;
+    ///     let count = model.sample_count(&RenderOptions::default())?;
+    ///     Ok::<_, Box<dyn std::error::Error>>(count)
     /// };
     /// assert_eq!(count(7)?, 7 * count(1)?);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -112,7 +117,8 @@ impl TexturedModel {
             .sum()
     }
 
-    /// Draws the model from the direction of the options, as large as the picture allows, with perspective. Returns the bytes of a PNG file.
+    /// Draws the model from the view direction in perspective, as large as the image allows.
+    /// Returns the bytes of a PNG file.
     ///
     /// # Errors
     /// A size is 0 or too large, or the view has no direction.
@@ -120,7 +126,8 @@ impl TexturedModel {
     /// ```
     /// use tristrip_io::{Format, read};
     /// use tristrip_render::images::{Mode, RenderOptions, TexturedModel};
-    /// let model = TexturedModel::new(&read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?)?;
+    /// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    /// let model = TexturedModel::new(&read(obj, Format::Obj)?)?;
     /// let png = model.picture(Mode::Shaded, &RenderOptions::default().with_size(64, 48))?;
     /// assert!(png.starts_with(b"\x89PNG"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -135,7 +142,8 @@ impl TexturedModel {
         encode(&vec![[red, green, blue, alpha]; (options.width * options.height) as usize], options)
     }
 
-    /// Returns the camera with perspective that the bounding box fills; `None` without triangles.
+    /// Returns the perspective camera for which the bounding box fills the image, or `None` without
+    /// triangles.
     pub(super) fn camera(&self, options: &RenderOptions) -> Result<Option<Camera>, Error> {
         if self.facets.is_empty() {
             return Ok(None);
@@ -143,7 +151,7 @@ impl TexturedModel {
         Camera::around(self.low, self.high, options).map(Some)
     }
 
-    /// Draws the model as a camera sees it, in rows of pixels as [`raster::draw`] does.
+    /// Draws the model from a camera. Returns the pixels in the order of [`raster::draw`].
     pub(super) fn seen(
         &self,
         camera: &Camera,
@@ -192,7 +200,7 @@ impl TexturedModel {
     }
 }
 
-/// Shows each part once, grey.
+/// Returns the appearance of a model without a scene: each part once, grey.
 fn without_scene(model: &Model) -> Appearance {
     let transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     let [red, green, blue] = Tones::new().linear(PLAIN);
@@ -204,7 +212,7 @@ fn without_scene(model: &Model) -> Appearance {
     appearance
 }
 
-/// Checks that a scene does not repeat its parts more often than the file pays for.
+/// Checks that a scene does not repeat its parts more often than the limit.
 fn check_count(model: &Model, instances: &[Instance]) -> Result<(), Error> {
     let count = |part: usize| model.parts.get(part).map_or(0, |part| part.mesh.faces().triangle_count());
     let stored: usize = (0..model.parts.len()).map(count).sum();
@@ -214,7 +222,7 @@ fn check_count(model: &Model, instances: &[Instance]) -> Result<(), Error> {
         drawn = drawn.saturating_add(count(instance.part));
         if drawn > limit {
             return Err(Error::Image(format!(
-                "scene: found more than {limit} triangles to draw, expected at most {MAX_COPIES} for each of {stored} triangles, and {FREE_TRIANGLES}"
+                "scene: found more than {limit} triangles to draw, expected at most {MAX_COPIES} per stored triangle ({stored}) plus {FREE_TRIANGLES}"
             )));
         }
     }

@@ -1,6 +1,6 @@
 //! Conversion between sRGB and linear light.
 
-/// The linear light of each sRGB value.
+/// The linear intensity of each sRGB value.
 pub(super) struct Tones {
     linear: [f32; 256],
 }
@@ -21,7 +21,7 @@ impl Tones {
         colour.map(|value| self.linear[usize::from(value)])
     }
 
-    /// Returns the sRGB value that is nearest to a share of linear light, rounded down between two.
+    /// Returns the nearest sRGB value of a linear intensity; ties round down.
     pub(super) fn encoded(&self, light: f32) -> u8 {
         let above = self.linear.partition_point(|&known| known <= light);
         match above {
