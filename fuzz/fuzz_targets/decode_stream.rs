@@ -1,12 +1,13 @@
-//! Any bytes, read as a stream in pieces of any size, as they are and with right checksums; and the stream of a mesh, with bytes that are changed: an
-//! error, or meshes of triangles over their vertices, the same at once and in pieces.
+//! Decodes arbitrary bytes as a stream in pieces of any size, unchanged and with corrected
+//! checksums; and the stream of a mesh with changed bytes. The result is an error, or meshes with
+//! valid indices that are the same in one piece and in several.
 #![no_main]
 
 use tristrip::simplify::{SimplifyOptions, refinement_batches};
 use tristrip::stream::{Decoder, StreamLimits, StreamOptions, encode};
 use tristrip_fuzz::{Bytes, mesh, with_attributes};
 
-/// Few triangles, so that time and memory are in proportion to the bytes.
+/// Few triangles, so time and memory are proportional to the bytes.
 const LIMITS: StreamLimits =
     StreamLimits { meshes: 4, triangles: 10_000, chunk_bytes: 1 << 20, corners: 1 << 20 };
 
@@ -34,7 +35,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     check(&sealed(&changed), piece);
 });
 
-/// Decodes bytes at once and in pieces.
+/// Decodes bytes in one piece and in several.
 fn check(bytes: &[u8], piece: usize) -> Decoder {
     let (mut whole, mut pieces) = (Decoder::new(LIMITS), Decoder::new(LIMITS));
     let result = whole.update(bytes).map(|_| ());
@@ -46,12 +47,12 @@ fn check(bytes: &[u8], piece: usize) -> Decoder {
         assert!(part.triangles().iter().all(|&v| (v as usize) < vertex_count));
         let _ = (part.mesh(), part.sequence().map(|sequence| sequence.check()));
     }
-    // A split that is one too many adds two triangles.
+    // A split that exceeds the limit by one adds two triangles.
     assert!(whole.parts().map(|part| part.triangle_count()).sum::<usize>() <= LIMITS.triangles + 2);
     whole
 }
 
-/// Makes the checksum of each whole chunk right.
+/// Corrects the checksum of each complete chunk.
 fn sealed(data: &[u8]) -> Vec<u8> {
     let (mut bytes, mut at) = (data.to_vec(), 0);
     while let Some((head, length)) = head(&bytes[at..]) {
@@ -66,7 +67,7 @@ fn sealed(data: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Returns the bytes of the head of a chunk before its checksum, and the length of its payload.
+/// Returns the size of a chunk's header before its checksum, and the length of its payload.
 fn head(bytes: &[u8]) -> Option<(usize, usize)> {
     let (mut at, mut payload) = (0, 0);
     for number in 0..5 {

@@ -1,5 +1,5 @@
-//! Arbitrary bytes, read as strips and collapses. Every level model draws every level, in rising,
-//! falling and jumping order.
+//! Builds strips and collapses from arbitrary bytes. Every level model draws every level, in
+//! rising, falling and jumping order.
 #![no_main]
 
 use std::sync::Arc;

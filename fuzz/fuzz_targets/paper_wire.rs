@@ -1,5 +1,5 @@
-//! Arbitrary bytes, decoded as the transmission of paper 001 in pieces of any size. The same bytes, read
-//! as strips and collapses, are encoded, and each level is drawn as it arrives.
+//! Decodes arbitrary bytes as the transmission of paper 001, in pieces of any size. Also builds
+//! strips and collapses from the bytes, encodes them, and draws each level as it is received.
 #![no_main]
 
 use tristrip::lod::Encoding;
@@ -10,7 +10,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let piece = usize::from(data.first().copied().unwrap_or(0)) + 1;
     if let Some(stream) = data.get(1..) {
         any_bytes(stream, piece);
-        // The same after the signature, which is seldom found by chance.
+        // The same bytes after the signature, which random bytes rarely contain.
         any_bytes(&[&[0x89, b'P', b'S', 1], stream].concat(), piece);
     }
     let Some(Model { strips, sequence }) = model(&mut Bytes(data)) else { return };
@@ -30,7 +30,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     }
 });
 
-/// Reads bytes at once and in pieces: the same levels, and memory that they justify.
+/// Decodes bytes in one piece and in several, with the same levels and bounded memory.
 fn any_bytes(bytes: &[u8], piece: usize) {
     let (mut whole, mut pieces) = (WireDecoder::default(), WireDecoder::default());
     let result = whole.update(bytes);

@@ -1,5 +1,5 @@
-//! Arbitrary bytes, read as strips and collapses: progressive strips of both encodings and the progressive mesh draw every level, through
-//! every filter, and return to the entries that they had.
+//! Builds strips and collapses from arbitrary bytes. Progressive strips of both encodings and the
+//! progressive mesh draw every level through every filter, and return to the same entries.
 #![no_main]
 
 use std::sync::Arc;
@@ -43,7 +43,8 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     }
 });
 
-/// Compares the map of a model's level, and its display strips by every filter, with the oracle.
+/// Compares the map of a model's level, and its display strips through every filter, with the
+/// oracle.
 fn draws(cursor: &mut ProgressiveStripsCursor, oracle: &[Vec<[u32; 3]>]) {
     let (mut map, expected) = (Vec::new(), &oracle[cursor.level()]);
     assert_eq!(&sorted(cursor.strips().triangles()), expected);

@@ -1,5 +1,5 @@
-//! Any bytes, read as glTF and GLB: an answer or an error. What can be read gets its vertices in the order of first use, and draws the
-//! same when it is read again.
+//! Reads arbitrary bytes as glTF and GLB. A model that can be read is reordered and written;
+//! reading it again gives the same triangles.
 #![no_main]
 
 use tristrip::verify::verify_models;
@@ -12,12 +12,12 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         let options = StripifyOptions::default().with_method(Method::Input);
         let of = |mesh| stripify(mesh, &options).expect("the order of the input has strips");
         let strips: Vec<Strips> = meshes(&model).into_iter().map(of).collect();
-        // Every other part by its faces.
+        // Every other part is drawn as faces.
         let drawing = |(part, strips)| if part % 2 == 0 { Drawing::Strips(strips) } else { Drawing::Faces };
         let drawings: Vec<_> = strips.iter().enumerate().map(drawing).collect();
         let ordered =
             reorder(&model, &drawings, Format::Glb, Layout::Degenerate).expect("strips of the model");
-        // Buffers of which an extension names bytes cannot be joined.
+        // Buffers cannot be merged if an extension refers to bytes of one.
         let Ok(bytes) = write(&ordered.model, &ordered.drawings(), Format::Glb, ordered.layout) else {
             continue;
         };

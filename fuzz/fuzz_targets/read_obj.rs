@@ -1,4 +1,4 @@
-//! Any bytes, read as OBJ: an answer or an error.
+//! Reads arbitrary bytes as OBJ.
 #![no_main]
 
 use tristrip_io::Format;

@@ -1,4 +1,4 @@
-//! Any bytes, read as OFF: an answer or an error.
+//! Reads arbitrary bytes as OFF.
 #![no_main]
 
 use tristrip_io::Format;

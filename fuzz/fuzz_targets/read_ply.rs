@@ -1,4 +1,4 @@
-//! Any bytes, read as PLY: an answer or an error.
+//! Reads arbitrary bytes as PLY.
 #![no_main]
 
 use tristrip_io::Format;

@@ -1,4 +1,4 @@
-//! Any bytes, read as STL: an answer or an error.
+//! Reads arbitrary bytes as STL.
 #![no_main]
 
 use tristrip_io::Format;

@@ -1,4 +1,5 @@
-//! Any bytes, read as `.tlod`, as they are and with right checksums: an error, or a model that is written as it was read.
+//! Reads arbitrary bytes as `.tlod`, unchanged and with corrected checksums. A model that can be
+//! read is written with the same bytes.
 #![no_main]
 
 use tristrip_io::tlod::{TlodLimits, read, write};
@@ -15,7 +16,7 @@ fn check(data: &[u8]) {
     assert!(again == data);
 }
 
-/// Makes the checksum of each whole section right.
+/// Corrects the checksum of each complete section.
 fn sealed(data: &[u8]) -> Vec<u8> {
     let (mut bytes, mut at) = (data.to_vec(), 12);
     while let Some(&length) = bytes.get(at + 4..at + 12).and_then(|length| length.as_array()) {

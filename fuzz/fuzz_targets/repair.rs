@@ -1,5 +1,5 @@
-//! Arbitrary bytes, read as strips, collapses and options: repaired strips draw every level, on the way down, up, at a jump and made
-//! for one level at once, and the vertices sent are those of the strips.
+//! Builds strips, collapses and options from arbitrary bytes. Repaired strips draw every level:
+//! going down, going up, after a jump, and built directly. The vertex counts match the strips.
 #![no_main]
 
 use std::sync::Arc;

@@ -1,4 +1,5 @@
-//! Any bytes that are a model, written as PLY and OBJ and read again: the same positions and faces.
+//! Writes models that can be read as PLY and OBJ and reads them again: positions and faces are the
+//! same.
 #![no_main]
 
 use tristrip::Layout;
@@ -14,13 +15,13 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     };
     let ply = again(Format::Ply).expect("what was written can be read");
     assert_eq!(faces(&model), faces(&ply));
-    // OBJ has no word for a model without vertices.
+    // OBJ cannot represent a model without vertices.
     if model.parts.iter().any(|part| part.mesh.vertex_count() > 0) {
         again(Format::Obj).expect("what was written can be read");
     }
 });
 
-/// The corners of every face, as the bits of their positions.
+/// Returns the corners of every face as the bits of their positions.
 fn faces(model: &Model) -> Vec<Vec<[u32; 3]>> {
     let mut out = Vec::new();
     for part in &model.parts {

@@ -1,5 +1,6 @@
-//! Arbitrary bytes, read as a mesh with attributes and options: a simplification keeps locked vertices, stops for a reason, and every
-//! level is what its collapses, done one by one, leave.
+//! Builds a mesh with attributes and options from arbitrary bytes. Simplification keeps locked
+//! vertices, reports why it stopped, and every level equals the result of its collapses, applied
+//! one by one.
 #![no_main]
 
 use tristrip::simplify::{SimplifyOptions, Stopped};
@@ -9,7 +10,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let mut bytes = Bytes(data);
     let [attributes, goal, allowed, locked] = [0; 4].map(|_| bytes.next());
     let mesh = with_attributes(mesh(&mut bytes), attributes);
-    // Every polygon as a fan, degenerate and duplicate triangles included.
+    // Every polygon as a fan, including degenerate and duplicate triangles.
     let fan =
         |face: &[u32]| (2..face.len()).flat_map(|i| [face[0], face[i - 1], face[i]]).collect::<Vec<_>>();
     let triangles: Vec<u32> = mesh.faces().iter().flat_map(fan).collect();

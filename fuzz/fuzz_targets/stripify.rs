@@ -1,5 +1,5 @@
-//! Arbitrary bytes, read as a mesh and options: every method returns a valid cover, proven strips, and layouts that draw
-//! the same triangles; none is below a lower bound.
+//! Builds a mesh and options from arbitrary bytes. Every method returns a valid cover, verified
+//! strips, and layouts that draw the same triangles. No cost is below its lower bound.
 #![no_main]
 
 use tristrip::Effort;
@@ -53,7 +53,8 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     }
 });
 
-/// Compares the triangles of every layout with those of the strips, in their order; joined strips come in another order.
+/// Compares the triangles of every layout with those of the strips. Joined strips may be in another
+/// order.
 fn layouts_agree(strips: &Strips) {
     let drawn: Vec<[u32; 3]> = strips.triangles().collect();
     let restart = strips.to_restart(RESTART);
@@ -67,7 +68,7 @@ fn layouts_agree(strips: &Strips) {
     assert_eq!(metrics.indices_degenerate, degenerate.len());
 }
 
-/// Returns every method with every variant that it has.
+/// Returns every method with all its variants.
 fn methods(cutoff: u32) -> Vec<Method> {
     let mut all = vec![Method::Best, Method::Sequential, Method::Input, Method::STRIPE];
     all.extend(LastTie::ALL.map(|last_tie| Method::Sgi { last_tie }));

@@ -1,11 +1,12 @@
-//! What the fuzz targets share: a mesh, strips and collapses built from bytes, and the comparison of triangles.
+//! Common parts of the fuzz targets: builders of meshes, strips and collapses, and the comparison
+//! of triangles.
 
 use tristrip::CollapseSequence;
 use tristrip::Rename;
 use tristrip::simplify::{self, Simplification};
 use tristrip::{Attribute, AttributeData, Faces, Mesh, Method, StripifyOptions, Strips, stripify};
 
-/// The bytes that are left; zeros when there are none.
+/// The remaining bytes, followed by zeros.
 pub struct Bytes<'a>(pub &'a [u8]);
 
 impl Bytes<'_> {
@@ -16,13 +17,14 @@ impl Bytes<'_> {
         first
     }
 
-    /// Returns the next four bytes as a number.
+    /// Returns the next four bytes as a little-endian number.
     pub fn word(&mut self) -> u32 {
         u32::from_le_bytes([0; 4].map(|_| self.next()))
     }
 }
 
-/// Returns triangles in a canonical order, each from its lowest vertex on: drawings that are equal have equal ones, winding included.
+/// Returns triangles in canonical order, each starting at its lowest vertex. Equal drawings give
+/// equal results; the winding is preserved.
 pub fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     let canonical_triangle = |mut t: [u32; 3]| {
         let lowest = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
@@ -34,7 +36,7 @@ pub fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     all
 }
 
-/// Reads a mesh: positions in one of several patterns, then polygons until the bytes end.
+/// Builds a mesh: positions in one of several patterns, then polygons until the bytes end.
 pub fn mesh(bytes: &mut Bytes) -> Mesh {
     let vertex_count = match bytes.next() {
         small @ 0..=199 => u32::from(small) % 40 + 1,
@@ -53,7 +55,7 @@ pub fn mesh(bytes: &mut Bytes) -> Mesh {
     Mesh::new(positions, faces).expect("indices in range")
 }
 
-/// Returns the position of a vertex: never infinite or not a number.
+/// Returns the position of a vertex, always finite.
 fn position(v: u32, pattern: u8, bytes: &mut Bytes) -> [f32; 3] {
     let (x, y) = ((v % 8) as f32, (v / 8) as f32);
     let finite = |bits: u32| Some(f32::from_bits(bits)).filter(|x| x.is_finite()).unwrap_or(0.0);
@@ -71,14 +73,15 @@ fn position(v: u32, pattern: u8, bytes: &mut Bytes) -> [f32; 3] {
     }
 }
 
-/// Reads a polygon of any size: corner by corner, as a run of vertices, or as an earlier polygon, rotated or reversed.
+/// Builds a polygon of any size: corner by corner, as a run of vertices, or as an earlier polygon,
+/// rotated or reversed.
 fn polygon(vertex_count: u32, earlier: &[Vec<u32>], bytes: &mut Bytes) -> Vec<u32> {
     let size = bytes.next();
     match size {
         0..=99 => (0..size / 10).map(|_| u32::from(bytes.next()) % vertex_count).collect(),
         100..=179 => (0..3 + size % 2).map(|_| u32::from(bytes.next()) % vertex_count).collect(),
         180..=219 => {
-            // A quad of a grid of eight columns, so that patches arise.
+            // A quad of a grid with eight columns, so grid patches occur.
             let v = u32::from(bytes.next());
             let quad = [v, v + 1, v + 9, v + 8].map(|v| v % vertex_count);
             if size < 210 { quad.to_vec() } else { quad.into_iter().rev().collect() }
@@ -102,7 +105,8 @@ fn polygon(vertex_count: u32, earlier: &[Vec<u32>], bytes: &mut Bytes) -> Vec<u3
     }
 }
 
-/// Adds vertex attributes as two bits of a byte ask for: a coarse and a fine one, whose differences are seams between vertices of one position.
+/// Adds the vertex attributes selected by two bits: a coarse and a fine one. Their differences are
+/// seams between vertices at the same position.
 pub fn with_attributes(mesh: Mesh, choice: u8) -> Mesh {
     let count = mesh.vertex_count();
     let attribute =
@@ -114,14 +118,14 @@ pub fn with_attributes(mesh: Mesh, choice: u8) -> Mesh {
     wanted.fold(mesh, |mesh, (_, attribute)| mesh.with_attribute(attribute).expect("a value per vertex"))
 }
 
-/// Strips of a mesh, and collapses over the triangles that they draw.
+/// Strips of a mesh, and collapses of the triangles that they draw.
 pub struct Model {
     pub strips: Strips,
     pub sequence: CollapseSequence,
 }
 
-/// Reads a mesh, its strips by a method of moderate cost, and collapses: of a simplification, or arbitrary ones that no simplification would
-/// make. `None` where the mesh has no strips.
+/// Builds a mesh, its strips by a method of moderate cost, and collapses: those of a
+/// simplification, or arbitrary ones. Returns `None` if the mesh has no strips.
 pub fn model(bytes: &mut Bytes) -> Option<Model> {
     let [kind, method, attributes] = [0; 3].map(|_| bytes.next());
     let is_simplified = kind.is_multiple_of(2);
@@ -140,14 +144,15 @@ pub fn model(bytes: &mut Bytes) -> Option<Model> {
     Some(Model { strips, sequence })
 }
 
-/// Simplifies triangles of a mesh, and checks the sequence.
+/// Simplifies triangles of a mesh and checks the sequence.
 pub fn simplified(mesh: &Mesh, triangles: Vec<u32>, options: &simplify::SimplifyOptions) -> Simplification {
     let result = simplify::simplify_triangles(mesh, triangles, options).expect("valid triangles and options");
     assert_eq!(result.sequence.check(), Ok(()));
     result
 }
 
-/// Builds a sequence of arbitrary collapses: of edges mostly, of two vertices at once, or of any two vertices.
+/// Builds a sequence of arbitrary collapses: mostly of edges, sometimes of two vertices at once, or
+/// of any two vertices.
 fn collapsed(vertex_count: usize, list: Vec<u32>, choices: &[[u8; 4]]) -> CollapseSequence {
     let mut now = list.clone();
     let mut collapses: Vec<Vec<Rename>> = Vec::new();
@@ -185,7 +190,7 @@ fn edge(list: &[u32], triangle: u8, corner: u8) -> [u32; 2] {
     [corner, corner % 3 + 1].map(|corner| list[first + usize::from(corner) % 3])
 }
 
-/// Renames a vertex of a list of triangles, and removes the triangles that become degenerate.
+/// Renames a vertex in a list of triangles and removes triangles that become degenerate.
 pub fn apply(list: &mut Vec<u32>, rename: Rename) {
     list.iter_mut().filter(|v| **v == rename.removed).for_each(|v| *v = rename.kept);
     let is_real = |t: &&[u32]| t[0] != t[1] && t[1] != t[2] && t[0] != t[2];

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Proves many files with a checker of single files, one process per core.
+"""Checks many files with a checker for single files, one process per core.
 
     check_files.py CHECKER LIST
 
-CHECKER: a Python program whose main([source, result]) returns 0 if the result draws what the source draws, and whose
-read(path) reads a model. LIST: lines of source, tab, result. A source is read once per run of results.
-Exits with 0 if every file is proven, with 1 otherwise.
+CHECKER: a Python program. Its main([source, result]) returns 0 if the result draws the same as the source, and its
+read(path) reads a model. LIST: one line per pair: source, tab, result. A source is read once per run of results.
+Exits with 0 if every file passes, with 1 otherwise.
 """
 import contextlib, functools, importlib.util, io, itertools, multiprocessing, os, sys
 
-RUN = 6  # results that are checked per reading of their source
+RUN = 6  # results checked per reading of their source
 
 
 def start(checker):
@@ -24,7 +24,7 @@ def start(checker):
 
 
 def prove(run):
-    """Returns the number of results of a run, and a line for each that is not proven."""
+    """Returns the number of results of a run, and a line per failure."""
     source, results = run
     start.source, problems = source, []
     for result in results:
