@@ -1,5 +1,5 @@
-//! Material libraries of OBJ files that are wrong on purpose: materials or problems in words, never a panic, with memory and time in
-//! proportion to the bytes, and no file outside the folder.
+//! Malformed material libraries of OBJ files: they give materials or reported problems, never a
+//! panic. Memory and time are proportional to the bytes, and no file outside the directory is read.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 #[path = "io/doubling.rs"]
@@ -33,7 +33,7 @@ fn library(name: &str, bytes: impl Into<Vec<u8>>) -> (Materials, Vec<String>) {
     (materials, images)
 }
 
-/// Returns a model with these materials, whose images are all the same PNG, as GLB.
+/// Returns a model with these materials as GLB; all their images are the same PNG.
 fn glb(materials: Materials, images: Vec<String>) -> Vec<u8> {
     let mut model = read(obj("").as_bytes(), Format::Obj).unwrap();
     let file = |name: String| tristrip_io::SideFile { name, bytes: Arc::new(PNG.to_vec()) };
@@ -43,7 +43,7 @@ fn glb(materials: Materials, images: Vec<String>) -> Vec<u8> {
     write(&model, &[Drawing::Faces], Format::Glb, Layout::List).unwrap()
 }
 
-/// The most memory that the process has had, in bytes, where the system tells it.
+/// Returns the peak memory of the process in bytes, if the system reports it.
 fn peak_bytes() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -91,11 +91,11 @@ fn lines_of_any_length_and_bytes_are_read() {
     let long = "x".repeat(8 << 20);
     let (materials, images) = library("a.mtl", format!("newmtl m\nmap_Kd {long}\n{long} 1\nKd {long}\n"));
     assert_eq!((images.len(), images[0].len(), materials.problems.len()), (1, long.len(), 0));
-    // Many options; what is last is the image.
+    // Many options; the last word is the image.
     let options = "-s 1 1 1 ".repeat(1 << 16);
     let (_, images) = library("a.mtl", format!("newmtl m\nmap_Kd {options}\nmap_Ke {options}a.png\n"));
     assert_eq!(images, ["1", "a.png"]);
-    // Bytes that are no UTF-8, in the names of both files.
+    // Bytes that are not UTF-8, in the names of both files.
     let (materials, images) = library("a.mtl", b"newmtl \xff\xfe\nmap_Kd \xc0\x80.png\n");
     assert_eq!((materials.is_empty(), &*images[0]), (false, "\u{fffd}\u{fffd}.png"));
     let model =
@@ -136,11 +136,11 @@ fn a_long_folder_is_not_repeated_for_every_material() {
     assert_eq!(images.len(), 4096);
     assert!(images.iter().all(|image| image.len() < 4020 && image.starts_with("fff")));
     assert!(materials.problems[0].ends_with("only the first 4096 of 150000 images are read"));
-    // Each name repeated would be 600 MB.
+    // Repeating each name would take 600 MB.
     assert!(peak_bytes().is_none_or(|peak| peak < 400 << 20), "{:?}", peak_bytes());
 }
 
-/// A folder with a model beside a file that it must not read.
+/// Returns a directory with a model, next to a file that must not be read.
 fn folder(lines: &str, library: &str) -> (tempfile::TempDir, Model) {
     let dir = tempfile::tempdir().unwrap();
     let inside = dir.path().join("inside");
@@ -190,7 +190,7 @@ fn nothing_outside_the_folder_is_read() {
 
 #[test]
 fn libraries_and_images_that_name_each_other_are_read_once() {
-    // A library as its own image is a file without an image in it.
+    // A library that is its own image is a file without an image in it.
     let (_dir, model) = folder(
         "mtllib a.mtl\nmtllib ././a.mtl\nmtllib .//a.mtl\nmtllib model.obj",
         "newmtl m\nmap_Kd a.mtl\nmap_Ke model.obj\n",
@@ -201,7 +201,7 @@ fn libraries_and_images_that_name_each_other_are_read_once() {
     assert_eq!(materials.image_size("m"), None);
     let glb = write(&model, &[Drawing::Faces], Format::Glb, Layout::List).unwrap();
     assert!(json_of(&glb).get("images").is_none());
-    // The same image by many names is in memory once.
+    // The same image under many names is stored once.
     let many: Vec<String> =
         (1..200).map(|i| format!("newmtl m{i}\nmap_Kd {}a.png\n", "./".repeat(i))).collect();
     let (_dir, model) = folder("mtllib a.mtl", &many.concat());

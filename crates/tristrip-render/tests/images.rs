@@ -1,5 +1,6 @@
-//! Pictures of a textured scene, built here: strips change no pixel, simplification opens no hole, a torn mesh is noticed, and
-//! a level of detail looks the same in a scene and in its own file.
+//! Images of a textured scene that is built here: strips change no pixel, simplification opens no
+//! holes, a torn mesh is detected, and a level of detail looks the same in a scene and in its own
+//! file.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::f64::consts::PI;
@@ -9,7 +10,7 @@ use tristrip_io::{Format, Model, read, with_triangles};
 use tristrip_pipeline::{Amount, Deviation, Goal, Ratio, chain, encode, simplify, strip};
 use tristrip_render::images::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 
-/// Quadrilaterals around, and from pole to pole.
+/// The number of quadrilaterals around, and from pole to pole.
 const AROUND: usize = 32;
 const DOWN: usize = 20;
 
@@ -25,14 +26,15 @@ fn chequers() -> Vec<u8> {
     bytes
 }
 
-/// Returns a GLB of two eggs, one larger and turned: normals, a seam in the texture coordinates, and a texture.
+/// Returns a GLB of two eggs, one larger and rotated: normals, a seam in the texture coordinates,
+/// and a texture.
 fn eggs() -> Vec<u8> {
     let (mut positions, mut normals, mut coordinates) = (Vec::new(), Vec::new(), Vec::new());
     for row in 0..=DOWN {
         for column in 0..=AROUND {
             let [u, v] = [column as f64 / AROUND as f64, row as f64 / DOWN as f64];
             let (around, down) = (2.0 * PI * (u + if column == AROUND { -1.0 } else { 0.0 }), PI * v);
-            // The same at the seam and at the poles, to the last bit.
+            // Bit-identical at the seam and at the poles.
             let ring = if row == 0 || row == DOWN { 0.0 } else { down.sin() };
             let normal = [ring * around.cos(), down.cos(), ring * around.sin()];
             positions.extend([normal[0], 1.4 * normal[1], normal[2]].map(|x| x as f32));
@@ -88,7 +90,7 @@ fn eggs() -> Vec<u8> {
     glb(json, &bin)
 }
 
-/// Returns a GLB of a document and its buffer, which is a multiple of four bytes.
+/// Returns a GLB of a document and its buffer, whose size is a multiple of four bytes.
 fn glb(json: String, bin: &[u8]) -> Vec<u8> {
     let mut json = json.into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
@@ -105,17 +107,18 @@ fn glb(json: String, bin: &[u8]) -> Vec<u8> {
     glb
 }
 
-/// Returns a square of these vertices, with further attributes of its primitive and members of the document. The accessors: positions,
-/// normals, joints of 8 bits, weights, two matrices, indices.
+/// Returns a square with these vertices, and further attributes of its primitive and members of the
+/// document. The accessors: positions, normals, 8-bit joints, weights, two matrices, indices.
 fn square(positions: [[f32; 3]; 4], attributes: &str, members: &str) -> Model {
     let floats = |values: &[f32]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     let column = |x: f32| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, 0.0, 0.0, 1.0];
     let arrays = [
         floats(&positions.concat()),
         floats(&[[0.0, 0.0, 1.0]; 4].concat()),
-        // The last joint is none of the skin.
+        // The last joints are not in the skin.
         [[0, 1, 9, 9], [0, 1, 9, 9], [0, 1, 9, 9], [1, 0, 9, 9]].concat(),
-        // Weights that do not sum to 1 count by their shares; without weights the first joint counts.
+        // Weights that do not sum to 1 are normalized; a vertex without weights follows its first
+        // joint.
         floats(&[[1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 5.0], [0.5, 0.5, 0.0, 0.0], [0.0; 4]].concat()),
         floats(&[column(0.0), column(-1.0)].concat()),
         [0_u32, 1, 2, 2, 1, 3].map(u32::to_le_bytes).concat(),
@@ -150,8 +153,8 @@ fn square(positions: [[f32; 3]; 4], attributes: &str, members: &str) -> Model {
 fn skins_and_morph_targets_are_drawn_in_the_rest_pose() {
     let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [2.0, 2.0, 0.0]];
     let skinned = r#","JOINTS_0":2,"WEIGHTS_0":3"#;
-    // The transform of the node with the skin is not that of the mesh; the second joint stands 4 to the right, and its inverse bind matrix
-    // takes 1 back.
+    // The transform of the node with the skin is ignored. The second joint is 4 to the right, and
+    // its inverse bind matrix moves 1 back.
     let nodes = r#""nodes":[{"mesh":0,"skin":0,"scale":[7,1,1]},{"children":[2]},{"translation":[4,0,0]}],
         "skins":[{"joints":[1,2],"inverseBindMatrices":4}]"#;
     let same = |before: &Model, after: &Model| {
@@ -164,13 +167,13 @@ fn skins_and_morph_targets_are_drawn_in_the_rest_pose() {
     let posed = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.5, 2.0, 0.0], [5.0, 2.0, 0.0]];
     assert!(same(&square(corners, skinned, nodes), &plain(posed)));
     assert!(!same(&square(corners, skinned, nodes), &plain(corners)));
-    // A mesh without joints stays where it is, and so does one whose skin cannot be read.
+    // A mesh without joints does not move, nor does one whose skin cannot be read.
     assert!(same(&square(corners, "", nodes), &plain(corners)));
     let broken = square(corners, skinned, &nodes.replace("[1,2]", "[1,9]"));
     assert!(same(&broken, &plain(corners)));
     let notes = TexturedModel::new(&broken).unwrap().notes().to_vec();
     assert!(notes[0].starts_with("drawn without a skin: skins[0].joints[1]: found 9"), "{notes:?}");
-    // The target is the mesh itself, before the skin.
+    // The target is the mesh itself, applied before the skin.
     let morphed = square(corners, "", r#""nodes":[{"mesh":0,"weights":[0.5]}]"#);
     assert!(same(&morphed, &plain(corners.map(|corner| corner.map(|x| 1.5 * x)))));
     let both = square(corners, skinned, &nodes.replace(r#""skin":0"#, r#""skin":0,"weights":[1]"#));
@@ -229,11 +232,11 @@ fn a_missing_triangle_is_a_hole_and_an_additional_one_is_grown() {
     let model = scene();
     let all = model.parts[0].mesh.faces().corners();
     let with = |kept: &[u32]| with_triangles(&model, vec![kept.to_vec()], Format::Glb).unwrap().model;
-    // Behind a triangle of a closed surface is its back: another colour, and no hole.
+    // Behind a triangle of a closed surface is its back side: another colour, but no hole.
     let middle = all.len() / 6 * 3;
     let found = normals(&model, &with(&[&all[..middle], &all[middle + 3..]].concat()));
     assert!(found.different > 0 && found.holes < found.different && found.grown == 0, "{found:?}");
-    // The upper half is missing, so that the background is seen where it was.
+    // The upper half is missing, so the background is visible there.
     let open = with(&all[middle..]);
     // Behind a triangle of a plane is the background.
     let plane = |faces: &str| {
@@ -285,7 +288,7 @@ fn wrong_images_and_a_model_behind_the_eye_are_refused() {
     assert!(error.contains("behind the eye"), "{error}");
 }
 
-/// Returns a GLB in which the nodes of a level stand where those of the finest level stood.
+/// Returns a GLB in which the nodes of a level replace those of the finest level.
 fn with_level(glb: &[u8], level: usize) -> Vec<u8> {
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let mut json: Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
@@ -309,7 +312,7 @@ fn with_level(glb: &[u8], level: usize) -> Vec<u8> {
     [&glb[..8], &head[0], &head[1], &glb[16..20], &text, &glb[20 + length..]].concat()
 }
 
-/// One egg has a child, so that its mesh moves to another one; the other only places its mesh.
+/// One egg has a child, so its mesh moves to another child; the other node only places its mesh.
 #[test]
 fn every_level_of_a_scene_looks_like_its_own_file() {
     let model = scene();
@@ -330,6 +333,6 @@ fn every_level_of_a_scene_looks_like_its_own_file() {
         assert_eq!((found.different, found.holes, found.grown), (0, 0, 0), "level {level}: {found:?}");
         shown.push(own);
     }
-    // The comparison sees a level that is not the right one.
+    // The comparison detects a wrong level.
     assert!(compare(&shown[0], &shown[2], Mode::Textured).unwrap().different > 1000);
 }

@@ -1,4 +1,4 @@
-//! Materials that a program adds to a model: written into a GLB and beside an OBJ, and read back.
+//! Materials that a program adds to a model: written to GLB and OBJ, and read back.
 
 use std::fs;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ fn textured() -> PlainMaterial {
     PlainMaterial { base_colour, metalness: 0.5, roughness: 0.25, is_blended: true, image: Some(image(b"a")) }
 }
 
-/// A part for each material, with texture coordinates of a type.
+/// Returns a part per material, with texture coordinates of a type.
 fn model(materials: &[(&str, PlainMaterial)], data: AttributeData, counts_down: bool) -> Model {
     let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], Faces::default()).unwrap();
     let mesh = mesh.with_faces(Faces::from_triangles(vec![0, 1, 2]).unwrap()).unwrap();
@@ -113,8 +113,8 @@ fn materials_of_one_name_are_one() {
     assert_eq!((known.plain("a"), known.plain("b"), known.files.len()), (Some(textured()), None, 1));
 }
 
-/// A scene that is built in memory is the one that is read from the file: materials, flipped coordinates, polygons, vertices that parts
-/// share, and parts without vertices or faces.
+/// A scene built in memory equals the scene read from the file: materials, flipped coordinates,
+/// polygons, shared vertices, and parts without vertices or faces.
 #[test]
 fn a_scene_in_memory_is_that_of_the_file() {
     let all = [("a", textured()), ("b", PlainMaterial::default()), ("a", textured())];

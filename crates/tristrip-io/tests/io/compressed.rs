@@ -1,4 +1,4 @@
-//! Documents whose buffer views meshoptimizer's own encoders compress.
+//! Documents with buffer views compressed by meshoptimizer's own encoders.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use std::path::PathBuf;
@@ -12,13 +12,13 @@ use crate::gltf_documents::*;
 pub(crate) const EXT: &str = "EXT_meshopt_compression";
 pub(crate) const KHR: &str = "KHR_meshopt_compression";
 
-/// How a buffer view is compressed.
+/// The compression of a buffer view.
 #[derive(Clone, Copy)]
 pub(crate) struct Compression<'a> {
     pub(crate) mode: &'a str,
     pub(crate) filter: Option<&'a str>,
     pub(crate) stride: usize,
-    /// The version of the codec of attributes.
+    /// The version of the attribute codec.
     pub(crate) version: i32,
 }
 
@@ -42,7 +42,7 @@ impl Compression<'_> {
     }
 }
 
-/// Calls a generic function for a stride that is known when the test runs.
+/// Calls a generic function for a stride known only at run time.
 macro_rules! for_stride {
     ($stride:expr, $name:ident($($argument:expr),*)) => {
         match $stride {
@@ -66,7 +66,7 @@ pub(crate) fn encode_attributes(bytes: &[u8], stride: usize, version: i32) -> Ve
     for_stride!(stride, encode(bytes, version))
 }
 
-/// Returns a document with some of its views compressed, in a second buffer that is marked as a fallback.
+/// Returns a document with some views compressed, in a second buffer marked as a fallback.
 pub(crate) fn compress(draft: &Draft, name: &str, views: &[(usize, Compression<'_>)]) -> Draft {
     let mut out = Draft { json: draft.json.clone(), bin: Vec::new() };
     out.json["buffers"] = json!([{}]);
@@ -115,7 +115,8 @@ pub(crate) fn model_path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models").join(name)
 }
 
-/// Checks that two models have the same vertices and triangles in the same order; the codec of triangles may rotate a triangle.
+/// Checks that two models have the same vertices and triangles in the same order. The triangle
+/// codec may rotate a triangle.
 pub(crate) fn same_parts(found: &Model, expected: &Model) {
     assert_eq!(found.parts.len(), expected.parts.len());
     for (part, (one, other)) in found.parts.iter().zip(&expected.parts).enumerate() {
@@ -126,7 +127,7 @@ pub(crate) fn same_parts(found: &Model, expected: &Model) {
     }
 }
 
-/// The triangles, each rotated to the first of its rotations, also where corners are equal.
+/// Returns the triangles, each in its smallest rotation, even if corners are equal.
 pub(crate) fn first_rotations(model: &Model, part: usize) -> Vec<[u32; 3]> {
     let corners = model.parts[part].mesh.faces().as_triangles().unwrap();
     let first = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap();
@@ -138,7 +139,7 @@ pub(crate) fn written(model: &Model) -> Vec<u8> {
     write(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb, Layout::List).unwrap()
 }
 
-/// A ribbon over positions, with a view for its indices.
+/// Returns a ribbon with a view for its indices.
 pub(crate) fn ribbon(vertices: usize) -> Draft {
     let mut draft = Draft::new();
     let positions = draft.positions(&bent(vertices));

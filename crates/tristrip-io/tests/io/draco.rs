@@ -1,4 +1,5 @@
-//! glTF with geometry compressed by Draco: read as if it were not, and bounded on wrong streams.
+//! glTF with Draco-compressed geometry: read like uncompressed geometry, with limits on malformed
+//! streams.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -19,7 +20,7 @@ fn encoded() -> DracoPrimitiveEncoding {
     encoded_grid(SIDE)
 }
 
-/// Returns a grid of (side + 1)² vertices with positions, and colours of three bytes.
+/// Returns a grid of (side + 1)² vertices with positions and colours of three bytes.
 fn encoded_grid(side: u32) -> DracoPrimitiveEncoding {
     let vertex_count = ((side + 1) * (side + 1)) as usize;
     let at = |i: u32| [(i % (side + 1)) as f32, (i / (side + 1)) as f32, ((i * 7) % 5) as f32];
@@ -39,7 +40,7 @@ fn encoded_grid(side: u32) -> DracoPrimitiveEncoding {
     DracoPrimitiveEncoding::encode(&geometry, &CompressionOptions::default()).unwrap()
 }
 
-/// Returns a document with a stream, and with four bytes of something else after it.
+/// Returns a document with a stream, followed by four other bytes.
 fn document(encoded: &DracoPrimitiveEncoding, stream: &[u8]) -> Value {
     let numbers = encoded.extension(0);
     let numbers: serde_json::Map<String, Value> =
@@ -98,7 +99,7 @@ fn wrong_streams_and_counts_are_errors() {
         let error = read(&document(&encoded, &bytes[..length])).unwrap_err();
         assert!(length == 0 || error.contains("KHR_draco_mesh_compression"), "{length}: {error}");
     }
-    // Every byte changed, one after the other, gives an error or another mesh, never a panic.
+    // Changing any single byte gives an error or another mesh, never a panic.
     for i in 0..bytes.len() {
         let mut changed = bytes.to_vec();
         changed[i] ^= 0x5a;
@@ -228,7 +229,7 @@ fn an_attribute_by_many_names_is_limited() {
     assert!(found > 1000 * (1 << 16) && limit < 9 << 20, "{found}, {limit}");
 }
 
-/// Returns a document of primitives that each have their own accessors, and a stream of their own or the same one.
+/// Returns a document of primitives with separate accessors, and separate streams or a common one.
 fn primitives(count: usize, padding: usize, is_shared: bool) -> Value {
     let encoded = encoded_grid(1);
     let mut json = document(&encoded, &[encoded.bytes(), &vec![0; padding]].concat());

@@ -1,5 +1,5 @@
-//! Models that draw nothing: each format writes a file that reads as a model which draws nothing, or says that there is nothing to
-//! write.
+//! Models without triangles: each format writes a file that reads as a model without triangles, or
+//! reports that there is nothing to write.
 
 use tristrip::verify::verify_models;
 use tristrip::{Faces, Layout, Mesh, Strips};
@@ -17,7 +17,8 @@ fn meshes(model: &Model) -> Vec<&Mesh> {
     model.parts.iter().map(|part| &part.mesh).collect()
 }
 
-/// Writes parts in every layout, as faces and as no strips; calls `check` with the model and the file.
+/// Writes parts in every layout, as faces and as empty strips. Calls `check` with the model and the
+/// file.
 fn write_all(parts: Vec<Part>, format: Format, check: impl Fn(&Model, Result<Vec<u8>, tristrip_io::Error>)) {
     let (model, nothing) = (Model { parts, ..Model::default() }, Strips::default());
     for layout in LAYOUTS {
@@ -61,7 +62,7 @@ fn a_model_without_vertices_is_written_where_a_format_has_such_files() {
     }
 }
 
-/// The specification allows no empty arrays at the root of a document.
+/// glTF does not allow empty arrays at the root of a document.
 #[test]
 fn a_scene_without_meshes_gets_no_empty_arrays() {
     let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"camera":0}],

@@ -1,4 +1,5 @@
-//! Malformed glTF: each file of `testdata/bad` gives exactly the error that `expected-gltf.txt` names for it.
+//! Malformed glTF: each file of `testdata/bad` gives exactly the error listed in
+//! `expected-gltf.txt`.
 //!
 //! `TRISTRIP_BLESS=1` writes a new list; review the difference before committing it.
 

@@ -1,5 +1,5 @@
-//! What a document makes of its bytes: values that no byte stands for are limited, arrays that are used again are decoded once,
-//! and what was read can be written and read again.
+//! Limits of decoding: values without stored bytes are limited, shared arrays are decoded once, and
+//! models that were read can be written and read again.
 
 use serde_json::json;
 use tristrip::{Layout, Strips};
@@ -7,7 +7,7 @@ use tristrip_io::{Drawing, Error, Format, Model, gltf, write};
 
 use crate::gltf_documents::*;
 
-/// A document of one primitive over zeros.
+/// Returns a document of one primitive whose positions are all zero.
 fn zeros(count: usize, sparse: bool) -> Draft {
     let mut draft = Draft::new();
     draft.json["accessors"] = json!([{ "componentType": F32, "count": count, "type": "VEC3" }]);
@@ -34,7 +34,7 @@ fn zeros_that_no_byte_pays_for_are_limited() {
     }
 }
 
-/// A ribbon of `triangles`, drawn by each of several meshes over one array of vertices and one of indices.
+/// Returns a ribbon of `triangles`, drawn by several meshes with common vertex and index arrays.
 fn meshes_over_one_ribbon(mesh_count: usize, triangles: u32) -> Draft {
     let mut draft = Draft::new();
     let positions = draft.positions(&bent(triangles as usize + 2));
@@ -45,7 +45,7 @@ fn meshes_over_one_ribbon(mesh_count: usize, triangles: u32) -> Draft {
     draft
 }
 
-/// Isolated triangles: the strips with the most indices per triangle.
+/// Returns isolated triangles: the strips with the most indices per triangle.
 fn isolated(model: &Model) -> Strips {
     let mut strips = Strips::default();
     triangles(model, 0).iter().for_each(|triangle| strips.push(triangle));

@@ -1,4 +1,4 @@
-//! Reading glTF: small documents for each way in which the format can store triangles.
+//! Reading glTF: small documents for each way to store triangles.
 
 use serde_json::json;
 use tristrip::AttributeData;
@@ -26,11 +26,11 @@ fn reads_every_mode_in_every_width() {
             (LIST, vec![0, 1, 2, 2, 1, 3], vec![[0, 1, 2], [1, 3, 2]]),
             (STRIP, vec![0, 1, 2, 3, 4], strip.to_vec()),
             (FAN, vec![7, 1, 2, 3], vec![[1, 2, 7], [2, 3, 7]]),
-            // Odd lengths before a restart: it resets the parity.
+            // Odd lengths before a restart: the restart resets the parity.
             (STRIP, vec![5, 6, 7, restart, 0, 1, 2, 3, 4], [&[[5, 6, 7]][..], &strip].concat()),
             (STRIP, vec![restart, restart, 0, 1, restart, 0, 1, 2, restart], vec![[0, 1, 2]]),
             (FAN, vec![7, 1, 2, restart, 9, 3, 4, 5], vec![[1, 2, 7], [3, 4, 9], [4, 5, 9]]),
-            // Degenerate triangles are dropped, the winding stays.
+            // Degenerate triangles are dropped and keep the parity.
             (STRIP, vec![0, 1, 2, 2, 2, 3, 3, 4, 5], vec![[0, 1, 2], [3, 4, 5]]),
             (STRIP, vec![0, 1, 2, 2, 3, 3, 4, 5], vec![[0, 1, 2], [3, 5, 4]]),
         ] {
@@ -226,7 +226,8 @@ fn reads_only_files_in_its_own_folder() {
             .ends_with("expected a data URI: the folder of the document is not known")
     );
     assert!(matches!(read("none.bin", Some(&inside)), Err(Error::Io { .. })));
-    // A document named without a folder is in the current one, like this package's manifest.
+    // A document without a directory in its name is in the current one, like this package's
+    // manifest.
     let here = read("Cargo.toml", Some(std::path::Path::new("")));
     assert!(!matches!(here, Err(Error::Io { .. })), "{here:?}");
 }
@@ -280,21 +281,21 @@ fn a_document_behind_a_link_finds_its_buffers() {
     let first = || {
         tristrip_io::read_path(at("links/scene.gltf")).map(|m| m.parts[0].mesh.positions()[0][0].to_bits())
     };
-    // 1. Beside the file that the link leads to.
+    // 1. Next to the target of the link.
     assert_eq!(first().unwrap(), 0);
-    // 2. Beside the link comes before it; a buffer may be a link, too, into either folder.
+    // 2. Files next to the link have priority. A buffer may also be a link into either directory.
     symlink(at("real/sub/a.bin"), at("links/sub/a.bin")).unwrap();
     assert_eq!(first().unwrap(), 0);
     std::fs::remove_file(at("links/sub/a.bin")).unwrap();
     std::fs::write(at("links/sub/a.bin"), floats(&[7.0; 9])).unwrap();
     assert_eq!(first().unwrap(), 7.0_f32.to_bits());
-    // 3. Never outside both.
+    // 3. Never outside both directories.
     std::fs::remove_file(at("links/sub/a.bin")).unwrap();
     std::fs::write(at("outside/a.bin"), &draft.bin).unwrap();
     symlink(at("outside/a.bin"), at("links/sub/a.bin")).unwrap();
     let error = first().unwrap_err().to_string();
     assert!(error.ends_with("expected a data URI, or a file in the folder of the document"), "{error}");
-    // 4. A missing file is named beside the link.
+    // 4. The error names a missing file next to the link.
     std::fs::remove_file(at("links/sub/a.bin")).unwrap();
     std::fs::remove_file(at("real/sub/a.bin")).unwrap();
     let error = first().unwrap_err().to_string();
@@ -315,7 +316,7 @@ fn many_primitives_over_one_accessor_stay_small() {
     let model = gltf::read(draft.glb(), None).unwrap();
     let first = &model.parts[0].mesh;
     assert!(first.attributes().len() == 1 && model.parts.iter().all(|p| p.mesh.shares_vertices(first)));
-    // Otherwise 10 000 × 12 000 bytes of attributes exceed the limit: most are skipped.
+    // Otherwise, 10 000 × 12 000 bytes of attributes exceed the limit, and most are skipped.
     for (i, primitive) in draft.json["meshes"][0]["primitives"].as_array_mut().unwrap().iter_mut().enumerate()
     {
         primitive["attributes"].as_object_mut().unwrap().shift_remove("_N");
@@ -329,7 +330,8 @@ fn many_primitives_over_one_accessor_stay_small() {
         "{:?}",
         model.notes
     );
-    // Without indices, 10 000 × 4 000 bytes of generated indices fit, but the triangles of strips do not.
+    // Without indices, 10 000 × 4 000 bytes of generated indices fit, but the triangles of strips
+    // do not.
     for primitive in draft.json["meshes"][0]["primitives"].as_array_mut().unwrap() {
         primitive.as_object_mut().unwrap().shift_remove("indices");
         primitive["mode"] = STRIP.into();

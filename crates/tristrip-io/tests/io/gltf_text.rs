@@ -1,11 +1,12 @@
-//! The text of a document: what is not ours stays byte for byte when indices are written into it.
+//! Document text: foreign data stays byte-identical when indices are written.
 
 use tristrip::{Layout, Strips};
 use tristrip_io::{Drawing, Format, gltf, write};
 
 use crate::gltf_documents::*;
 
-/// Values in spellings that a JSON library may change or misread, each of which must be in the output as it is here.
+/// Values in spellings that a JSON library may change or misread. Each must be in the output
+/// unchanged.
 const ODD: [&str; 10] = [
     r#"{ "$serde_json::private::Number" : "12" }"#,
     r#"{"$serde_json::private::Number":"not a number"}"#,
@@ -19,7 +20,7 @@ const ODD: [&str; 10] = [
     "\t[true ,\r\n false, null]",
 ];
 
-/// A document of two triangles, the odd values in every place where something of others may stand.
+/// Returns a document of two triangles, with the odd values wherever foreign data may occur.
 fn odd_document() -> Vec<u8> {
     let list = |name: &str| {
         let members: Vec<String> = (0..).zip(ODD).map(|(i, odd)| format!("\"{name}{i}\":{odd}")).collect();

@@ -1,4 +1,5 @@
-//! Writing GLB: the scene is kept, every layout draws the same triangles, and the Khronos validator accepts the files.
+//! Writing GLB: the scene is kept, every layout draws the same triangles, and the Khronos validator
+//! accepts the files.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -42,7 +43,7 @@ fn unused_old_indices_are_replaced() {
     let list: Vec<_> = strips_of(&model);
     let after = write(&model, &list, Layout::Degenerate);
     let (old, new) = (json_of(&glb), json_of(&after));
-    // Two new index accessors replaced the two old ones: the shared one is shared again.
+    // Two new index accessors replaced the two old ones; the shared one is still shared.
     for list in ["accessors", "bufferViews"] {
         assert_eq!(old[list].as_array().unwrap().len(), new[list].as_array().unwrap().len());
     }
@@ -52,7 +53,7 @@ fn unused_old_indices_are_replaced() {
     draft.json["extras"] = json!({ "indices of the first primitive": 2 });
     let after = write(&model_with(&draft), &list, Layout::Degenerate);
     assert_eq!(json_of(&after)["accessors"][2], old["accessors"][2]);
-    // So does a line list.
+    // A line list also keeps it.
     let mut draft = rich();
     push(
         &mut draft.json["meshes"][0]["primitives"],
@@ -60,7 +61,7 @@ fn unused_old_indices_are_replaced() {
     );
     let after = write(&model_with(&draft), &list, Layout::Degenerate);
     assert_eq!(json_of(&after)["accessors"][2], old["accessors"][2]);
-    // An extension that names bytes keeps all bytes.
+    // An extension that refers to bytes keeps all bytes.
     let mut draft = rich();
     draft.json["extensions"] = json!({ "EXT_unknown_thing": { "buffer": 0, "byteOffset": 144 } });
     let after = write(&model_with(&draft), &list, Layout::Degenerate);
@@ -80,8 +81,9 @@ fn unused_bytes_are_removed_from_the_buffer() {
     let glb = draft.glb();
     let files = check_scene("leave", &glb);
     let after = &files[1].1;
-    // Removed: from 5 × 12 + 4 bytes, the next multiple of 8, to the last multiple of 8 within the 1200 bytes, 1192 bytes.
-    // Added: 300 bytes for 100 strips of 3, joined, up to a multiple of 8, and 7 bytes for the other primitive.
+    // Removed: from the first multiple of 8 after 5 × 12 + 4 bytes to the last within the 1200
+    // bytes, 1192 bytes. Added: 300 bytes for 100 joined strips of 3, padded to a multiple of 8,
+    // and 7 bytes for the other primitive.
     assert_eq!(bin_of(&glb).len(), 60 + 1200 + 4 + 84);
     assert_eq!(json_of(after)["buffers"][0]["byteLength"], 60 + 8 + 4 + 84 + 4 + 300 + 4 + 7);
     assert_eq!(bin_of(after)[68..72], [0xAA; 4]);
@@ -106,7 +108,7 @@ fn index_accessors_of_one_view_get_separate_views() {
     assert_eq!(after["accessors"].as_array().unwrap().len(), 3);
     assert_eq!(after["bufferViews"].as_array().unwrap().len(), 3);
     validate("index_accessors_of_one_view", &files);
-    // A line list over one of the two keeps the view and its accessor.
+    // A line list that uses one of the two keeps the view and its accessor.
     push(
         &mut draft.json["meshes"][0]["primitives"],
         json!({ "attributes": { "POSITION": 0 }, "indices": rest, "mode": 1 }),
@@ -145,7 +147,7 @@ fn joins_buffers_into_one() {
     assert_eq!(json_of(&after)["buffers"].as_array().unwrap().len(), 1);
     assert_eq!(back.parts[3].mesh.positions(), bent(3));
     assert_eq!(triangles(&back, 0), triangles(&model, 0));
-    // A `.gltf` with its bytes in the JSON becomes a GLB as well.
+    // A `.gltf` with its bytes in the JSON also becomes a GLB.
     let model = gltf::read(rich().gltf(), None).unwrap();
     let after = write(&model, &strips_of(&model), Layout::Degenerate);
     validate("joins_buffers_into_one", &[("data.glb".into(), after)]);
@@ -162,7 +164,8 @@ fn declares_restarts_only_where_there_are_any() {
     assert_eq!(names(&restart), both(json!(["KHR_mesh_primitive_restart"])));
     let one = model_of([mesh_of(6, &[[0, 1, 2]])]);
     assert_eq!(names(&write(&one, &strips_of(&one), Layout::Restart)), none);
-    // Read back and written without restarts, the name is removed; with line strips in the scene it stays.
+    // After reading and writing without restarts, the name is removed; with line strips in the
+    // scene, it remains.
     let model = gltf::read(restart.clone(), None).unwrap();
     assert_eq!(names(&write(&model, &strips_of(&model), Layout::Degenerate)), none);
     let mut json = json_of(&restart);
@@ -171,7 +174,7 @@ fn declares_restarts_only_where_there_are_any() {
     let model = gltf::read(lines, None).unwrap();
     let after = write(&model, &strips_of(&model), Layout::Degenerate);
     assert_eq!(names(&after), both(json!(["KHR_mesh_primitive_restart"])));
-    // Faces of strips become a list.
+    // Faces of a strip primitive become a list.
     let after = tristrip_io::write(&model, &[Drawing::Faces], Format::Glb, Layout::Restart).unwrap();
     assert_eq!(json_of(&after)["meshes"][0]["primitives"][0]["mode"], 4);
     assert_eq!(triangles(&gltf::read(after, None).unwrap(), 0), [[0, 1, 2], [3, 4, 5]]);
@@ -368,7 +371,8 @@ fn refuses_invalid_drawings() {
 #[test]
 fn keeps_real_scenes() {
     check_real_scenes("keeps_real_scenes", |name, glb| {
-        // One primitive per strip is too much for the validator in large scenes: greedy strips are very short.
+        // One primitive per strip is too slow for the validator in large scenes, because greedy
+        // strips are short.
         let is_small = |file: &str| !file.ends_with("_Separate.glb") || name == "milktruck";
         check_scene(name, glb).into_iter().filter(|(file, _)| is_small(file)).collect()
     });
@@ -409,7 +413,7 @@ proptest! {
                 all
             };
             prop_assert_eq!(sorted(drawn(&kept)), sorted(real.clone()));
-            // Written a second time, with the scene kept.
+            // Written a second time, with the scene.
             let again = strips_of(&kept);
             let second = write(&kept, &again, Layout::Restart);
             prop_assert_eq!(sorted(drawn(&gltf::read(second, None).unwrap())), sorted(real.clone()));

@@ -1,4 +1,5 @@
-//! Every truncation and thousands of byte mutations of small valid files give a model or an error, never a panic.
+//! Every truncation and thousands of byte mutations of small valid files give a model or an error,
+//! never a panic.
 
 use tristrip_io::{Format, read};
 
@@ -12,7 +13,7 @@ const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex
     endfacet\nendsolid a\n";
 const PLY_ROWS: [[f32; 4]; 4] = [[0., 0., 0., 1.], [1., 0., 0., 2.], [0., 1., 0., 3.], [1., 1., 0., 4.]];
 
-/// A PLY file with attributes, faces, an extra element and strips.
+/// Returns a PLY file with attributes, faces, an extra element and strips.
 fn ply(encoding: &str) -> Vec<u8> {
     let header = format!(
         "ply\nformat {encoding} 1.0\ncomment c\nelement vertex 4\nproperty float x\nproperty float y\n\
@@ -96,7 +97,8 @@ fn truncations_never_panic() {
         for end in 0..bytes.len() {
             let got = read(&bytes[..end], format);
             let is_text = bytes.is_ascii() && format != Format::Stl || bytes.starts_with(b"solid");
-            // A truncated text may still be valid: cut within its last number, or before its last line in OBJ.
+            // Truncated text may still be valid: within the last number, or before the last line of
+            // an OBJ.
             assert!(is_text || got.is_err(), "{format:?}: {end} of {} bytes were accepted", bytes.len());
         }
     }

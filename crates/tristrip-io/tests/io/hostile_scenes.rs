@@ -1,5 +1,5 @@
-//! Nodes, levels of detail and places of documents that are wrong on purpose: an answer or an error that says where, never a panic,
-//! in linear time.
+//! Malformed nodes, levels of detail and placements: each gives a result or an error with a
+//! location, never a panic, in linear time.
 
 use serde_json::{Value, json};
 use tristrip::Layout;
@@ -12,7 +12,8 @@ use crate::gltf_documents::scenes::shared_scene;
 use crate::gltf_documents::*;
 use crate::random::mutated_documents;
 
-/// A scene with transforms, children, morph weights and their animation, whose nodes draw three meshes.
+/// Returns a scene with transforms, children, and animated morph weights. Its nodes draw three
+/// meshes.
 fn scene() -> Draft {
     let mut draft = shared_scene(3);
     let times = draft.view(&floats(&[0.0, 1.0]));
@@ -33,7 +34,7 @@ fn scene() -> Draft {
     draft
 }
 
-/// A triangle in one mesh, with these nodes.
+/// Returns a document with one mesh of one triangle, and these nodes.
 fn with_nodes(nodes: Value) -> Draft {
     let mut draft = Draft::new();
     let positions = draft.positions(&bent(4));
@@ -43,7 +44,7 @@ fn with_nodes(nodes: Value) -> Draft {
     draft
 }
 
-/// Adds a level with the first triangle of each part, repeated for all lower levels.
+/// Adds lower levels that all consist of the first triangle of each part.
 fn leveled(model: &Model, lower: usize) -> Result<SceneLevels, Error> {
     let level = |most: usize| {
         let parts = model.parts.iter().map(|part| {
@@ -61,7 +62,8 @@ fn message<T>(result: Result<T, Error>) -> String {
     result.map(drop).unwrap_err().to_string()
 }
 
-/// Places a document and gives it levels; returns whether both could be done. Every error has words.
+/// Computes placements and levels of a document. Returns whether both succeed; every error has a
+/// message.
 fn use_document(glb: Vec<u8>) -> bool {
     let failed = |error: Error| {
         let (at, found, expected) = match &error {
@@ -162,13 +164,13 @@ fn transforms_are_finite_numbers() {
     assert_eq!(wrong, "nodes[0].matrix[10]: found -1e999, expected a finite number");
     assert!(message(placed(r#"[{"mesh":0,"scale":[NaN,0,0]}]"#)).starts_with("JSON line 1, "));
     assert!(message(placed(r#"[{"mesh":0,"scale":["1",0,0]}]"#)).contains("scale[0]: found \"1\""));
-    // Each number is finite, but their products are not.
+    // Each number is finite, but the products are not.
     let beyond = "found a transform that overflows, expected a finite transform";
     let wrong = message(placed(r#"[{"children":[1],"scale":[1e200,1,1]},{"mesh":0,"scale":[1e200,1,1]}]"#));
     assert_eq!(wrong, format!("nodes[1]: {beyond}"));
     let wrong = message(placed(r#"[{"mesh":0,"rotation":[1e200,0,1e200,1]}]"#));
     assert_eq!(wrong, format!("nodes[0]: {beyond}"));
-    // A node with a skin is where the skin is, and one without a mesh is nowhere.
+    // The transform of a node with a skin is ignored, and a node without a mesh has no placement.
     let skinned = r#"[{"children":[1,2],"scale":[1e200,1,1]},{"mesh":0,"skin":0,"scale":[1e200,1,1]},{"scale":[1e200,1,1]}]"#;
     assert_eq!(
         placed(skinned).unwrap()[0].transform[0].map(f64::to_bits),
@@ -265,7 +267,7 @@ fn parts_in_too_many_places_are_refused_before_they_are_listed() {
     let error = scene.appearance().unwrap_err();
     let Error::LimitExceeded { at, found, limit } = error else { unreachable!("{error}") };
     assert_eq!((&*at, found, limit), ("nodes, parts in their places", 4_000_000, (1 << 20) + 4 * 2000));
-    // A material library does not depend on the places; its colours are from 0 to 1.
+    // A material library does not depend on placements; its colours are from 0 to 1.
     load_materials(&mut model, None, "out");
     let materials = model.materials.unwrap();
     let text = String::from_utf8(materials.files[0].bytes.to_vec()).unwrap();
@@ -292,7 +294,7 @@ fn scenes_that_name_levels_in_any_way_get_no_others() {
                 draft.json["extensionsUsed"] = json!(["MSFT_lod"]);
             }
             let model = gltf::read(draft.glb(), None).unwrap();
-            // The nodes of levels are in no scene: what they name is not followed.
+            // The nodes of levels are not in a scene: their references are not followed.
             assert_eq!(model.scene.as_ref().unwrap().placements().unwrap().len(), 1);
             let wrong = message(leveled(&model, 1));
             assert!(wrong.starts_with("the scene already has levels of detail (MSFT_lod)"), "{ids}: {wrong}");

@@ -1,4 +1,4 @@
-//! Images in separate files: what is taken into the model, what stays where it is, and that the rest does not change.
+//! Images in separate files: which are embedded, which are not, and that the rest is unchanged.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ const PNG: &[u8] =
     \x9bU\x00\x00\x00\x0aIDATx\xdach\x00\x00\x00\x82\x00\x81\xdaE\x08;\x00\x00\x00\x00IEND\xaeB`\x82";
 const JPEG: &[u8] = b"\xff\xd8\xff\xe0 of another";
 
-/// A triangle with images.
+/// Returns a triangle with images.
 fn draft(uris: &[&str]) -> Draft {
     let mut draft = Draft::new();
     let positions = draft.positions(&bent(3));
@@ -27,7 +27,7 @@ fn written(model: &Model) -> Vec<u8> {
     write(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb, Layout::List).unwrap()
 }
 
-/// A folder with a model and two images beside it.
+/// Returns a directory with a model and two images.
 fn folder(draft: &Draft) -> tempfile::TempDir {
     let dir = tempfile::tempdir().unwrap();
     fs::create_dir(dir.path().join("textures")).unwrap();
@@ -62,7 +62,7 @@ fn images_beside_a_document_are_in_the_glb() {
         assert_eq!(view_bytes(&json, bin_of(&glb), view), bytes);
     }
     assert_eq!(json["images"][3], plain["images"][3]);
-    // One view per file, and everything before is as it was.
+    // One view per file; everything before is unchanged.
     assert_eq!(json["bufferViews"].as_array().unwrap().len(), 3);
     assert_eq!(json["bufferViews"][0], plain["bufferViews"][0]);
     assert_eq!(json["accessors"], plain["accessors"]);
@@ -105,7 +105,7 @@ fn images_that_cannot_be_taken_keep_their_uri() {
     }
     assert!(json["images"][5]["bufferView"].is_u64());
 
-    // Without a folder, and where an extension names bytes.
+    // Without a directory, and with an extension that refers to bytes.
     let mut model = read_path(&path).unwrap();
     assert_eq!(embed_images(&mut model, None).unwrap().left.len(), 6);
     let mut named = self::draft(&["c.jpg"]);

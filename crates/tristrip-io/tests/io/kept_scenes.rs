@@ -1,4 +1,4 @@
-//! Scenes that are written in every layout, and the naive comparison of what must stay.
+//! Scenes written in every layout, and a naive comparison of the data that must not change.
 
 use serde_json::{Value, json};
 use tristrip::{Layout, Strips};
@@ -22,7 +22,7 @@ pub(crate) fn write(model: &Model, strips: &[Strips], layout: Layout) -> Vec<u8>
     tristrip_io::write(model, &drawings, Format::Glb, layout).unwrap()
 }
 
-/// A document with one of each kind of reference.
+/// Returns a document with each kind of reference.
 pub(crate) fn rich() -> Draft {
     let mut draft = Draft::new();
     let positions = draft.positions(&bent(6));
@@ -87,7 +87,8 @@ pub(crate) const PNG: [u8; 67] = [
     2, 0, 1, 0x48, 0xAF, 0xA4, 0x71, 0, 0, 0, 0, b'I', b'E', b'N', b'D', 0xAE, 0x42, 0x60, 0x82,
 ];
 
-/// Checks that two GLBs differ only in indices and modes: all other JSON and the bytes that it refers to are the same.
+/// Checks that two GLBs differ only in indices and modes: all other JSON and the bytes it refers to
+/// are the same.
 pub(crate) fn assert_scene_kept(before: &[u8], after: &[u8], layout: Layout) {
     let (old, new) = (json_of(before), json_of(after));
     let (old_bin, new_bin) = (bin_of(before), bin_of(after));
@@ -119,12 +120,12 @@ pub(crate) fn assert_scene_kept(before: &[u8], after: &[u8], layout: Layout) {
     };
     let (mut a, mut b) = (rest(&old), rest(&new));
     assert_eq!(a, b);
-    // The digits of numbers are the same, too.
+    // Even the digits of numbers are the same.
     for json in [&mut a, &mut b] {
         json.as_object_mut().unwrap().sort_keys();
     }
     assert_eq!(a.to_string(), b.to_string());
-    // The data that the rest refers to has the same bytes.
+    // The remaining references lead to the same bytes.
     let drawn: Vec<u64> = old["meshes"]
         .as_array()
         .unwrap()

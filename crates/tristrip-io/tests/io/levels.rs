@@ -1,5 +1,6 @@
-//! Progressive strips of the small free models: at levels across the whole sequence, each level-of-detail model draws what
-//! the oracle draws, with each filter; refining back to the full mesh restores the initial state.
+//! Progressive strips of the small free models: at levels across the whole sequence, each
+//! level-of-detail model draws the same as the oracle, with each filter. Refining back to the full
+//! mesh restores the initial state.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -18,7 +19,7 @@ const MODELS: [&str; 6] = [
     "wingnut.ply",
 ];
 
-/// Number of levels that are checked per part.
+/// The number of checked levels per part.
 const LEVELS: usize = 24;
 
 fn meshes() -> Vec<(String, Mesh)> {

@@ -1,5 +1,6 @@
-//! Scenes with levels of detail over one vertex array, checked by the bytes that are written: every level draws the values that the source
-//! has at the corners of its triangles, from the first vertices of the accessors of the finest level.
+//! Scenes with levels of detail in one vertex array, checked by the written bytes. Every level
+//! draws the values that the source has at the corners of its triangles, using the first vertices
+//! of the finest level's accessors.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +12,8 @@ use tristrip_io::{Drawing, Format, LeveledModel, Model, PartLevel, gltf, in_leve
 
 const COVERAGE: [f64; 3] = [0.5, 0.125, 0.0];
 
-/// Three levels of a model: all triangles, every third and every ninth, with the vertices between them in descending order.
+/// Returns three levels of a model: all triangles, every third and every ninth, with added vertices
+/// in descending order.
 fn levels_of(model: &Model) -> Vec<Vec<PartLevel>> {
     let at = |step: usize, coarser: usize| {
         let parts = model.parts.iter().map(|part| {
@@ -45,7 +47,7 @@ fn number(value: &Value) -> usize {
     value.as_u64().unwrap() as usize
 }
 
-/// The node that draws the mesh of a node at a level.
+/// Returns the node that draws the mesh of a node at a level.
 fn node_at(json: &Value, node: usize, level: usize) -> usize {
     let has_levels = |&n: &usize| json["nodes"][n]["extensions"]["MSFT_lod"].is_object();
     let children = json["nodes"][node]["children"].as_array().into_iter().flatten().map(number);
@@ -64,7 +66,8 @@ fn vertex_accessors(primitive: &Value) -> Vec<(String, usize)> {
     named.collect()
 }
 
-/// Checks every level of the meshes of the first nodes; the meshes have one primitive of triangles each.
+/// Checks every level of the meshes of the first nodes. The meshes have one triangle primitive
+/// each.
 fn check(before: &[u8], after: &[u8], leveled: &LeveledModel, levels: &[Vec<PartLevel>]) {
     let (old, new) = (json_of(before), json_of(after));
     for (part, level) in
@@ -132,7 +135,7 @@ fn every_level_draws_the_values_of_the_source_from_the_first_vertices() {
     assert!(counts(0).is_sorted_by(|a, b| a > b) && counts(0)[2] < counts(0)[0] / 2, "{:?}", counts(0));
     assert_eq!(counts(0), counts(1));
     check(&before, &after, &leveled, &levels);
-    // The vertex data of the finest level is what the file has of vertices.
+    // The size of the finest level is the size of all vertex data in the file.
     let again = gltf::read(&after[..], None).unwrap().scene.unwrap();
     let meshes = |level: usize| {
         (0..3)
@@ -178,7 +181,7 @@ fn strips_of_all_layouts_hold_all_levels() {
     validate("levels_of_detail_layouts", &files);
 }
 
-/// A grid under one node, which a test changes.
+/// Returns a grid under one node, for tests to modify.
 fn one_mesh() -> Draft {
     let mut draft = Draft::new();
     let (positions, corners) = grid(5);
@@ -261,7 +264,7 @@ fn a_node_that_does_more_keeps_its_transform_and_its_children() {
     );
     assert_eq!(nodes[2]["extensions"]["MSFT_lod"]["ids"], json!([3, 4]));
     assert_eq!(nodes[3], json!({ "name": "wheel_lod1", "mesh": 1, "weights": [0.5] }));
-    // The cap only places its mesh: its levels are beside it.
+    // The node of the cap only places its mesh, so its levels are its siblings.
     assert_eq!(nodes[1]["extensions"]["MSFT_lod"]["ids"], json!([5, 6]));
     let channels = json["animations"][0]["channels"].as_array().unwrap();
     let targets: Vec<_> = channels
@@ -295,7 +298,7 @@ fn instances_and_skins_belong_to_the_mesh_and_lights_to_the_node() {
 
 #[test]
 fn a_view_gets_a_stride_unless_it_holds_other_data() {
-    // Positions and indices in one view: a stride would change what the indices are.
+    // Positions and indices in one view: a stride would change the meaning of the indices.
     let (positions, corners) = grid(5);
     let mut draft = Draft::new();
     let position = draft.positions(&positions);
@@ -312,7 +315,7 @@ fn a_view_gets_a_stride_unless_it_holds_other_data() {
     assert!(json["bufferViews"].as_array().unwrap().iter().all(|view| view.get("byteStride").is_none()));
     assert_eq!(primitive(2)["attributes"], primitive(0)["attributes"]);
     assert_eq!(gltf::read(&shared.2[..], None).unwrap().parts.len(), 3 * model.parts.len());
-    // Positions in a view of their own.
+    // Positions in a separate view.
     let own = json_of(&with_levels(&one_mesh().glb()).2);
     let accessor = |level: usize| number(&own["meshes"][level]["primitives"][0]["attributes"]["POSITION"]);
     let view = own["accessors"][accessor(2)]["bufferView"].clone();

@@ -1,5 +1,5 @@
-//! The uses of `Error::LimitExceeded` that its documentation names. Those that need a larger document
-//! are in `gltf_limits` and `hostile_scenes`. A GLB of more than 4 GiB is not built.
+//! The uses of `Error::LimitExceeded` listed in its documentation. Those that need a larger
+//! document are in `gltf_limits` and `hostile_scenes`. A GLB of more than 4 GiB is not built.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ fn file(name: &str) -> Vec<u8> {
     std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata").join(name)).unwrap()
 }
 
-/// Returns where a limit is exceeded, and the limit.
+/// Returns the location of an exceeded limit, and the limit.
 fn exceeded<T>(result: Result<T, Error>) -> (String, u64) {
     let error = result.map(drop).unwrap_err();
     let Error::LimitExceeded { at, found, limit } = error else { panic!("{error}") };

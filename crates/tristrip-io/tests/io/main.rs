@@ -1,4 +1,4 @@
-//! Formats and models: what is read, written, refused and kept. One program, because linking takes longer than the tests.
+//! Tests of formats and models, in one program because linking takes longer than the tests.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 

@@ -1,4 +1,5 @@
-//! Every file in `testdata/bad` gives the error that a table in the same folder lists, and every listed file exists.
+//! Every file in `testdata/bad` gives the error listed in the tables there, and every listed file
+//! exists.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,4 +1,5 @@
-//! Compressed buffer views, with meshoptimizer's own encoders and decoders as the oracle, and files of gltfpack.
+//! Compressed buffer views, with meshoptimizer's own encoders and decoders as the oracle, and files
+//! of gltfpack.
 
 use meshopt::EncodeExpMode;
 use serde_json::{Value, json};
@@ -38,7 +39,7 @@ fn every_stride_and_every_number_of_elements() {
     for stride in [4, 8, 12, 16, 32, 36, 252] {
         for count in [1, 16, 17, 64, 65, 256, 257, 700] {
             for version in [0, 1] {
-                // From constant, the fewest bytes that there can be, to random.
+                // From constant, which takes the fewest bytes, to random.
                 for spread in [1, 2, 9, 256] {
                     let mut draft = ribbon(3);
                     let bytes: Vec<u8> = (0..stride * count).map(|_| random(spread) as u8).collect();
@@ -77,7 +78,7 @@ fn index_streams_of_both_widths() {
     }
 }
 
-/// A view with a filter, read and written again.
+/// Returns a view with a filter, read and written again.
 fn filtered(encoded: &[u8], filter: &str, stride: usize, version: i32) -> Vec<u8> {
     let mut draft = ribbon(3);
     let view = draft.view(encoded);
@@ -90,8 +91,8 @@ fn bytes_of<const N: usize, T: Copy, const B: usize>(values: &[[T; N]], le: fn(T
     values.iter().flatten().flat_map(|&x| le(x)).collect()
 }
 
-/// Checks that numbers differ by one at most, as the extension allows for all filters but the exponential one: meshoptimizer's
-/// decoders use the approximate square roots of the processor.
+/// Checks that integers differ by at most one, as the extension allows for all filters except the
+/// exponential one: meshoptimizer's decoders use the processor's approximate square roots.
 fn within_one(found: &[u8], expected: &[i64], number: impl Fn(&[u8]) -> i64) {
     let width = found.len() / expected.len();
     for (i, (found, &expected)) in found.chunks(width).zip(expected).enumerate() {
@@ -168,7 +169,7 @@ fn filters_are_undone_like_by_meshoptimizer() {
 fn a_file_of_gltfpack_is_its_own_fallback() {
     let bytes = std::fs::read(model_path("milktruck_meshopt.glb")).unwrap();
     let model = gltf::read(bytes.clone(), None).unwrap();
-    // The same document without compression: the fallback has the bytes that gltfpack's decoder made.
+    // The same document without compression: the fallback has the bytes decoded by gltfpack.
     let mut plain = draft_of(&bytes);
     plain.bin = std::fs::read(model_path("milktruck_meshopt.fallback.bin")).unwrap();
     plain.json["buffers"] = json!([{}]);
@@ -192,7 +193,7 @@ fn a_file_of_gltfpack_with_all_filters_is_decoded_like_by_meshoptimizer() {
     let glb = written(&model);
     validate("meshopt", &[("khr.glb".to_owned(), glb.clone())]);
     let (json, draft) = (json_of(&glb), draft_of(&bytes));
-    // The bounds are those of the decompressed values, and the file's are not.
+    // The bounds match the decompressed values; those of the file do not.
     let primitives =
         json["meshes"].as_array().unwrap().iter().flat_map(|m| m["primitives"].as_array().unwrap());
     let mut differ = 0;
@@ -276,7 +277,7 @@ fn what_is_written_is_uncompressed_and_the_rest_is_unchanged() {
     for in_bin in [true, false] {
         let mut compressed = compress(&draft, EXT, &views);
         if !in_bin {
-            // Not marked, and with a URI that leads nowhere: it is not read.
+            // Not marked, and with a URI of a missing file: it is not read.
             compressed.json["buffers"][1] = json!({ "byteLength": 9000, "uri": "none.bin" });
         }
         let model = gltf::read(compressed.glb(), None).unwrap();
@@ -293,7 +294,7 @@ fn what_is_written_is_uncompressed_and_the_rest_is_unchanged() {
             assert_eq!(json["bufferViews"][1]["extensions"], json!({ "VENDOR_kept": {} }));
             assert_eq!(json["accessors"][0], draft.json["accessors"][0]);
             assert_eq!(view_bytes(&json, bin_of(&glb), image_view), image);
-            // No compressed byte is left: positions, indices and the image, each aligned.
+            // No compressed byte remains: positions, indices and the image, each aligned.
             let kept: usize =
                 [300 * 12, 201, 298 * 3 * 2].iter().map(|n: &usize| n.next_multiple_of(8)).sum();
             let length = json["buffers"][0]["byteLength"].as_u64().unwrap() as usize;

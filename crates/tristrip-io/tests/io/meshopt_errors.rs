@@ -1,4 +1,4 @@
-//! Compressed buffer views that are wrong: errors that name the place, limits, and changed bytes.
+//! Malformed compressed buffer views: errors with locations, limits, and changed bytes.
 
 use serde_json::{Value, json};
 use tristrip_io::{Error, gltf};
@@ -7,7 +7,7 @@ use crate::compressed::{Compression, EXT, KHR, compress, ribbon};
 use crate::gltf_documents::*;
 use crate::random::random;
 
-/// The error of a compressed ribbon after a change of its JSON.
+/// Returns the error of a compressed ribbon after a change of its JSON.
 fn error_after(change: impl FnOnce(&mut Draft)) -> String {
     let views = [(0, Compression::attributes(12, 0)), (1, Compression::TRIANGLES)];
     let mut draft = compress(&ribbon(40), EXT, &views);

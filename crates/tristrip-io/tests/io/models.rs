@@ -1,5 +1,5 @@
-//! Reads a folder of real models and compares the counts with the table in its README. The environment variable
-//! `TRISTRIP_MODELS` gives the folder; without it nothing is read.
+//! Reads a directory of real models and compares the counts with the table in its README. The
+//! environment variable `TRISTRIP_MODELS` names the directory; without it, the test is skipped.
 
 use std::collections::HashSet;
 use std::path::PathBuf;

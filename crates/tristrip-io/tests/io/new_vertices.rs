@@ -1,4 +1,4 @@
-//! Scenes whose parts get new vertices: each has all values of its source, except for the new normal.
+//! Scenes whose parts get new vertices: each has all values of its source except the new normal.
 
 use serde_json::{Value, json};
 use tristrip::Layout;
@@ -13,12 +13,13 @@ use crate::random::mutated_documents;
 
 const NEW: [f32; 3] = [0.6, 0.0, -0.8];
 
-/// Gives the first triangles of some parts vertices of their own, writes the scene, and returns it with the source of each corner.
+/// Gives the first triangles of some parts separate vertices and writes the scene. Returns it with
+/// the source of each corner.
 fn rebuilt(model: &Model, parts: &[usize], left: usize) -> (Vec<u8>, Vec<Vec<u32>>) {
     with_values(model, parts, left, NewValues::Directions)
 }
 
-/// Does the same with new normals or new positions, which are all [`NEW`].
+/// Like [`rebuilt`], with new normals or new positions, which are all [`NEW`].
 fn with_values(model: &Model, parts: &[usize], left: usize, values: NewValues) -> (Vec<u8>, Vec<Vec<u32>>) {
     let list = |part: usize| model.parts[part].mesh.faces().as_triangles().unwrap();
     let sources: Vec<Vec<u32>> = (0..model.parts.len())
@@ -74,7 +75,8 @@ fn check(before: &[u8], after: &[u8], parts: &[usize], sources: &[Vec<u32>]) {
     }
 }
 
-/// Interleaved, sparse, matrix and integer values over vertices that two parts share: one of them gets new normals.
+/// Interleaved, sparse, matrix and integer values of vertices shared by two parts; one part gets
+/// new normals.
 #[test]
 fn new_vertices_have_all_values_of_their_sources() {
     let draft = shared_scene(6);
@@ -87,7 +89,7 @@ fn new_vertices_have_all_values_of_their_sources() {
         check(&glb, &after, &[0], &sources);
         files.push((format!("new_{left}.glb"), after));
     }
-    // What is written has no vertices that nothing uses, and is smaller where fewer are left.
+    // The written file has no unused vertices, and is smaller if fewer remain.
     let count = json_of(&files[0].1)["accessors"][0]["count"].as_u64().unwrap();
     assert!((12 + 5..=24).contains(&count) && files[0].1.len() < glb.len());
     let again = gltf::read(&files[1].1[..], None).unwrap();
@@ -97,7 +99,8 @@ fn new_vertices_have_all_values_of_their_sources() {
     validate("new_vertices", &files);
 }
 
-/// A fitted part over vertices that it shares with another: that one keeps its positions, and bounds are those of the values.
+/// A fitted part shares vertices with another. The other part keeps its positions, and bounds match
+/// the values.
 #[test]
 fn new_positions_are_written_with_their_bounds() {
     let glb = shared_scene(6).glb();
@@ -166,7 +169,7 @@ fn vertices_are_fixed_where_something_depends_on_them() {
     let role: &dyn Fn(&mut Value) =
         &|json| json["meshes"][1]["primitives"][0]["attributes"]["POSITION"] = 1.into();
     assert_eq!(why(role, 0), "other values share their accessor");
-    // Positions as whole numbers are on a grid that other parts of a surface may not have.
+    // Integer positions are on a grid, which other parts of a surface may not share.
     let mut draft = shared_scene(4);
     draft.json["accessors"][0]["componentType"] = 5122.into();
     draft.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
@@ -175,7 +178,8 @@ fn vertices_are_fixed_where_something_depends_on_them() {
     assert_eq!(fixed[1].as_deref(), Some("they are stored as integers"));
 }
 
-/// Documents with a few changed bytes: what can be read can get new vertices, or there is a reason why not.
+/// Documents with a few changed bytes: a model that can be read can get new vertices, or there is a
+/// reason why not.
 #[test]
 fn mutations_never_panic() {
     let glb = shared_scene(3).glb();

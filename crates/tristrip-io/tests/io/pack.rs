@@ -1,4 +1,4 @@
-//! Packed scenes: fewer bytes, with the same vertices, and animations that play the same.
+//! Packed scenes: fewer bytes, the same vertices, and the same animation.
 
 use serde_json::{Value, json};
 use tristrip_io::gltf::{Rounding, pack, read};
@@ -24,7 +24,7 @@ fn check_parts(before: &[u8], after: &[u8]) {
     }
 }
 
-/// A skinned and animated scene: every track is a node of its own.
+/// A skinned and animated scene with one node per track.
 struct Animated {
     draft: Draft,
 }
@@ -65,7 +65,7 @@ impl Animated {
     }
 }
 
-/// The numbers of an accessor, as fractions where they are normalized.
+/// Returns the numbers of an accessor; normalized integers become fractions.
 fn numbers(glb: &[u8], accessor: &Value) -> Vec<Vec<f64>> {
     let number = accessor.as_u64().unwrap() as usize;
     let component = json_of(glb)["accessors"][number]["componentType"].clone();
@@ -85,7 +85,8 @@ fn numbers(glb: &[u8], accessor: &Value) -> Vec<Vec<f64>> {
     raw(glb, number).iter().map(of).collect()
 }
 
-/// What a channel shows at a time, by the formulas of the specification; `None` without such a channel.
+/// Returns the value of a channel at a time, by the formulas of the specification; `None` if there
+/// is no such channel.
 fn played(glb: &[u8], animation: usize, node: usize, path: &str, time: f64) -> Option<Vec<f64>> {
     let json = json_of(glb);
     let animation = &json["animations"][animation];
@@ -118,7 +119,7 @@ fn played(glb: &[u8], animation: usize, node: usize, path: &str, time: f64) -> O
     Some(a.iter().zip(b).map(|(a, b)| weights[0] * a + weights[1] * b).collect())
 }
 
-/// The time at which an animation begins, and the one at which it ends.
+/// Returns the start and end time of an animation.
 fn extent(glb: &[u8], animation: usize) -> [f64; 2] {
     let json = json_of(glb);
     let samplers = json["animations"][animation]["samplers"].as_array().unwrap();
@@ -130,7 +131,7 @@ fn extent(glb: &[u8], animation: usize) -> [f64; 2] {
     ]
 }
 
-/// Compares all channels at many times; those that are gone must show what the node has.
+/// Compares all channels at many times. Removed channels must equal the node's own value.
 fn check_animations(before: &[u8], after: &[u8], tolerance: f64) {
     let json = json_of(before);
     for (number, animation) in json["animations"].as_array().into_iter().flatten().enumerate() {
@@ -177,7 +178,7 @@ fn keyframes_that_their_neighbours_give_back_are_removed() {
     let times: Vec<f32> = (0..61).map(|i| i as f32 / 30.0).collect();
     let track =
         |value: &dyn Fn(f32) -> Vec<f32>| -> Vec<f32> { times.iter().flat_map(|&t| value(t)).collect() };
-    // A turn by two degrees per keyframe, with the noise of 32-bit floats.
+    // A rotation by two degrees per keyframe, with the noise of 32-bit floats.
     let turn = |t: f32| vec![0.0, (t * 30.0_f32.to_radians()).sin(), 0.0, (t * 30.0_f32.to_radians()).cos()];
     scene.track("translation", "LINEAR", &times, &track(&|t| vec![t * 3.0, (t - 1.0).abs(), 7.0]));
     scene.track("rotation", "LINEAR", &times, &track(&turn));
@@ -190,7 +191,8 @@ fn keyframes_that_their_neighbours_give_back_are_removed() {
     check_animations(&glb, &after, 2e-6);
     check_parts(&glb, &after);
     let counts = counts(&after);
-    // Bends at 1; at most 32 keyframes and 46 degrees from one to the next; steps at 1 and 2; one value; removed; curved.
+    // In order: a bend at 1; at most 32 keyframes and 46 degrees between kept keyframes; steps at 1
+    // and 2; one value; removed; curved.
     assert!(
         counts[0] <= 4 && counts[1] <= 5 && counts[2] == 3 && counts[3] == 1 && counts[4] > 50,
         "{counts:?}"
@@ -201,7 +203,7 @@ fn keyframes_that_their_neighbours_give_back_are_removed() {
 
 #[test]
 fn an_animation_begins_and_ends_as_before() {
-    // Constant tracks alone, of which one begins first and another ends last.
+    // Only constant tracks; one starts first and another ends last.
     let mut scene = Animated::new();
     for times in [[0.5, 1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 5.0]] {
         scene.track("scale", "LINEAR", &times, &[1.0; 12]);
@@ -307,7 +309,7 @@ fn accessors_that_an_extension_may_name_keep_their_numbers() {
         let view = |glb: &[u8]| view_bytes(&json_of(glb), bin_of(glb), accessor).to_vec();
         assert_eq!(view(&glb), view(&after));
     }
-    // Where bytes may be named, nothing moves.
+    // If an extension may refer to bytes, nothing moves.
     draft.json["extensions"] = json!({ "EXT_unknown_thing": { "byteOffset": 1 } });
     assert_eq!(packed(&draft.glb(), Rounding::None), draft.glb());
 }
@@ -337,7 +339,7 @@ fn interleaved_and_sparse_values_stay_as_they_are() {
     validate("interleaved", &[("after.glb".into(), after)]);
 }
 
-/// A skinned grid whose joints have 16 bits.
+/// Returns a skinned grid with 16-bit joints.
 fn skinned(weights: impl Fn(usize) -> [f32; 4]) -> Vec<u8> {
     let mut draft = Draft::new();
     let (positions, corners) = grid(4);
@@ -417,7 +419,8 @@ fn rotations_are_rounded_on_request() {
     validate("rotations", &[("after.glb".into(), after)]);
 }
 
-/// Documents with a few changed digits: if they can be read, they can be packed, and their parts are the same.
+/// Documents with a few changed digits: if they can be read, they can be packed, and their parts
+/// are the same.
 #[test]
 fn mutations_never_panic() {
     let mut scene = Animated::new();
@@ -469,7 +472,7 @@ fn places_of_nodes_keep_their_floats() {
     let glb = skinned(|i| [1.0 - (i + 1) as f32 / 64.0, (i + 1) as f32 / 64.0, 0.0, 0.0]);
     let mut json = json_of(&glb);
     let third = 1.0_f32 / 3.0;
-    // The last one is no 32-bit float.
+    // The last number is not a 32-bit float.
     let numbers = [f64::from(third), f64::from(0.1_f32), 0.1];
     json["nodes"][0]["translation"] = json!(numbers);
     json["nodes"][0]["extras"] = json!([f64::from(third)]);

@@ -1,13 +1,13 @@
-//! Reproducible random numbers, for the tests that mutate files.
+//! Reproducible random numbers for tests that mutate files.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
-/// Returns a generator, always with the same seed, of numbers below its argument.
+/// Returns a generator of numbers below its argument, always with the same seed.
 pub(crate) fn random() -> impl FnMut(usize) -> usize {
     let mut random = tristrip::random::Random::new(1);
     move |below: usize| random.below(below)
 }
 
-/// Iterates over copies of a GLB, one to four digits of which are other digits.
+/// Iterates over copies of a GLB with one to four digits changed.
 pub(crate) fn mutated_documents(glb: &[u8], count: usize) -> impl Iterator<Item = Vec<u8>> {
     let mut random = random();
     let digits: Vec<usize> = (20..glb.len()).filter(|&at| glb[at].is_ascii_digit()).collect();
@@ -21,7 +21,7 @@ pub(crate) fn mutated_documents(glb: &[u8], count: usize) -> impl Iterator<Item 
     })
 }
 
-/// Changes, adds or removes a few bytes, at least one and at most `most` + 1.
+/// Changes, adds or removes one to `most` + 1 bytes.
 pub(crate) fn mutate(bytes: &mut Vec<u8>, most: usize, random: &mut impl FnMut(usize) -> usize) {
     const INTERESTING: [u8; 23] = *b"\0\x01\x7f\x80\xff\n\r\t\\#/-+.eE 0129nf";
     for _ in 0..=random(most) {

@@ -1,4 +1,4 @@
-//! What each reader keeps, drops and reports, on small files.
+//! Data that each reader keeps, drops and reports, on small files.
 
 use tristrip::{AttributeData, Mesh};
 use tristrip_io::{Format, Model, read};
@@ -102,7 +102,7 @@ const STRIPS: &str = "ply\nformat ascii 1.0\nelement tristrips 2\nproperty list 
 fn ply_strips_become_triangles_with_their_winding() {
     let model = model(STRIPS, Format::Ply);
     let mesh = &model.parts[0].mesh;
-    // The second row begins with a swap: its only real triangle has an odd index.
+    // The second row starts with a swap: its only real triangle has an odd index.
     assert_eq!(faces(mesh), [[0, 1, 2], [2, 1, 3], [2, 1, 4], [1, 4, 2]]);
     assert_eq!(bits(mesh, 4), [2.0, 1.0, 0.1].map(f32::to_bits));
     assert_eq!(names(mesh), ["COLOR_0", "quality"]);
@@ -150,7 +150,7 @@ fn ply_rows_may_wrap_and_lists_may_be_anywhere() {
     );
 }
 
-/// A PLY file from rows of numbers, each with its type.
+/// Returns a PLY file of rows of numbers in their types.
 fn ply(encoding: &str, vertices: &[[f64; 8]], lists: &[(&str, Vec<f64>)]) -> Vec<u8> {
     let kinds = ["float", "double", "short", "uchar", "float", "float", "float", "int"];
     let names = ["x", "y", "z", "tag", "nx", "ny", "nz", "id"];
@@ -218,7 +218,7 @@ fn ply_means_the_same_in_text_and_in_both_byte_orders() {
             assert_eq!((&model.notes, &model.parts[0].stored), (&text.notes, &text.parts[0].stored));
         }
     }
-    // What was found is the same, too; only the place differs.
+    // The found value is also the same; only the location differs.
     let what = |encoding: &str, vertices: &[[f64; 8]], lists: &[(&str, Vec<f64>)]| {
         let message = load(encoding, vertices, lists).unwrap_err().to_string();
         message.split_once(": ").unwrap().1.to_owned()

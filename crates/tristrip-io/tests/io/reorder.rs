@@ -1,4 +1,5 @@
-//! Reordered vertices of models in all formats: all data of a vertex moves with it, and first uses are in ascending order.
+//! Reordered vertices of models in all formats: all data of a vertex moves with it, and first uses
+//! are in ascending order.
 #![allow(clippy::format_push_string, reason = "a test may be slow")]
 
 use tristrip::verify::verify_models;
@@ -64,7 +65,7 @@ fn ply_attributes_move_with_their_vertices() {
         for (old, new) in model.parts[0].mesh.attributes().iter().zip(back.parts[0].mesh.attributes()) {
             assert_eq!(order.attribute(old).unwrap(), *new, "{}", old.name);
         }
-        // The file has the same length as without the new order.
+        // The file has the same length as without reordering.
         let strips = strips_of(&model);
         let plain = write(&model, &[Drawing::Strips(&strips[0])], Format::Ply, layout).unwrap();
         assert_eq!(plain.len(), bytes.len());
@@ -147,7 +148,7 @@ fn parts_that_share_vertices_share_an_order() {
     let [a, b, c] = [0, 1, 2].map(|i| &reordered.model.parts[i].mesh);
     assert!(std::ptr::eq(a.positions(), b.positions()) && b.shares_vertices(c));
     assert_eq!(json_of(&glb)["accessors"].as_array().unwrap().len(), 2 + 3);
-    // PLY writes the vertices of each part with other attributes separately.
+    // PLY writes separate vertices for each part with different attributes.
     let (reordered, _) = check(&model, Format::Ply, Layout::Restart);
     let parts: Vec<_> = reordered.groups.iter().map(|g| g.parts.clone()).collect();
     assert_eq!(parts, [[0], [1], [2]]);

@@ -1,4 +1,5 @@
-//! Reordered vertices of scenes: the values of all accessors move with their vertices, and groups that cannot be reordered keep their order.
+//! Reordered vertices of scenes: the values of all accessors move with their vertices; groups that
+//! cannot be reordered keep their order.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -13,7 +14,8 @@ use crate::reordered::{check, check_first_uses, drawn, meshes, strips_of};
 
 const LAYOUTS: [Layout; 4] = [Layout::Restart, Layout::Degenerate, Layout::Separate, Layout::List];
 
-/// Checks a scene: the accessors of a group are in its order, the others unchanged; the JSON is the same except for indices.
+/// Checks a scene: the accessors of a group are in its order, the others unchanged; the JSON is the
+/// same except for indices.
 fn check_scene(glb: &[u8], layout: Layout) -> (Reordered, Vec<u8>) {
     let model = gltf::read(glb, None).unwrap();
     let (reordered, after) = check(&model, Format::Glb, layout);
@@ -65,7 +67,8 @@ fn accessors_of_a_scene_move_with_their_vertices() {
         assert!(reordered.groups.iter().all(|group| group.kept.is_none() && group.order.moved_count() > 40));
         let once = gltf::read(after.clone(), None).unwrap();
         if layout != Layout::Separate {
-            // In the file, too, first uses are in ascending order, across both primitives of a group.
+            // First uses are also in ascending order in the file, across both primitives of a
+            // group.
             let json = json_of(&after);
             let indices = |mesh: usize| {
                 let accessor = json["meshes"][mesh]["primitives"][0]["indices"].as_u64().unwrap() as usize;
@@ -122,7 +125,7 @@ fn vertices_keep_their_order_where_something_depends_on_it() {
     draft.json["nodes"][2]["extensions"] =
         json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": own } } });
     kept(&draft, 1, "another use");
-    // A morph target with fewer values than there are vertices.
+    // A morph target with fewer values than vertices.
     let mut draft = shared_scene(4);
     let short = draft.positions(&bent(5));
     draft.json["meshes"][2]["primitives"][0]["targets"] = json!([{ "POSITION": short }]);
@@ -156,7 +159,7 @@ fn material_variants_and_extras_without_numbers_allow_reordering() {
     primitive(&mut draft, features(json!({ "featureCount": 9, "attribute": 0 })));
     let (reordered, _) = check_scene(&draft.glb(), Layout::Restart);
     assert!(reordered.groups.iter().all(|group| group.kept.is_none()));
-    // Without an attribute or texture, the vertex numbers are the ids.
+    // Without an attribute or texture, the vertex indices are the ids.
     primitive(&mut draft, features(json!({ "featureCount": 9 })));
     let (reordered, _) = check_scene(&draft.glb(), Layout::Restart);
     assert_eq!(reordered.groups.iter().map(|group| group.kept.is_some()).collect::<Vec<_>>(), [false, true]);
@@ -188,12 +191,12 @@ fn accessors_over_the_same_bytes() {
         }
         check_scene(&draft.glb(), Layout::Restart).0
     };
-    // Values that two accessors share are moved once.
+    // Values shared by two accessors are moved once.
     let same = scene(0, true);
     assert!(same.groups[0].kept.is_none() && same.groups[0].order.moved_count() > 10);
-    // Two accessors with an offset of one vertex cannot be moved together.
+    // Two accessors that are offset by one vertex cannot be moved together.
     assert!(scene(12, true).groups[0].kept.as_ref().unwrap().contains("overlap"));
-    // Bytes cannot be moved in two orders.
+    // The same bytes cannot be moved in two orders.
     for offset in [0, 12, 24] {
         let two = scene(offset, false);
         assert_eq!(two.groups.len(), 2);
@@ -232,7 +235,8 @@ fn sparse_indices_must_hold_the_new_numbers() {
     assert_eq!((scene(U16), scene(U32)), (None, None));
 }
 
-/// Documents with a few changed bytes: if they can be read, they can be reordered and written, and draw the same.
+/// Documents with a few changed bytes: if they can be read, they can be reordered and written, and
+/// draw the same triangles.
 #[test]
 fn mutations_never_panic() {
     let glb = shared_scene(3).glb();
@@ -269,7 +273,8 @@ fn reorders_real_scenes() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 5))]
-    /// Primitives over vertex arrays, some of them shared, interleaved in one view or in separate views.
+    /// Primitives with vertex arrays that are shared, interleaved in one view, or in separate
+    /// views.
     #[test]
     fn every_scene_is_reordered_or_kept(
         primitives in prop::collection::vec((0..3_usize, prop::collection::vec(0..12_u32, 3..30)), 1..5),

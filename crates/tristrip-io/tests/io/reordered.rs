@@ -1,4 +1,4 @@
-//! Models with reordered vertices, compared with their orders, and the files with their sources.
+//! Compares models with reordered vertices with their orders, and files with their sources.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use tristrip::verify::verify_models;
@@ -26,7 +26,8 @@ pub(crate) fn drawn(strips: &[Strips]) -> Vec<Drawing<'_>> {
     strips.iter().map(Drawing::Strips).collect()
 }
 
-/// Checks that the first uses in a list of indices are `next`, `next` + 1 and so on; returns the first number not used.
+/// Checks that the first uses in a list of indices are `next`, `next` + 1 and so on. Returns the
+/// first unused index.
 pub(crate) fn check_first_uses(indices: impl IntoIterator<Item = u32>, mut next: u32) -> u32 {
     for index in indices {
         assert!(index <= next, "{index} comes before {next}");
@@ -35,7 +36,8 @@ pub(crate) fn check_first_uses(indices: impl IntoIterator<Item = u32>, mut next:
     next
 }
 
-/// Reorders a model for a format, and checks the result against its orders, and the file against its source.
+/// Reorders a model for a format. Checks the result against its orders, and the file against its
+/// source.
 pub(crate) fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) {
     let strips = strips_of(model);
     let reordered = reorder(model, &drawn(&strips), format, layout).unwrap();

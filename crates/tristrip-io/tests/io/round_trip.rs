@@ -1,4 +1,5 @@
-//! Meshes written and read back: the same bits with PLY, and with OBJ for the data that it can hold.
+//! Meshes written and read back: bit-identical with PLY, and with OBJ for the data that it
+//! supports.
 
 use proptest::prelude::*;
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
@@ -17,7 +18,7 @@ fn bits(mesh: &Mesh) -> Vec<[u32; 3]> {
     mesh.positions().iter().map(|position| position.map(f32::to_bits)).collect()
 }
 
-/// Any finite number, by its bits.
+/// Returns any finite number, by its bits.
 fn finite() -> impl Strategy<Value = f32> {
     any::<u32>().prop_map(f32::from_bits).prop_filter("finite", |x| x.is_finite())
 }
@@ -57,7 +58,8 @@ prop_compose! {
     }
 }
 
-/// Writes positions and faces as PLY text or big-endian binary, in the simplest way, as a reference for the reader.
+/// Writes positions and faces as PLY text or big-endian binary in the simplest way, as a reference
+/// for the reader.
 fn reference_ply(mesh: &Mesh, ascii: bool) -> Vec<u8> {
     let encoding = if ascii { "ascii" } else { "binary_big_endian" };
     let (vertices, faces) = (mesh.vertex_count(), mesh.faces().face_count());
@@ -85,7 +87,7 @@ fn reference_ply(mesh: &Mesh, ascii: bool) -> Vec<u8> {
     out
 }
 
-/// The corners of all faces as positions, normals and texture coordinates.
+/// Returns the corners of all faces as positions, normals and texture coordinates.
 fn corners(mesh: &Mesh) -> Vec<Vec<u32>> {
     let row = |name: &str, v: u32| -> Vec<u32> {
         let found = mesh.attributes().iter().find(|attribute| attribute.name == name);
@@ -148,7 +150,7 @@ proptest! {
         for strip in &strips {
             all.push(strip);
         }
-        // Joined strips are drawn in another order, and triangles may begin with another corner.
+        // Joined strips are drawn in another order, and triangles may start at another corner.
         let sorted = |corners: &[u32]| {
             let mut all: Vec<[u32; 3]> = corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
             all.iter_mut().for_each(|t| while t[0] > t[1] || t[0] > t[2] { t.rotate_left(1) });
@@ -171,7 +173,7 @@ proptest! {
     }
 }
 
-/// Two parts over the same vertices, and one over vertices of its own.
+/// Returns two parts that share vertices, and one with separate vertices.
 fn three_parts() -> Model {
     let faces = |t: [u32; 3]| Faces::from_triangles(t.to_vec()).unwrap();
     let normals = || attribute("NORMAL", 3, false, AttributeData::F32(vec![0.5; 12]));

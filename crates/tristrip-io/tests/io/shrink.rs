@@ -1,4 +1,5 @@
-//! Scenes with fewer triangles: the vertices that nothing draws are dropped with all their values, and everything else stays as it was.
+//! Scenes with fewer triangles: unused vertices are removed with all their values, and everything
+//! else is unchanged.
 
 use std::collections::BTreeSet;
 
@@ -14,7 +15,7 @@ use tristrip_io::{Drawing, Format, gltf, reorder, with_triangles, write};
 #[test]
 fn dropped_vertices_take_all_their_values_along() {
     let glb = shared_scene(6).glb();
-    // The first two parts share vertices, the third has its own.
+    // The first two parts share vertices; the third has its own.
     let (redrawn, after) = shrunk(&glb, |part, t| part == 0 && t % 5 == 0 || part == 2 && t < 3);
     assert!(redrawn.kept_groups.is_empty() && redrawn.dropped > 60, "{redrawn:?}");
     let used = redrawn.model.parts.iter().map(|part| part.mesh.vertex_count()).collect::<Vec<_>>();
@@ -22,11 +23,12 @@ fn dropped_vertices_take_all_their_values_along() {
     for accessor in [0, 1, 2, 3, 4, 5, 6, 7] {
         assert_eq!(count_of(&after, accessor), used[0], "accessor {accessor}");
     }
-    // Bytes of vertices: interleaved 28, joints 4, weights 16, matrix 16, target 12, own 12; at most 16 more per array.
+    // Bytes per vertex: interleaved 28, joints 4, weights 16, matrix 16, target 12, own 12; plus at
+    // most 16 per array.
     let vertices = used[0] * (28 + 4 + 16 + 16 + 12) + used[2] * 12;
     let others = 4 * 2 + 4 * 12 + 2 * 64 + 2 * 3 * 100;
     assert!(bin_of(&after).len() < vertices + others + 16 * 12, "{}", bin_of(&after).len());
-    // What is written can be read and changed again.
+    // The written file can be read and changed again.
     let (again, twice) = shrunk(&after, |part, t| part == 0 && t < 2);
     assert!(again.dropped > 5 && twice.len() < after.len());
     let external = gltf::read(shared_scene(6).gltf(), None).unwrap();
@@ -45,7 +47,7 @@ fn dropped_vertices_take_all_their_values_along() {
 fn sparse_values_of_dropped_vertices_are_dropped() {
     let glb = shared_scene(6).glb();
     let model = gltf::read(&glb[..], None).unwrap();
-    // No vertex with a sparse value stays.
+    // No vertex with a sparse value remains.
     let moved = |v: u32| [1, 4, 8, model.parts[0].mesh.vertex_count() as u32 - 1].contains(&v);
     let avoids = |part: usize, t: usize| {
         let corners = model.parts[part].mesh.faces().get(t).unwrap();
@@ -67,7 +69,8 @@ fn arrays_behind_each_other_in_one_view_move_together() {
     let (positions, corners) = grid(6);
     let count = positions.len();
     let other: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x + 0.5)).collect();
-    // One view with positions, joints of two bytes, and the positions of another part; then an image.
+    // One view with positions, joints of two bytes, and the positions of another part; then an
+    // image.
     let joints: Vec<u8> = (0..2 * count).map(|i| i as u8).collect();
     let bytes =
         [floats(positions.as_flattened()), joints, vec![0; 2 * count % 4], floats(other.as_flattened())]
@@ -124,10 +127,10 @@ fn points_and_lines_keep_the_vertices_that_they_draw() {
     let lines = number(&json["meshes"][1]["primitives"][1]["indices"]);
     assert_eq!(json["accessors"][lines]["max"], json!([count_of(&after, 0) - 1]));
     validate("points_and_lines", &[("lines.glb".into(), after)]);
-    // Restarts stay.
+    // Restarts are unchanged.
     let (redrawn, _) = with(3, Some(&[27, 3, 255, 9, 2]));
     assert!(redrawn.kept_groups.is_empty() && redrawn.dropped > 20);
-    // The highest value of the type is a vertex or a restart where there are as many vertices.
+    // With this many vertices, the highest value of the type may be a vertex or a restart.
     let mut draft = shared_scene(16);
     let points = draft.indices(U8, &[255, 3]);
     push(
@@ -136,7 +139,7 @@ fn points_and_lines_keep_the_vertices_that_they_draw() {
     );
     let (redrawn, _) = shrunk(&draft.glb(), |_, t| t == 0);
     assert!(redrawn.kept_groups.len() == 1 && redrawn.kept_groups[0].why.contains("a vertex or a restart"));
-    // Points without indices draw every vertex: none is unused.
+    // Points without indices draw every vertex, so none is unused.
     let (redrawn, after) = with(0, None);
     assert!(redrawn.kept_groups.is_empty());
     assert_eq!((count_of(&after, 0), redrawn.kept), (28, 0));
@@ -160,7 +163,7 @@ fn vertices_stay_where_something_depends_on_their_numbers() {
         draft
     };
     assert_eq!(shared_scene(4).json["meshes"][2]["primitives"][0]["attributes"]["POSITION"], 11);
-    // A number in an unknown extension, of an accessor and of a view; in extras.
+    // A number in an unknown extension may refer to an accessor or a view; also in extras.
     let named = "refer to their accessors or buffer views by index";
     let draft = changed(&|json| json["extensions"] = json!({ "EXT_unknown_thing": { "values": 11 } }));
     kept(&draft, 1, named);
@@ -276,7 +279,7 @@ fn integer_bounds_are_those_of_the_vertices_left() {
     );
 }
 
-/// Parts that are drawn by their faces get new indices where their vertices have new numbers.
+/// Parts drawn as faces get new indices if their vertices are renumbered.
 #[test]
 fn faces_of_a_reordered_scene_are_written() {
     let model = gltf::read(shared_scene(4).glb(), None).unwrap();
@@ -289,7 +292,8 @@ fn faces_of_a_reordered_scene_are_written() {
     }
 }
 
-/// Documents with a few changed bytes: if they can be read, vertices can be dropped, and the triangles are the same.
+/// Documents with a few changed bytes: if they can be read, vertices can be removed, and the
+/// triangles are the same.
 #[test]
 fn mutations_never_panic() {
     let mut draft = shared_scene(3);
@@ -332,8 +336,8 @@ fn real_scenes_shrink() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 3))]
-    /// Primitives over vertex arrays, some of them shared, interleaved in one view, behind each other in one view, or in separate
-    /// views; some of the primitives are lines.
+    /// Primitives with vertex arrays that are shared, interleaved in one view, consecutive in one
+    /// view, or in separate views. Some primitives are lines.
     #[test]
     fn every_scene_shrinks_or_stays(
         primitives in prop::collection::vec((0..3_usize, any::<bool>(), prop::collection::vec(0..40_u32, 6..30)), 1..5),
@@ -367,7 +371,7 @@ proptest! {
         prop_assert!(redrawn.kept_groups.iter().all(|group| group.why == "nothing is drawn"));
         let drawn: BTreeSet<usize> = primitives.iter().filter(|p| !p.1).map(|p| p.0).collect();
         for (number, accessor) in accessors.iter().enumerate().filter(|(list, _)| drawn.contains(list)) {
-            // Exactly the vertices in use are left.
+            // Exactly the used vertices remain.
             let json = json_of(&after);
             let users = json["meshes"][0]["primitives"].as_array().unwrap();
             let users = users.iter().filter(|p| p["attributes"]["POSITION"] == *accessor);

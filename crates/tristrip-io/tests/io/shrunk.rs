@@ -1,4 +1,4 @@
-//! Scenes with fewer triangles, and the naive comparison of what is left with what was there.
+//! Scenes with fewer triangles, and a naive comparison with the original.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,8 @@ use tristrip_io::{Drawing, Format, Redrawn, gltf, with_triangles, write};
 use crate::gltf_documents::scenes::raw;
 use crate::gltf_documents::{F32, bin_of, json_of, view_bytes};
 
-/// Keeps the triangles of each part that `keep` accepts by part and number, writes the scene, and checks it.
+/// Keeps the triangles of each part that `keep` accepts by part and index, writes the scene, and
+/// checks it.
 pub(crate) fn shrunk(glb: &[u8], keep: impl Fn(usize, usize) -> bool) -> (Redrawn, Vec<u8>) {
     let model = gltf::read(glb, None).unwrap();
     let triangles = model.parts.iter().enumerate().map(|(part, one)| {
@@ -29,7 +30,7 @@ pub(crate) fn number(value: &Value) -> usize {
     value.as_u64().unwrap() as usize
 }
 
-/// The values of an accessor of whole numbers.
+/// Returns the values of an integer accessor.
 pub(crate) fn indices(glb: &[u8], accessor: &Value) -> Vec<usize> {
     raw(glb, number(accessor))
         .iter()
@@ -37,14 +38,15 @@ pub(crate) fn indices(glb: &[u8], accessor: &Value) -> Vec<usize> {
         .collect()
 }
 
-/// The accessors with a value per vertex of a primitive.
+/// Returns the accessors with a value per vertex of a primitive.
 pub(crate) fn vertex_accessors(primitive: &Value) -> Vec<usize> {
     let objects = primitive["targets"].as_array().into_iter().flatten().chain([&primitive["attributes"]]);
     objects.flat_map(|object| object.as_object().unwrap().values().map(number)).collect()
 }
 
-/// Checks a written scene against the one that was read and the triangles of each part, by its bytes alone: every corner has the
-/// values that it had, of every accessor; points and lines, images and all other accessors are the same; bounds are exact.
+/// Checks a written scene against the original and the triangles of each part, using only the
+/// bytes: every corner keeps its values of every accessor; points, lines, images and all other
+/// accessors are the same; bounds are exact.
 pub(crate) fn check(before: &[u8], after: &[u8], triangles: &[Vec<u32>]) {
     let (old, new) = (json_of(before), json_of(after));
     let old_accessors = old["accessors"].as_array().unwrap();
@@ -122,7 +124,7 @@ pub(crate) fn check(before: &[u8], after: &[u8], triangles: &[Vec<u32>]) {
     }
 }
 
-/// The number of vertices of a primitive that draws all of them.
+/// Returns the number of vertices of a primitive that draws all of them.
 pub(crate) fn new_count(values: &BTreeMap<usize, [Vec<Vec<u8>>; 2]>, primitive: &Value) -> Value {
     values[&number(&primitive["attributes"]["POSITION"])][0].len().into()
 }

@@ -1,4 +1,5 @@
-//! `.tlod` files: what is written is read again, and whatever else is read gives an error: cut off, changed, too large, or made up.
+//! `.tlod` files: written files are read back; truncated, changed, oversized or invented files give
+//! errors.
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -38,7 +39,8 @@ fn attribute(number: u8, components: u8, vertex_count: usize) -> Attribute {
     Attribute { name: format!("TYPE_{number} é"), components, normalized: number.is_multiple_of(2), data }
 }
 
-/// A strip of triangles with attributes of all types, two unused vertices, and collapses of one vertex, of two, and of none.
+/// Returns a strip of triangles with attributes of all types, two unused vertices, and collapses of
+/// one vertex, of two, and of none.
 fn small() -> TlodModel {
     let positions = (0..8).map(|i| [i as f32, (i % 2) as f32, -0.5]).collect::<Vec<_>>();
     let mut strips = Strips::default();
@@ -71,7 +73,7 @@ fn message(bytes: &[u8]) -> String {
     read_all(bytes).unwrap_err().to_string()
 }
 
-/// Returns the first byte of each section, and that of its content's end. The file must have whole sections.
+/// Returns the start of each section and the end of its content. All sections must be complete.
 fn sections(bytes: &[u8]) -> Vec<(usize, usize)> {
     let (mut sections, mut at) = (Vec::new(), 12);
     while at < bytes.len() {
@@ -82,7 +84,7 @@ fn sections(bytes: &[u8]) -> Vec<(usize, usize)> {
     sections
 }
 
-/// Makes the checksums of these sections right again.
+/// Corrects the checksums of these sections.
 fn seal(bytes: &mut [u8], sections: &[(usize, usize)]) {
     for &(start, end) in sections {
         let checksum = crc32fast::hash(&bytes[start..end]);
@@ -90,7 +92,7 @@ fn seal(bytes: &mut [u8], sections: &[(usize, usize)]) {
     }
 }
 
-/// Changes bytes of a small file at an offset within the content of a section, and returns the message.
+/// Changes bytes of a small file at an offset in the content of a section, and returns the error.
 fn changed(section: usize, offset: usize, new: &[u8]) -> String {
     let mut bytes = written(&small());
     let sections = sections(&bytes);
@@ -179,7 +181,7 @@ fn polygons_become_the_triangles_of_the_strips() {
     let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = Mesh::new(positions, Faces::from_polygons([[0, 1, 2, 3]]).unwrap()).unwrap();
     let strips = Strips::from_parts(vec![1, 2, 0, 3], vec![4]).unwrap();
-    // Another order than that of the strips.
+    // An order that differs from that of the strips.
     let sequence = CollapseSequence::from_collapses(4, vec![0, 2, 3, 0, 1, 2], []).unwrap();
     let model = TlodModel::new(mesh.clone(), strips.clone(), sequence).unwrap();
     assert_eq!(model.sequence.triangles(), [1, 2, 0, 0, 2, 3]);
@@ -286,7 +288,7 @@ fn counts_without_data_are_errors() {
     let longer = [&start[..], b"POSN", &[255; 8]].concat();
     let expected = "byte 60: found 18446744073709551615 bytes in section POSN, expected 51539607540, according to the counts";
     assert_eq!(message(&longer), expected);
-    // The length of an attribute's section is not known from the counts alone.
+    // The counts alone do not determine the length of an attribute section.
     let mut attribute = written(&small());
     let at = sections(&attribute)[2].0;
     attribute[at + 4..at + 12].copy_from_slice(&[255; 8]);
@@ -327,7 +329,7 @@ fn limits_are_kept() {
 fn a_bad_strip_vertex_is_reported_by_its_position_and_not_as_a_corner_of_a_face() {
     let bytes = std::fs::read(test_model("../issues/strip_vertex_out_of_range.tlod")).unwrap();
     assert_eq!(message(&bytes), "byte 148: found vertex 9, expected less than 4");
-    // The same strips over the same vertices, from a caller.
+    // The same strips with the same vertices, built by a caller.
     let mesh = Mesh::new(vec![[0.0; 3]; 4], Faces::default()).unwrap();
     let mut strips = Strips::default();
     strips.push(&[0, 2, 1]);
@@ -351,7 +353,7 @@ impl Read for Slow<'_> {
     }
 }
 
-/// Fails after some bytes.
+/// Fails after a number of bytes.
 struct Broken(usize);
 
 impl Read for Broken {

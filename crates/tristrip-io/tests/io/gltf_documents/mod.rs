@@ -1,4 +1,5 @@
-//! Shared by the tests of glTF: a builder of small documents, the Khronos validator, and real scenes.
+//! Common parts of the glTF tests: a builder of small documents, the Khronos validator, and real
+//! scenes.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may panic, and reports what it skips")]
 
@@ -35,7 +36,7 @@ impl Draft {
         }
     }
 
-    /// Appends bytes, aligned to four; returns the buffer view.
+    /// Appends bytes, aligned to four, and returns the buffer view.
     pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let view = json!({ "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len() });
@@ -88,7 +89,7 @@ impl Draft {
         glb_of(&serde_json::to_vec(&json).unwrap(), Some(&self.bin))
     }
 
-    /// Builds a `.gltf` with its bytes in a data URI.
+    /// Builds a `.gltf` with its buffer in a data URI.
     pub(crate) fn gltf(&self) -> Vec<u8> {
         use base64::Engine;
         let text = base64::engine::general_purpose::STANDARD.encode(&self.bin);
@@ -132,31 +133,31 @@ pub(crate) fn packed(component: u32, indices: &[u32]) -> Vec<u8> {
     indices.iter().flat_map(|i| i.to_le_bytes()[..bytes].to_vec()).collect()
 }
 
-/// Distinct positions along a bent line.
+/// Returns distinct positions along a bent line.
 pub(crate) fn bent(count: usize) -> Vec<[f32; 3]> {
     (0..count).map(|i| [i as f32, (i * i % 7) as f32, (i % 3) as f32]).collect()
 }
 
-/// The JSON of a GLB.
+/// Returns the JSON of a GLB.
 pub(crate) fn json_of(glb: &[u8]) -> Value {
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     serde_json::from_slice(&glb[20..20 + length]).unwrap()
 }
 
-/// The BIN chunk of a GLB.
+/// Returns the BIN chunk of a GLB.
 pub(crate) fn bin_of(glb: &[u8]) -> &[u8] {
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     glb.get(28 + length..).unwrap_or_default()
 }
 
-/// The bytes of a buffer view of a GLB.
+/// Returns the bytes of a buffer view of a GLB.
 pub(crate) fn view_bytes<'a>(json: &Value, bin: &'a [u8], view: usize) -> &'a [u8] {
     let view = &json["bufferViews"][view];
     let number = |name: &str| view[name].as_u64().unwrap_or(0) as usize;
     &bin[number("byteOffset")..][..number("byteLength")]
 }
 
-/// The triangles, each rotated to begin with its lowest vertex.
+/// Returns the triangles, each starting at its lowest vertex.
 pub(crate) fn rotated(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     triangles
         .into_iter()
@@ -172,7 +173,7 @@ pub(crate) fn triangles(model: &Model, part: usize) -> Vec<[u32; 3]> {
     rotated(model.parts[part].mesh.faces().as_triangles().unwrap().as_chunks::<3>().0.iter().copied())
 }
 
-/// Builds strips greedily: a strip continues as long as the next triangle shares the right edge.
+/// Builds strips greedily: a strip continues while the next triangle shares the required edge.
 pub(crate) fn greedy(triangles: &[[u32; 3]]) -> Strips {
     let mut strips = Strips::default();
     let mut strip: Vec<u32> = Vec::new();
@@ -195,7 +196,8 @@ pub(crate) fn greedy(triangles: &[[u32; 3]]) -> Strips {
     strips
 }
 
-/// Checks files with the Khronos validator, if it is installed; with `TRISTRIP_REQUIRE_VALIDATOR=1` its absence is a failure.
+/// Validates files with the Khronos validator, if it is installed. With
+/// `TRISTRIP_REQUIRE_VALIDATOR=1`, the validator must be installed.
 pub(crate) fn validate(test: &str, files: &[(String, Vec<u8>)]) {
     let tool = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tools/gltf-validate");
     if !tool.join("node_modules/gltf-validator").is_dir() {
@@ -226,8 +228,8 @@ pub(crate) fn validate(test: &str, files: &[(String, Vec<u8>)]) {
     }
 }
 
-/// Calls `check` with the name and bytes of some real scenes in the folder `TRISTRIP_MODELS`, if it is set, and validates the
-/// files that `check` returns.
+/// Calls `check` with the name and bytes of real scenes in the directory `TRISTRIP_MODELS`, if it
+/// is set, and validates the files that `check` returns.
 pub(crate) fn check_real_scenes(test: &str, mut check: impl FnMut(&str, &[u8]) -> Vec<(String, Vec<u8>)>) {
     let Some(folder) = std::env::var_os("TRISTRIP_MODELS").map(PathBuf::from) else {
         eprintln!("{test}: SKIPPED: TRISTRIP_MODELS is not set");

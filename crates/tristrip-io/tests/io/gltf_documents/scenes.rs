@@ -1,10 +1,10 @@
-//! Scenes with data of many kinds over the same vertices, and the naive reading of accessors.
+//! Scenes with data of many kinds for the same vertices, and a naive reader of accessors.
 
 use serde_json::{Value, json};
 
 use super::{Draft, F32, U8, U16, bin_of, floats, json_of, packed, push};
 
-/// A grid of triangles with shuffled vertex numbers; some vertices are unused.
+/// Returns a grid of triangles with shuffled vertex indices; some vertices are unused.
 pub(crate) fn grid(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
     let count = (side + 1) * (side + 1) + 3;
     let name = |v: u32| (v * 7919 + 5) % count;
@@ -20,7 +20,8 @@ pub(crate) fn grid(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
     (positions, faces.collect())
 }
 
-/// Adds a view of interleaved rows of `stride` bytes; returns accessors for the fields of a row at given offsets.
+/// Adds a view of interleaved rows of `stride` bytes. Returns accessors for the fields at the given
+/// offsets.
 pub(crate) fn interleaved(
     draft: &mut Draft,
     stride: usize,
@@ -39,8 +40,9 @@ pub(crate) fn interleaved(
     parts.iter().map(add).collect()
 }
 
-/// A scene over one vertex array: interleaved positions and normals, colours of three bytes, joints and weights, a matrix per
-/// vertex, a dense and a sparse morph target; and a second vertex array that shares its indices with the first.
+/// Returns a scene with one vertex array: interleaved positions and normals, colours of three
+/// bytes, joints and weights, a matrix per vertex, a dense and a sparse morph target. A second
+/// vertex array shares its indices with the first.
 pub(crate) fn shared_scene(side: u32) -> Draft {
     let mut draft = Draft::new();
     let (positions, corners) = grid(side);
@@ -108,7 +110,7 @@ pub(crate) fn shared_scene(side: u32) -> Draft {
     draft
 }
 
-/// The bytes of each value of an accessor, with the sparse values applied.
+/// Returns the bytes of each value of an accessor, with the sparse values applied.
 pub(crate) fn raw(glb: &[u8], accessor: usize) -> Vec<Vec<u8>> {
     let (json, bin) = (json_of(glb), bin_of(glb));
     let accessor = &json["accessors"][accessor];
