@@ -3,7 +3,7 @@
 //! ```text
 //! cargo run --release -p tristrip-io --example gltf_load
 //! ```
-#![allow(clippy::print_stdout, reason = "an example prints its measurements")]
+#![allow(clippy::print_stdout, reason = "the example prints measurements")]
 
 use std::time::Instant;
 

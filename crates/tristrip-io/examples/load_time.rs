@@ -3,7 +3,7 @@
 //! Run with `cargo run --release -p tristrip-io --example load_time -- model.ply`. Without a file,
 //! the example writes a grid of a million triangles to the temporary directory as PLY and OBJ, and
 //! loads these.
-#![allow(clippy::print_stdout, reason = "an example")]
+#![allow(clippy::print_stdout, reason = "the example prints results")]
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -3,7 +3,7 @@
 //!
 //! Every file is read back and verified against the model before its times are printed. Times are
 //! the best of five runs.
-#![allow(clippy::print_stdout, reason = "prints its result")]
+#![allow(clippy::print_stdout, reason = "the example prints results")]
 
 use std::time::Instant;
 

@@ -316,9 +316,9 @@ impl MaterialLines<'_> {
         let opacity = self.image(&["map_d"]);
         let losses = [
             (self.image(&["map_Bump", "map_bump", "bump"]).is_some(), "bump map"),
-            (self.image(&["map_Ks", "map_Ns"]).is_some(), "map of highlights"),
-            (opacity.is_some() && opacity != self.image(&["map_Kd"]), "separate map of the opacity"),
-            (self.image(&["map_Pr", "map_Pm"]).is_some(), "map of roughness or metalness"),
+            (self.image(&["map_Ks", "map_Ns"]).is_some(), "specular map"),
+            (opacity.is_some() && opacity != self.image(&["map_Kd"]), "separate opacity map"),
+            (self.image(&["map_Pr", "map_Pm"]).is_some(), "roughness or metalness map"),
             (self.image(&["disp"]).is_some(), "displacement map"),
         ];
         losses

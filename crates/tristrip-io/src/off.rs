@@ -112,7 +112,7 @@ fn read_keyword<'a>(text: &mut Text<'a>) -> Result<(VertexFields, Option<&'a [u8
     };
     let fields = VertexFields { texcoords: has(b"ST"), colours: has(b"C"), normals: has(b"N") };
     if has(b"4") || has(b"n") {
-        let expected = "positions of three dimensions";
+        let expected = "three-dimensional positions";
         return Err(Error::format(text.position(), quote(word), expected));
     }
     if !left.is_empty() {

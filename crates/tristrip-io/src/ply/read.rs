@@ -304,7 +304,7 @@ impl<R: Rows> PlyReader<R> {
     }
 
     /// Reads the count of a list and checks it against the number of remaining bytes.
-    #[allow(clippy::cast_sign_loss, reason = "negative counts are refused above")]
+    #[allow(clippy::cast_sign_loss, reason = "negative counts are rejected above")]
     fn list_count(&mut self, property: &Property) -> Result<u64, Error> {
         let value = self.rows.value(property.count.unwrap_or(Scalar::U8), &property.name)?;
         let most = self.rows.values_left(property.value);
@@ -316,7 +316,7 @@ impl<R: Rows> PlyReader<R> {
         Ok(value as u64)
     }
 
-    #[allow(clippy::cast_sign_loss, reason = "negative indices are refused above")]
+    #[allow(clippy::cast_sign_loss, reason = "negative indices are rejected above")]
     fn vertex(&self, value: f64) -> Result<u32, Error> {
         if value < 0.0 || value >= f64::from(self.vertex_count) {
             let found = format!("vertex index {value}");

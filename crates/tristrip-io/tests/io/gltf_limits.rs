@@ -75,7 +75,7 @@ fn triangles_drawn_again_and_again_are_limited() {
     assert!(error.is_ok(), "{error:?}");
     let error = gltf::read(meshes_over_one_ribbon(2000, 60_000).glb(), None).unwrap_err();
     let Error::LimitExceeded { at, found, limit } = error else { unreachable!("{error}") };
-    assert_eq!(at, "meshes[20].primitives[0], triangles drawn so far, with the same indices again");
+    assert_eq!(at, "meshes[20].primitives[0], triangles drawn so far, including repeated indices");
     assert_eq!((found, limit), (21 * 60_000, (1 << 18) + 21 * 1024 + 16 * 60_000));
 }
 

@@ -213,7 +213,7 @@ fn reads_only_files_in_its_own_folder() {
     let inside = folder.join("in");
     assert_eq!(read("sub/a%20b.bin", Some(&inside)).unwrap(), [[0, 1, 2]]);
     let message = |uri: &str, folder| read(uri, folder).unwrap_err().to_string();
-    let expected = "expected a data URI, or a file in the folder of the document";
+    let expected = "expected a data URI, or a file in the directory of the document";
     assert_eq!(
         message("../secret.bin", Some(&inside)),
         format!("buffers[0].uri: found \"../secret.bin\", {expected}")
@@ -223,7 +223,7 @@ fn reads_only_files_in_its_own_folder() {
     assert_eq!(message("sub", Some(&inside)), format!("buffers[0].uri: found \"sub\", {expected}"));
     assert!(
         message("sub/a b.bin", None)
-            .ends_with("expected a data URI: the folder of the document is not known")
+            .ends_with("expected a data URI, because the directory of the document is unknown")
     );
     assert!(matches!(read("none.bin", Some(&inside)), Err(Error::Io { .. })));
     // A document without a directory in its name is in the current one, like this package's
@@ -294,7 +294,7 @@ fn a_document_behind_a_link_finds_its_buffers() {
     std::fs::write(at("outside/a.bin"), &draft.bin).unwrap();
     symlink(at("outside/a.bin"), at("links/sub/a.bin")).unwrap();
     let error = first().unwrap_err().to_string();
-    assert!(error.ends_with("expected a data URI, or a file in the folder of the document"), "{error}");
+    assert!(error.ends_with("expected a data URI, or a file in the directory of the document"), "{error}");
     // 4. The error names a missing file next to the link.
     std::fs::remove_file(at("links/sub/a.bin")).unwrap();
     std::fs::remove_file(at("real/sub/a.bin")).unwrap();

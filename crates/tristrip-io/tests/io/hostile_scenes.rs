@@ -266,7 +266,7 @@ fn parts_in_too_many_places_are_refused_before_they_are_listed() {
     assert_eq!(scene.placements().unwrap().len(), 2000);
     let error = scene.appearance().unwrap_err();
     let Error::LimitExceeded { at, found, limit } = error else { unreachable!("{error}") };
-    assert_eq!((&*at, found, limit), ("nodes, parts in their places", 4_000_000, (1 << 20) + 4 * 2000));
+    assert_eq!((&*at, found, limit), ("nodes, instances of parts", 4_000_000, (1 << 20) + 4 * 2000));
     // A material library does not depend on placements; its colours are from 0 to 1.
     load_materials(&mut model, None, "out");
     let materials = model.materials.unwrap();

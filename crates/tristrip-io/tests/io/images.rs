@@ -91,7 +91,7 @@ fn images_that_cannot_be_taken_keep_their_uri() {
     let images = embed_images(&mut model, Some(&path)).unwrap();
     assert_eq!((images.embedded, images.left.len()), (1, 5));
     let outside =
-        "images[1].uri: found \"../c.jpg\", expected a data URI, or a file in the folder of the document";
+        "images[1].uri: found \"../c.jpg\", expected a data URI, or a file in the directory of the document";
     assert_eq!(images.left[1], outside);
     assert!(images.left[0].contains("none.png: "), "{}", images.left[0]);
     for place in [3, 4] {

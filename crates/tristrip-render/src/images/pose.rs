@@ -158,7 +158,7 @@ impl<'a> Joints<'a> {
     }
 
     fn matrix(&self, joint: f32) -> Option<&'a Transform> {
-        #[allow(clippy::cast_sign_loss, reason = "a negative number becomes 0, and joints are not negative")]
+        #[allow(clippy::cast_sign_loss, reason = "joints are not negative; negative numbers become 0")]
         self.matrices.get(joint as usize)
     }
 }

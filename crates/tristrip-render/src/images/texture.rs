@@ -75,7 +75,7 @@ impl Texture {
 }
 
 /// Returns the pixel index for an integral coordinate, which may be outside the image.
-#[allow(clippy::cast_sign_loss, reason = "not negative; what is not a number becomes 0")]
+#[allow(clippy::cast_sign_loss, reason = "not negative; NaN becomes 0")]
 fn wrapped(at: f64, count: usize, wrap: Wrap) -> usize {
     let n = count as f64;
     let at = match wrap {

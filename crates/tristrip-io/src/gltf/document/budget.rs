@@ -94,7 +94,7 @@ impl DrawBudget {
         if self.drawn <= limit {
             return Ok(());
         }
-        let at = format!("{at}, triangles drawn so far, with the same indices again");
+        let at = format!("{at}, triangles drawn so far, including repeated indices");
         Err(Error::LimitExceeded { at, found: self.drawn, limit })
     }
 }

@@ -118,13 +118,13 @@ impl<'a> NoBufferFiles<'a> {
         Self(std::marker::PhantomData)
     }
 
-    #[allow(clippy::unused_self, reason = "called like the one that reads files")]
+    #[allow(clippy::unused_self, reason = "same interface as `BufferFiles`")]
     pub(in crate::gltf) fn later_folders(&self) -> Vec<std::path::PathBuf> {
         Vec::new()
     }
 
-    #[allow(clippy::unused_self, reason = "called like the one that reads files")]
+    #[allow(clippy::unused_self, reason = "same interface as `BufferFiles`")]
     pub(in crate::gltf) fn load(&mut self, uri: &Located<'_>) -> Result<Arc<Vec<u8>>, Error> {
-        Err(uri.wrong("a data URI: this program reads no files"))
+        Err(uri.wrong("a data URI, because this program cannot read files"))
     }
 }

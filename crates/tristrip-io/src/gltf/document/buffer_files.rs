@@ -41,11 +41,11 @@ impl<'a> BufferFiles<'a> {
 
     /// Reads a file in one of the document's directories; each file is read once.
     pub(in crate::gltf) fn load(&mut self, uri: &Located<'_>) -> Result<Arc<Vec<u8>>, Error> {
-        let outside = || uri.wrong("a data URI, or a file in the folder of the document");
+        let outside = || uri.wrong("a data URI, or a file in the directory of the document");
         let relative =
             percent_decode(uri.text()?).and_then(|text| relative_path(&text)).ok_or_else(outside)?;
         if self.folders.is_empty() {
-            return Err(uri.wrong("a data URI: the folder of the document is not known"));
+            return Err(uri.wrong("a data URI, because the directory of the document is unknown"));
         }
         self.load_relative(&relative)?.ok_or_else(outside)
     }

@@ -18,7 +18,7 @@ use crate::gltf::document::{Located, array, index};
 /// Bytes of accessors that may be checked per byte of the buffers, in addition to the constant.
 pub(in crate::gltf) const VERTEX_FACTOR: u64 = 16;
 
-pub(in crate::gltf) const OVER_BUDGET: &str = "the buffers hold more data than the limits allow to check";
+pub(in crate::gltf) const OVER_BUDGET: &str = "the buffers contain more data than the limits allow";
 
 /// Values at a constant stride within a buffer; each value occupies one slot.
 #[derive(Clone, Copy)]
@@ -113,7 +113,7 @@ impl AccessorLayout {
     ) -> Result<Self, String> {
         let array = Self::find(resolver, accessor, budget)?;
         if array.sparse.is_some() {
-            return Err("points or lines over the vertices have sparse indices".into());
+            return Err("points or lines that use the vertices have sparse indices".into());
         }
         Ok(Self { holds_indices: true, ..array })
     }

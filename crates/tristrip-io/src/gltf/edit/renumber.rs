@@ -283,7 +283,7 @@ impl SceneGroup {
         match indices {
             None => self.draws_all = true,
             Some(indices) if owners.get(&indices).copied().flatten().is_none() => {
-                self.stay_complete("points or lines over other vertices have the same indices");
+                self.stay_complete("points or lines with other vertices use the same index accessor");
             }
             Some(indices) if uses.of_vertices.contains(&indices) || uses.others.contains(&indices) => {
                 self.stay_complete("the indices of points or lines have another use");

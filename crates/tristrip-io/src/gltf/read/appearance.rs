@@ -184,7 +184,7 @@ impl Scene {
         let found = placements.iter().map(|place| place.parts.len()).fold(0, usize::saturating_add);
         let limit = FREE_INSTANCES + INSTANCES_PER_NODE * placements.len();
         if found > limit {
-            let at = "nodes, parts in their places".into();
+            let at = "nodes, instances of parts".into();
             return Err(Error::LimitExceeded { at, found: found as u64, limit: limit as u64 });
         }
         let of_place = |Placement { parts, transform, node }| {

@@ -383,7 +383,7 @@ fn is_core(attribute: &Attribute) -> bool {
         let length = v.iter().map(|&x| f64::from(x) * f64::from(x)).sum::<f64>().sqrt();
         (length - 1.0).abs() <= UNIT_TOLERANCE
     };
-    #[allow(clippy::float_cmp, reason = "a sign is exact")]
+    #[allow(clippy::float_cmp, reason = "the sign is exact")]
     let tangent = |v: &[f32]| unit(&v[..3]) && v[3].abs() == 1.0;
     match (attribute.name.as_str(), attribute.components) {
         ("NORMAL", 3) => floats.is_some_and(|v| v.chunks_exact(3).all(unit)),
