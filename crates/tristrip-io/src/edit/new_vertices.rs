@@ -70,7 +70,7 @@ pub fn fixed_vertices(
 /// - `added` does not have one entry per part.
 /// - A source is not a vertex of the part.
 /// - The number of normals, tangents or positions is neither 0 nor the number of sources.
-/// - A value that [`fixed_vertices`] reports cannot be written.
+/// - [`fixed_vertices`] reports that a part cannot have these values.
 ///
 /// ```
 /// use tristrip_io::{Format, NewVertices, read, with_new_vertices, with_triangles};

@@ -232,7 +232,7 @@ impl<'a> PrimitiveReader<'a> {
     ) -> Result<(Mesh, Option<StoredStrips>), Error> {
         // 1. Vertices: shared between primitives and checked once.
         let vertices = self.vertices(&primitive.need("attributes")?)?;
-        // 2. Triangles: also shared.
+        // 2. Triangles, also shared between primitives.
         self.triangles.read(&self.resolver, primitive, mode, &vertices, parts, &mut self.geometry)
     }
 

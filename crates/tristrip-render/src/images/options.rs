@@ -14,7 +14,7 @@ pub struct RenderOptions {
     pub width: u32,
     /// The height in pixels, from 1 to [`MAX_SIZE`].
     pub height: u32,
-    /// The direction of view.
+    /// The view direction.
     pub view: View,
     /// The sRGB background colour; `None` for a transparent background.
     pub background: Option<[u8; 3]>,

@@ -230,7 +230,7 @@ pub(in crate::gltf) fn limits(bytes: usize) -> StreamLimits {
     StreamLimits { triangles: triangles.min(limits.triangles), ..limits }
 }
 
-/// Converts an error of the stream.
+/// Converts a stream error.
 pub(in crate::gltf) fn stream_error(fault: &StreamError) -> Error {
     if let Some(exceeded) = fault.exceeded {
         let at = format!("{} of the stream, {}", fault.at, exceeded.what);
