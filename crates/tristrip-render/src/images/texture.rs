@@ -106,7 +106,7 @@ fn decode_png(bytes: &[u8], budget: &mut usize) -> Result<Texture, String> {
     let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
     charge(width, height, budget)?;
-    let size = reader.output_buffer_size().ok_or("found an image that exceeds the memory")?;
+    let size = reader.output_buffer_size().ok_or("found an image too large for memory")?;
     let mut data = vec![0; size];
     let frame = reader.next_frame(&mut data).map_err(|error| error.to_string())?;
     Texture::new(width, height, &data, frame.color_type.samples())
