@@ -1,5 +1,5 @@
-//! The command line as typed: every flag with its short and long help. The module `task` checks
-//! which flags fit together.
+//! Command-line flags with their short and long help. The module `task` checks combinations of
+//! flags.
 
 mod detail;
 mod groups;
@@ -93,7 +93,7 @@ pub(crate) enum Command {
     Help(HelpArgs),
 }
 
-/// The subcommands by task, in the order of the help.
+/// Subcommands grouped by task, in the order of the help.
 const GROUPS: [(&str, &[&str]); 4] = [
     ("Shrink files", &["strip", "simplify", "convert"]),
     ("Levels of detail", &["chain", "level", "camera-level", "build-lod"]),
@@ -101,15 +101,15 @@ const GROUPS: [(&str, &[&str]); 4] = [
     ("Inspect and verify", &["analyze", "compare", "bound", "inspect", "verify"]),
 ];
 
-/// The subcommands that print texts about the command.
+/// Subcommands that print text about the command itself.
 const TEXTS: [&str; 3] = ["help", "completions", "man"];
 
-/// How to get the web server in a build without it.
+/// Error and help text of `serve` and `view` in a build without the web server.
 #[cfg(not(feature = "serve"))]
-pub(crate) const NO_SERVER: &str = "this build has no web server: install one that has, from a clone of the repository, \
-     with `cargo install --path crates/tristrip-cli --features serve --profile dist`";
+pub(crate) const NO_SERVER: &str = "this build does not include the web server; to install it, run in a clone of the repository: \
+     `cargo install --path crates/tristrip-cli --features serve --profile dist`";
 
-/// Accepts what the subcommands of the web server would.
+/// Accepts and ignores all arguments, as the web server's subcommands would accept them.
 #[cfg(not(feature = "serve"))]
 fn any_arguments() -> Arg {
     Arg::new("arguments").num_args(0..).hide(true).allow_hyphen_values(true).trailing_var_arg(true)
@@ -117,8 +117,8 @@ fn any_arguments() -> Arg {
 
 /// Build triangle strips, verify them and write them
 ///
-/// Without -o, only print a report. The report goes to standard output, with `-o -` to standard
-/// error; stages and progress go to standard error.
+/// Without -o, print a report and write no file. The report goes to standard output, or to standard
+/// error with `-o -`. Stages and progress go to standard error.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip strip bunny.ply -o bunny.glb             strips that every glTF viewer draws
@@ -138,25 +138,24 @@ pub(crate) struct StripArgs {
     pub(crate) method: MethodArgs,
     /// Reorder the vertices by first use in the strips
     ///
-    /// Fetches from the vertex buffer are then sequential, and unused vertices come last. All
-    /// attributes of a vertex move with it. Parts of a scene that share vertices share one order.
-    /// Vertices that other parts of the file may refer to by index keep their order, with a note.
-    /// With --json, the report lists the old index of each vertex.
+    /// The vertex buffer is then read sequentially, and unused vertices come last. Parts of a scene
+    /// that share vertices share one order. If other data in the file may refer to vertices by
+    /// index, their order is kept and a note reports it. With --json, the report lists the old
+    /// index of each vertex.
     #[arg(long, requires = "output", help_heading = "Output")]
     pub(crate) reorder_vertices: bool,
-    /// Draw the strips in a PNG file, one colour per strip
+    /// Draw the strips to a PNG file, one colour per strip
     ///
-    /// The image has 1200 x 900 pixels and shows the model from the front with the y axis up.
-    /// Adjacent strips have different colours. Parts of a scene are drawn without the
-    /// transformations of their nodes. One input.
+    /// The image is 1200 x 900 pixels and shows the model from the front, with the y axis up.
+    /// Adjacent strips have different colours. Node transformations are ignored. This option takes
+    /// one input.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) picture: Option<PathBuf>,
 }
 
-/// Compare the methods that build strips
+/// Compare stripification methods
 ///
-/// Print one table per model. Each result is proven before its row is printed; the best value of
-/// each column is marked.
+/// Print one table per model. Every result is verified. The best value in each column is marked.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip compare bunny.ply cow.obj
@@ -164,22 +163,23 @@ pub(crate) struct StripArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// Add tunnel, eta, guided-tunnels, and all variants of sgi, stripe-local and stripe-global
+    /// Also run tunnel, eta, guided-tunnels, and all variants of sgi, stripe-local and
+    /// stripe-global
     #[arg(long)]
     pub(crate) all: bool,
-    /// The search effort of best, fewest and cache, from 0 to 9 [default: 2; for fewest 5]
+    /// Set the search effort of best, fewest and cache, from 0 to 9 [default: 2; for fewest 5]
     #[arg(long, value_name = "LEVEL", value_parser = effort_parser())]
     pub(crate) effort: Option<Effort>,
-    /// The cost that best minimizes
+    /// Set the cost that the method best minimizes
     #[arg(long, value_parser = named(Cost::ALL, Cost::name, Cost::summary), value_name = "COST", default_value_t = Cost::Restart)]
     pub(crate) cost: Cost,
-    /// Stop each search after a time such as 5s or 500ms, with the best result so far
+    /// Stop each search after this time, such as 5s or 500ms, and keep its best result
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     pub(crate) budget: Option<Duration>,
     /// Print Markdown tables
     #[arg(long)]
     pub(crate) markdown: bool,
-    /// The seed of methods that break ties at random
+    /// Set the seed of methods that break ties at random
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
     #[command(flatten)]
@@ -188,9 +188,10 @@ pub(crate) struct CompareArgs {
 
 /// Compute lower bounds on strips, vertices and indices
 ///
-/// The bounds hold for every set of strips on the dual graph; the report names the method that
-/// found them. At edges with more than two faces they assume the pairs of faces that the dual graph
-/// joins. For polygons they hold for every triangulation; for triangles they are tighter.
+/// No set of strips on the dual graph is below these bounds. The report names the method that found
+/// each bound. Where more than two faces share an edge, the bounds assume the pairs of faces that
+/// the dual graph joins. For polygons, the bounds hold for every triangulation. For triangles, they
+/// are tighter.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip bound bunny.ply")]
@@ -203,10 +204,10 @@ pub(crate) struct BoundArgs {
 
 /// Report index and vertex-cache statistics of a file
 ///
-/// Count triangles, strips, indices, restarts and degenerate triangles as stored, and simulate
-/// vertex caches. A miss is a vertex that must be transformed. ACMR is misses per triangle, ATVR
-/// misses per used vertex. No strips are built; polygons count as triangle fans. Each part of a
-/// file (a material in OBJ, a primitive in glTF) starts with an empty cache.
+/// Count triangles, strips, indices, restarts and degenerate triangles as stored in the file, and
+/// simulate vertex caches. No strips are built; polygons count as triangle fans. A cache miss is a
+/// vertex that must be transformed. ACMR is the number of misses per triangle, ATVR per used
+/// vertex. Each part of a file (a material in OBJ, a primitive in glTF) starts with an empty cache.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip analyze bunny.ply bunny.glb              before and after
@@ -215,28 +216,29 @@ pub(crate) struct BoundArgs {
 pub(crate) struct AnalyzeArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// The vertex caches to simulate [default: fifo and lru with 8, 16, 24, 32 and 64 entries]
+    /// Simulate these vertex caches [default: fifo and lru with 8, 16, 24, 32 and 64 entries]
     ///
-    /// A list of KIND:N or KIND:N..M. KIND is fifo (evicts the oldest entry) or lru (evicts the
-    /// least recently used entry); N and M are numbers of entries.
+    /// LIST contains KIND:N or KIND:N..M, separated by commas. KIND is fifo (evicts the oldest
+    /// entry) or lru (evicts the least recently used entry). N and M are numbers of entries.
     #[arg(long, value_name = "LIST")]
     pub(crate) vertex_caches: Option<VertexCacheList>,
     /// Flush the vertex cache between strips, as if each strip had its own draw call
     #[arg(long)]
     pub(crate) flush: bool,
-    /// Plot misses against cache size, and a histogram of strip lengths, in an SVG file
+    /// Plot misses against cache size and a histogram of strip lengths to an SVG file
     ///
-    /// The curves use the vertex caches of --vertex-caches, or 2 to 64 entries. Up to three inputs.
+    /// The curves show the vertex caches of --vertex-caches, or caches of 2 to 64 entries. This
+    /// option takes up to three inputs.
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
 }
 
 /// Verify that one file draws exactly the faces of another
 ///
-/// The files may come from any program and have different formats: triangle lists, strips, fans,
-/// degenerate triangles, restarts, one primitive per strip. Vertices are compared by the bits of
-/// their positions, so the vertex order may differ. Other attributes are not compared. Scenes are
-/// compared mesh by mesh, without the transformations of their nodes.
+/// The files can come from any program and can have different formats. Triangle lists, strips,
+/// fans, degenerate triangles and restarts are supported, and one primitive per strip. Vertices are
+/// compared by the exact bits of their positions, so their order may differ. Other attributes are
+/// not compared. Scenes are compared mesh by mesh, without node transformations.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip verify bunny.ply bunny.glb")]
@@ -251,7 +253,7 @@ pub(crate) struct VerifyArgs {
 
 /// Convert between formats or strip layouts, without building new strips
 ///
-/// Without --layout, faces are written unchanged: polygons stay polygons where the format supports
+/// Without --layout, faces are written unchanged: polygons stay polygons if the format supports
 /// them, and strips stay strips. With --layout, all faces become strips in their stored order.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
@@ -264,7 +266,7 @@ pub(crate) struct ConvertArgs {
     pub(crate) output: OutputArgs,
 }
 
-/// Print completions for a shell
+/// Print shell completions
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip completions bash > ~/.local/share/bash-completion/completions/tristrip
@@ -278,7 +280,7 @@ pub(crate) struct CompletionsArgs {
 
 /// Explain a subcommand or a topic
 ///
-/// `tristrip COMMAND -h` lists the options of a subcommand, `tristrip help COMMAND` explains them.
+/// `tristrip COMMAND -h` lists the options of a subcommand. `tristrip help COMMAND` explains them.
 #[derive(Debug, Args)]
 #[command(after_long_help = topics())]
 pub(crate) struct HelpArgs {
@@ -298,7 +300,7 @@ pub(crate) struct ManArgs {
     pub(crate) subcommand: Option<String>,
 }
 
-/// A command line whose flags clap accepted.
+/// A command line that clap accepted.
 #[derive(Debug)]
 pub(crate) struct ParsedCommand {
     pub(crate) command: Command,
@@ -309,7 +311,7 @@ pub(crate) struct ParsedCommand {
 /// Parses the command line.
 ///
 /// # Errors
-/// The usage is wrong, or the help or the version was asked for.
+/// The usage is wrong, or help or the version was requested.
 pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
     let matches = command_line().try_get_matches_from(arguments)?;
     let parsed = Cli::from_arg_matches(&matches);
@@ -348,7 +350,7 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
     Ok(ParsedCommand { command, shared, subcommand })
 }
 
-/// Returns the long help of the command or of a subcommand, as clap has it: an error that is
+/// Returns the long help of the command or of a subcommand. In clap, help is an error that is
 /// printed to standard output.
 fn help(subcommand: &[&String]) -> Error {
     let words = ["tristrip"].into_iter().chain(subcommand.iter().map(|name| name.as_str()));
@@ -358,26 +360,26 @@ fn help(subcommand: &[&String]) -> Error {
     }
 }
 
-/// Returns the command with all subcommands; `--version` of a subcommand prints the name of the
+/// Returns the command with all subcommands. `--version` of a subcommand prints the name of the
 /// command.
 pub(crate) fn command_line() -> clap::Command {
     let command = Cli::command().mut_subcommands(|subcommand| {
         subcommand.display_name("tristrip").disable_version_flag(true).arg(version())
     });
     let groups = groups(&command);
-    let exit_codes = "Exit codes: 0 done and proven; 1 not proven, or a bad input or output; 2 wrong usage.";
-    let hint = "`tristrip COMMAND -h` lists the options of a command, `tristrip help COMMAND` explains them.";
+    let exit_codes = "Exit codes: 0: success, all results proven. 1: not proven, or an input or output error. 2: wrong usage.";
+    let hint = "`tristrip COMMAND -h` lists the options of a command. `tristrip help COMMAND` explains them.";
     command
         .after_help(format!("{groups}\n{hint}"))
         .after_long_help(format!("{groups}\n{hint}\n\n{}\n{exit_codes}", topics()))
 }
 
-/// Returns the flag that prints the version, which the help of subcommands leaves out.
+/// Returns the flag that prints the version; it is hidden in the help of subcommands.
 fn version() -> Arg {
     Arg::new("version").short('V').long("version").action(ArgAction::Version).hide(true)
 }
 
-/// Returns the subcommands by task, each with its line of help.
+/// Returns the subcommands grouped by task, each with its summary.
 fn groups(command: &clap::Command) -> String {
     let mut text = String::new();
     for (title, names) in GROUPS {
@@ -391,20 +393,20 @@ fn groups(command: &clap::Command) -> String {
     text
 }
 
-/// Returns the topics of `tristrip help`.
+/// Returns the list of topics of `tristrip help`.
 fn topics() -> String {
     let lines = TOPICS.iter().map(|topic| format!("  {:<16}{}\n", topic.name, topic.summary));
     format!("Topics of `tristrip help`:\n{}", lines.collect::<String>())
 }
 
-/// Returns a parser of the names of subcommands and topics.
+/// Returns a parser for the names of subcommands and topics.
 fn help_parser() -> PossibleValuesParser {
     let topics = TOPICS.iter().map(|topic| PossibleValue::new(topic.name).help(topic.summary));
     let subcommands = GROUPS.iter().flat_map(|(_, names)| names.iter()).chain(&TEXTS);
     PossibleValuesParser::new(subcommands.map(PossibleValue::new).chain(topics))
 }
 
-/// Returns the error of flags that do not fit together, with the usage of the subcommand.
+/// Builds the error for an invalid combination of flags, with the usage of the subcommand.
 pub(crate) fn usage_error(subcommand: &str, message: &str) -> Error {
     let mut command = command_line();
     command.build();

@@ -129,8 +129,8 @@ impl StageClock {
         Self { lines: self.lines.clone(), budget: self.budget, state: Mutex::default() }
     }
 
-    /// Creates a clock for a part of the work. Its times are added to this clock when it is dropped,
-    /// also where the part fails.
+    /// Creates a clock for a part of the work. Its times are added to this clock when it is
+    /// dropped, also where the part fails.
     pub(crate) fn part(&self) -> PartClock<'_> {
         PartClock { clock: self.without_times(), whole: self }
     }

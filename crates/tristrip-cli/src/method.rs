@@ -13,10 +13,10 @@ use crate::values::effort_parser;
 
 #[derive(Debug, Args)]
 pub(crate) struct WeldArgs {
-    /// Merge vertices with the same bits in position and all attributes
+    /// Merge vertices whose position and attributes are bit-identical
     ///
-    /// Strips can then cross the seam between them. Welding saves indices, not vertices: the vertex
-    /// buffer is written unchanged.
+    /// Strips can then cross the seams between these vertices. Welding saves indices, not vertices:
+    /// the vertex buffer is written unchanged.
     #[arg(long, hide_short_help = true)]
     pub(crate) weld: bool,
 }
@@ -25,23 +25,24 @@ pub(crate) struct WeldArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Method")]
 pub(crate) struct MethodArgs {
-    /// The method: NAME or NAME:PARAMETER=VALUE,... [default: best]
+    /// Use this method: NAME or NAME:PARAMETER=VALUE,... [default: best]
     ///
     /// The default is never worse than the input. Most other methods are published algorithms.
     /// `tristrip help methods` describes all methods and parameters; `tristrip compare` measures
     /// them on your model.
     #[arg(short, long, value_parser = MethodParser, value_name = "METHOD", hide_possible_values = true)]
     method: Option<NamedMethod>,
-    /// The search effort of the method, from 0 to 9 [default: 2; for fewest 5]
+    /// Set the search effort of the method, from 0 to 9 [default: 2; for fewest 5]
     ///
-    /// A higher effort of best, fewest or cache gives fewer indices and takes longer.
-    /// `tristrip help methods` has typical times.
+    /// A higher effort of best, fewest or cache gives fewer indices and takes longer. `tristrip
+    /// help methods` lists typical times.
     #[arg(long, value_name = "LEVEL", value_parser = effort_parser())]
     effort: Option<Effort>,
-    /// Stop a search after a time such as 5s or 500ms, with the best result so far
+    /// Stop each search after this time, such as 5s or 500ms, and keep its best result
     ///
-    /// Results with a budget differ from run to run; results with --effort do not. Applies to each
-    /// input, and to best, fewest, cache, tunnel, eta and guided-tunnels.
+    /// Results with a budget can differ between runs; results with --effort do not. The budget
+    /// applies to each input. The methods best, fewest, cache, tunnel, eta and guided-tunnels
+    /// support it.
     #[arg(long, hide_short_help = true, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
     #[command(flatten)]
@@ -56,7 +57,7 @@ struct NamedMethod {
     has_effort: bool,
 }
 
-/// Parses a method with parameters. Shells complete the names of the methods.
+/// Parses a method with parameters. Shells complete the method names.
 #[derive(Debug, Clone)]
 struct MethodParser;
 
@@ -89,8 +90,8 @@ impl TypedValueParser for MethodParser {
 }
 
 impl MethodArgs {
-    /// Uses the order for vertex caches unless a method is named: for triangle lists, in which
-    /// strips save nothing.
+    /// Selects the method `cache` unless another one is named. Strips save nothing in triangle
+    /// lists, but the order of the triangles matters.
     pub(crate) fn for_lists(self) -> Self {
         let cache = StripifyOptions::default().with_method(Method::Cache);
         let cache = NamedMethod { options: cache, has_effort: false };
@@ -100,7 +101,7 @@ impl MethodArgs {
     /// Builds the options.
     ///
     /// # Errors
-    /// A flag does not fit the method.
+    /// A flag does not apply to the method.
     pub(crate) fn validate(&self) -> Result<StripifyOptions, String> {
         let named = self.method.unwrap_or_default();
         let method = named.options.method;
@@ -120,7 +121,7 @@ impl MethodArgs {
         Ok(self.effort.map_or(options, |effort| options.with_effort(effort)))
     }
 
-    /// Returns the time after which a search stops.
+    /// Returns the time limit of a search.
     pub(crate) fn budget(&self) -> Option<Duration> {
         self.budget
     }

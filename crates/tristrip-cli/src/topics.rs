@@ -1,4 +1,4 @@
-//! The topics of `tristrip help`: texts that are too long for the help of a flag.
+//! The topics of `tristrip help`: text that is too long for the help of a flag.
 
 use std::fmt::Write as _;
 
@@ -26,34 +26,34 @@ pub(crate) static TOPICS: [Topic; 5] = [
     },
     Topic {
         name: "simplification",
-        summary: "How meshes are simplified, and what the options mean",
+        summary: "How meshes are simplified, and what the options do",
         text: || include_str!("topics/simplification.txt").into(),
     },
     Topic {
         name: "files",
-        summary: "Formats, layouts of strips, and how files are written",
+        summary: "File formats, strip layouts, and how files are written",
         text: || include_str!("topics/files.txt").into(),
     },
     Topic {
         name: "server",
-        summary: "Addresses, packing, cache and limits of the web server",
+        summary: "Paths, addresses, packing, cache and limits of the web server",
         text: || include_str!("topics/server.txt").into(),
     },
 ];
 
 impl Topic {
-    /// Returns the topic of a name.
+    /// Returns the topic with this name.
     pub(crate) fn find(name: &str) -> Option<&'static Self> {
         TOPICS.iter().find(|topic| topic.name == name)
     }
 
-    /// Returns the text, in lines of up to 100 columns.
+    /// Returns the text, wrapped at 100 columns.
     pub(crate) fn text(&self) -> String {
         (self.text)()
     }
 }
 
-/// Returns the text of `levels`, with the filters and models of the library.
+/// Returns the text of `levels` with the filters and level models of the library.
 fn levels() -> String {
     let filters = DisplayFilter::ALL.iter().map(|filter| (filter.name(), filter.summary()));
     let models = ModelKind::ALL.iter().map(|model| (model.name(), model.summary()));
@@ -61,8 +61,7 @@ fn levels() -> String {
     format!("{text}\nFilters\n{}\nLevel models\n{}", entries(filters), entries(models))
 }
 
-/// Returns a line for each name with its text beside it, which goes on in further lines after 100
-/// columns.
+/// Returns one entry per name with its summary next to it, wrapped at 100 columns.
 fn entries<'a>(entries: impl Iterator<Item = (&'a str, &'a str)>) -> String {
     let mut text = String::new();
     for (name, summary) in entries {

@@ -17,28 +17,28 @@ use crate::values::{Amount, VectorArg, effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
-/// The surface keeps its holes and, as far as the goal allows, its shape. All parts of a scene are
-/// simplified together. If a goal cannot be reached within the error limit, or without tearing or
-/// folding the surface, simplification stops earlier and prints a warning. Without -o, only print a report.
-/// `tristrip help simplification` explains all options in detail.
+/// Topology is preserved. The shape is preserved as far as the triangle budget allows. All parts of
+/// a scene are simplified together. If the budget cannot be reached within the error limit, or
+/// without tearing or folding the surface, simplification stops early with a warning. Without -o,
+/// print a report and write no file. `tristrip help simplification` explains all options.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip simplify bunny.ply --ratio 5% -o bunny-small.ply
   tristrip simplify bunny.ply --triangles 2000 -o bunny-small.glb
   tristrip simplify bunny.ply --ratio 5% --fit -o bunny-small.ply   a third closer to the input
-  tristrip simplify scene.glb --error 0.1% -o light.glb   as few as this error allows
+  tristrip simplify scene.glb --error 0.1% -o light.glb   as few triangles as this error allows
   tristrip simplify duck.glb --ratio 20% --picture before-after.png
   tristrip simplify bunny.ply --ratio 0.05 --error 1% --json")]
 pub(crate) struct SimplifyArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// The fraction of the triangles to keep: 0.05 or 5%
+    /// Keep this fraction of the triangles: 0.05 or 5%
     ///
-    /// All parts of a model share one budget. Without --ratio or --triangles, simplify as far as
-    /// --error allows; with one of them, simplification ends at whichever limit is reached first.
+    /// All parts of a model share one triangle budget. Without --ratio and --triangles, simplify as
+    /// far as --error allows. With one of them, stop at whichever limit is reached first.
     #[arg(long, value_name = "RATIO", conflicts_with = "triangles", allow_negative_numbers = true)]
     pub(crate) ratio: Option<Ratio>,
-    /// The number of triangles to keep
+    /// Keep this many triangles, or one less
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) triangles: Option<usize>,
     #[command(flatten)]
@@ -46,37 +46,37 @@ pub(crate) struct SimplifyArgs {
     /// Keep or rebuild normals: auto, keep or rebuild
     ///
     /// auto rebuilds the normals of flat-shaded parts, and replaces other normals that no longer
-    /// fit their faces. rebuild computes all normals again: flat, or smooth up to a crease angle
-    /// that is estimated for each part.
+    /// match their faces. rebuild recomputes all normals: flat, or smooth up to a crease angle
+    /// estimated for each part.
     #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default(), hide_possible_values = true)]
     pub(crate) normals: Normals,
     /// Move the remaining vertices closer to the original surface
     ///
-    /// The root mean square of the distances typically falls by a third or more. The result has
-    /// vertices that the input does not have.
+    /// This typically reduces the RMS distance by a third or more. The result contains positions
+    /// that the input does not have.
     #[arg(long)]
     pub(crate) fit: bool,
-    /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
+    /// Round joint weights to 8 bits and animated rotations to 16 bits in GLB and .gltf output
     #[arg(long, hide_short_help = true)]
     pub(crate) compact: bool,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
-    /// Draw the model before and after in a PNG file, from eight sides
+    /// Draw the model before and after to a PNG file, from eight sides
     ///
-    /// The upper row shows the input, the lower row the result, in eight views of 256 x 256 pixels
-    /// with base colours and textures. A scene is drawn as its nodes place it, without animations
-    /// and joints. One input.
+    /// The upper row shows the input, the lower row the result. Each view is 256 x 256 pixels, with
+    /// base colours and textures. Node transformations are applied; animations and skins are
+    /// ignored. This option takes one input.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) picture: Option<PathBuf>,
 }
 
 /// Write one level of detail with the strips of the full mesh
 ///
-/// Strips are built once, for the full mesh. Half-edge collapses, cheapest first, rename vertices
-/// of the strips until the base mesh is reached. Level 0 is the base mesh, the highest level the
-/// full mesh, and each level adds one vertex. The result is proven to draw exactly the triangles
-/// that remain after the collapses. Without -o, only print a report. `tristrip help levels`
-/// explains levels, filters and models.
+/// Build strips once, for the full mesh. Half-edge collapses, cheapest first, reduce the full mesh
+/// to a base mesh and rename vertices in the strips. Level 0 is the base mesh and the highest level
+/// the full mesh; each level adds one vertex. The result is proven to draw exactly the triangles
+/// that remain after the collapses. Without -o, print a report and write no file. `tristrip help
+/// levels` explains levels, filters and models.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip level bunny.ply --level 40% -o level.glb
@@ -87,7 +87,7 @@ pub(crate) struct SimplifyArgs {
 pub(crate) struct LevelArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// The level: a percentage, or the number of undone collapses [default: 10%]
+    /// Select the level: % or number of undone collapses [default: 10%]
     #[arg(
         long,
         value_name = "LEVEL",
@@ -108,7 +108,7 @@ pub(crate) struct LevelArgs {
     /// Select the coarsest level within this error: 0.01 mesh units, or 0.1%
     #[arg(long, value_name = "ERROR", help_heading = "Level", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
-    /// Select the coarsest level with an error of at most this many pixels
+    /// Select the coarsest level whose error is at most this many pixels
     #[arg(
         long,
         value_name = "PIXELS",
@@ -118,7 +118,7 @@ pub(crate) struct LevelArgs {
         requires = "distance"
     )]
     pub(crate) pixels: Option<f32>,
-    /// The distance of the camera for --pixels, in mesh units
+    /// Set the camera distance for --pixels, in mesh units
     #[arg(
         long,
         value_name = "DISTANCE",
@@ -127,13 +127,13 @@ pub(crate) struct LevelArgs {
         requires = "pixels"
     )]
     pub(crate) distance: Option<f32>,
-    /// The vertical field of view for --pixels, in degrees [default: 45]
+    /// Set the vertical field of view for --pixels, in degrees [default: 45]
     #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW, hide_default_value = true, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
     pub(crate) field_of_view: f32,
-    /// The height of the image for --pixels, in pixels [default: 1080]
+    /// Set the image height for --pixels, in pixels [default: 1080]
     #[arg(long, value_name = "ROWS", default_value_t = View::ROWS, hide_default_value = true, help_heading = "Level", allow_negative_numbers = true, requires = "pixels", hide_short_help = true)]
     pub(crate) rows: f32,
-    /// The fraction of the triangles in the base mesh [default: 5% with --level, else 0]
+    /// Keep this fraction of the triangles in the base mesh [default: 5% with --level, else 0]
     #[arg(
         long,
         hide_short_help = true,
@@ -145,13 +145,13 @@ pub(crate) struct LevelArgs {
     /// What a collapse costs: distance, planes or quadric [default: distance]
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_default_value = true, hide_possible_values = true, help_heading = "Level", hide_short_help = true)]
     pub(crate) price: Price,
-    /// How degenerate triangles are removed from strips [default: repair]
+    /// Remove degenerate triangles by repair, linked, dtfs, stss or none [default: repair]
     #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Level", hide_possible_values = true)]
     pub(crate) filter: Option<DisplayFilter>,
-    /// The search effort of --filter repair, from 0 to 9 [default: 5]
+    /// Set the search effort of --filter repair, from 0 to 9 [default: 5]
     #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Level", hide_short_help = true)]
     pub(crate) filter_effort: Option<Effort>,
-    /// Draw the strips that a level model stores, instead of filtered strips: see `help levels`
+    /// Draw the strips of a level model, not filtered strips; see `tristrip help levels`
     #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), hide_possible_values = true, value_name = "MODEL", help_heading = "Level", hide_short_help = true)]
     pub(crate) model: Option<ModelKind>,
     #[command(flatten)]
@@ -162,9 +162,9 @@ pub(crate) struct LevelArgs {
 
 /// Write a view-dependent level of detail for one camera
 ///
-/// Detail is reduced far from the camera, outside the frustum and on back faces, with the strips of
-/// the full mesh (Skip Strips). The result is proven. Without -o, only print a report.
-/// `tristrip help levels` explains the details.
+/// Detail is reduced far from the camera, outside the frustum and on back faces. The view is drawn
+/// with the strips of the full mesh (Skip Strips), and the result is proven. Without -o, print a
+/// report and write no file. `tristrip help levels` explains the details.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip camera-level dragon.ply --eye 0,0,3 --look-at 0,0,0 --pixels 1.5 -o seen.glb
@@ -173,18 +173,18 @@ pub(crate) struct LevelArgs {
 pub(crate) struct CameraLevelArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// The position of the camera, in the coordinates of the scene
+    /// Set the camera position, in scene coordinates
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     pub(crate) eye: VectorArg,
-    /// The point that the camera looks at
+    /// Set the point that the camera looks at, in scene coordinates
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     pub(crate) look_at: VectorArg,
-    /// The direction that is up in the image [default: 0,1,0]
+    /// Set the direction that is up in the image [default: 0,1,0]
     #[arg(long, hide_short_help = true, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, default_value_t = VectorArg([0.0, 1.0, 0.0]), hide_default_value = true)]
     pub(crate) up: VectorArg,
     #[command(flatten)]
     pub(crate) lens: LensArgs,
-    /// The maximum error of a collapse in the image, in pixels [default: 1]
+    /// Limit the image-space error of a collapse, in pixels [default: 1]
     #[arg(
         long,
         value_name = "PIXELS",
@@ -194,12 +194,12 @@ pub(crate) struct CameraLevelArgs {
         default_value_t = 1.0
     )]
     pub(crate) pixels: f32,
-    /// The maximum number of triangles, such as 50000, 200k or 2M
+    /// Limit the number of triangles, such as 50000, 200k or 2M
     #[arg(long, value_name = "COUNT", help_heading = "Detail", allow_negative_numbers = true)]
     pub(crate) triangles: Option<Amount>,
     #[command(flatten)]
     pub(crate) criteria: CriteriaArgs,
-    /// The fraction of the triangles in the base mesh [default: 0]
+    /// Keep this fraction of the triangles in the base mesh [default: 0]
     #[arg(
         long,
         value_name = "RATIO",
@@ -217,21 +217,21 @@ pub(crate) struct CameraLevelArgs {
     pub(crate) method: MethodArgs,
 }
 
-/// Write several levels of detail for a viewer to switch between
+/// Write several levels of detail that a viewer switches between
 ///
 /// All levels come from one simplification and share the vertices of the input. A GLB or .gltf
-/// holds all of them (`MSFT_lod`); in a directory, each level is a file of its own. Normals are
-/// kept: `simplify --normals` rebuilds them for a single level. Without -o, only print a report.
-/// `tristrip help levels` and `tristrip help simplification` explain the details.
+/// contains all levels (MSFT_lod). In a directory, each level is a separate file. Normals are not
+/// rebuilt; `simplify --normals` rebuilds them for a single level. Without -o, print a report and
+/// write no file. `tristrip help levels` and `tristrip help simplification` explain the details.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip chain truck.gltf -o truck.lod.glb
-  tristrip chain duck.glb --ratios 100%,30%,5% -o levels/   one file per level: levels/duck_0.glb is the finest
+  tristrip chain duck.glb --ratios 100%,30%,5% -o levels/   one file per level; duck_0.glb is the finest
   tristrip chain duck.glb -o levels/ --layout list")]
 pub(crate) struct ChainArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// The fraction of the triangles in each level, finest first, up to 16 levels
+    /// Keep these fractions of the triangles, finest level first, up to 16 levels
     #[arg(long, value_name = "RATIOS", default_value_t = ChainRatios::default())]
     pub(crate) ratios: ChainRatios,
     #[command(flatten)]
@@ -244,12 +244,12 @@ pub(crate) struct ChainArgs {
 
 /// Build a view-dependent LOD model and write it as .tlod
 ///
-/// Strips are built for the full mesh, and half-edge collapses are organized in levels. At run
-/// time, a renderer applies every collapse whose error in the image is small enough, without
-/// building strips again (Skip Strips). The file holds the mesh with all attributes, the strips and
-/// the collapses. The strips are proven to draw exactly the faces of the mesh, and the file is read
-/// back and compared. Polygons become triangles. The parts of a file become one mesh, without the
-/// transformations of their nodes; attributes that not all parts have are dropped with a note.
+/// Build strips for the full mesh, and a merge tree of half-edge collapses. At run time, a renderer
+/// applies every collapse whose image-space error is small enough; it does not rebuild strips (Skip
+/// Strips). The file contains the mesh with all attributes, the strips and the collapses. The
+/// strips are proven to draw exactly the faces of the mesh, and the file is read back and compared.
+/// Polygons are triangulated. The parts of a file become one mesh, without node transformations.
+/// Attributes that some parts lack are dropped, and a note reports them.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip build-lod bunny.ply -o bunny.tlod
@@ -261,13 +261,14 @@ pub(crate) struct BuildLodArgs {
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) from: FromArgs,
-    /// The order in which collapses are chosen
+    /// Set the order in which collapses are chosen
     ///
-    /// quadric: each level takes independent collapses from the cheapest quarter, and vertices of
-    /// features go last. shortest-edge: each level takes as many independent collapses as possible.
+    /// With quadric, each level takes independent collapses from the cheapest quarter, and feature
+    /// vertices come last. With shortest-edge, each level takes as many independent collapses as
+    /// possible.
     #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Level")]
     pub(crate) order: MergeOrder,
-    /// The .tlod file to write
+    /// Write this .tlod file
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
     pub(crate) output: PathBuf,
     #[command(flatten)]

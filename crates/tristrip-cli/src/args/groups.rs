@@ -1,4 +1,4 @@
-//! Groups of flags that several subcommands share.
+//! Groups of flags shared by several subcommands.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use tristrip_pipeline::{Deviation, WRITTEN_FORMATS, simplify::CollapseRules};
 
 use crate::values::{format_parser, layout_help, named};
 
-/// The flags of every subcommand that takes a list of inputs.
+/// The flags of subcommands that take a list of inputs.
 #[derive(Debug, Args)]
 pub(crate) struct GeneralArgs {
     /// Mesh files, or - for standard input
@@ -23,22 +23,22 @@ pub(crate) struct GeneralArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct FromArgs {
-    /// The format of the input, instead of what its extension or content says
+    /// Read the input as this format [default: by extension or content]
     #[arg(long, value_name = "FORMAT", value_parser = format_parser(&Format::ALL), hide_short_help = true)]
     pub(crate) from: Option<Format>,
 }
 
-/// The flags of all subcommands, which may also stand before the subcommand.
+/// The flags of all subcommands. They can also precede the subcommand.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct SharedArgs {
-    /// Print the results as JSON on standard output
+    /// Print results as JSON on standard output
     #[arg(long, global = true)]
     pub(crate) json: bool,
-    /// Print only errors, warnings and requested results: JSON, a table, a report without -o
+    /// Print only errors, warnings and requested results (JSON, tables, reports without -o)
     #[arg(short, long, global = true, hide_short_help = true)]
     pub(crate) quiet: bool,
-    /// The number of threads; the result does not depend on it [default: one per core]
+    /// Use this many threads; results do not depend on it [default: one per core]
     #[arg(long, global = true, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 }
@@ -48,7 +48,7 @@ pub(crate) struct SharedArgs {
 pub(crate) struct OutputArgs {
     #[command(flatten)]
     pub(crate) target: TargetArgs,
-    /// The layout: degenerate, restart, separate or list [default: by the format]
+    /// Store strips as degenerate, restart, separate or list [default: by format]
     #[arg(long, value_parser = named(Layout::ALL, Layout::name, layout_help), value_name = "LAYOUT", requires = "output", hide_possible_values = true)]
     pub(crate) layout: Option<Layout>,
 }
@@ -56,13 +56,13 @@ pub(crate) struct OutputArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct TargetArgs {
-    /// The file to write, a directory for several inputs, or - for standard output
+    /// Write to a file, a directory for several inputs, or - for standard output
     ///
     /// The extension selects the format: .glb, .gltf, .ply or .obj. `tristrip help files` describes
     /// formats and layouts.
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: Option<PathBuf>,
-    /// The format to write [default: by the extension; glb in a directory]
+    /// Write this format [default: by extension; glb in a directory]
     #[arg(long, hide_short_help = true, value_name = "FORMAT", requires = "output", value_parser = format_parser(&WRITTEN_FORMATS))]
     pub(crate) to: Option<Format>,
     /// Skip verification
@@ -70,41 +70,40 @@ pub(crate) struct TargetArgs {
     pub(crate) no_verify: bool,
 }
 
-/// What collapses may do, and what they cost.
+/// The rules and costs of collapses.
 #[derive(Debug, Args)]
 pub(crate) struct CollapseArgs {
-    /// The maximum error in mesh units, or in % of the bounding-box diagonal [default: 1%]
+    /// Limit the error, in mesh units or in % of the bounding-box diagonal [default: 1%]
     ///
-    /// 0.01 is in mesh units, 0.1% relative to the diagonal; 100% accepts any error. Simplification
-    /// stops with a warning rather than exceed it.
+    /// 0.01 is in mesh units, 0.1% is relative to the diagonal, and 100% allows any error.
+    /// Simplification stops with a warning before it exceeds the limit.
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
-    /// The weights of attributes: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
+    /// Weight attributes: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
     ///
-    /// Attributes are part of the price of a collapse. 0 ignores an attribute.
+    /// Attribute changes add to the cost of a collapse. A weight of 0 ignores the attribute.
     #[arg(long, value_name = "WEIGHTS", hide_short_help = true)]
     pub(crate) weight: Option<AttributeWeights>,
-    /// What a collapse costs: distance, planes or quadric
+    /// Set the cost of a collapse: distance, planes or quadric
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_possible_values = true, hide_short_help = true)]
     pub(crate) price: Price,
-    /// Allow holes to close, handles to vanish and textures to shift at seams, for very small
-    /// results
+    /// Let holes close, handles disappear and textures shift at seams, for very small results
     #[arg(long, hide_short_help = true)]
     pub(crate) permissive: bool,
-    /// Keep all vertices at open borders; the tiles of a terrain still fit together
+    /// Keep all vertices on open borders, such as those between terrain tiles
     #[arg(long, hide_short_help = true)]
     pub(crate) lock_borders: bool,
-    /// Join the two sides of an open border up to this distance or % of the diagonal [default:
+    /// Join open borders within this distance, in mesh units or in % of the diagonal [default:
     /// 0.0001%]
     ///
-    /// Both sides then collapse together, and no crack opens between them. Positions are not
-    /// changed. 0 joins equal positions only.
+    /// Joined borders collapse together, so no crack opens between them. Positions do not change. 0
+    /// joins equal positions only.
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, hide_short_help = true)]
     pub(crate) weld_distance: Option<Deviation>,
 }
 
 impl CollapseArgs {
-    /// Returns the rules of the collapses.
+    /// Returns the collapse rules.
     pub(crate) fn rules(&self) -> CollapseRules {
         let usual = CollapseRules::default();
         CollapseRules {

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use super::groups::FromArgs;
 use crate::values::{BitRate, ByteCount};
 
-/// The examples of `serve` in every build.
+/// The examples of `serve` that every build has.
 macro_rules! examples {
     () => {
         "Examples:
@@ -22,17 +22,17 @@ macro_rules! examples {
 
 /// Serve the models of a directory over HTTP, with a gallery and a viewer
 ///
-/// The gallery shows all models of the directory and its subdirectories; the viewer refines a
-/// progressive model while it loads. Only programs on this machine can connect unless --address is
-/// set. Files outside the directory and hidden files are never served. Ctrl-C stops the server
-/// after the responses in progress. `tristrip help server` explains addresses, packing, the cache
+/// The gallery shows all models in the directory and its subdirectories. The viewer refines
+/// progressive models while they load. Only programs on this machine can connect unless --address
+/// is set. Files outside the directory and hidden files are never served. Ctrl-C stops the server
+/// once running responses have ended. `tristrip help server` explains addresses, packing, the cache
 /// and limits.
 #[derive(Debug, Args)]
 #[cfg_attr(feature = "tls", command(after_long_help = concat!(examples!(), "
   tristrip serve models/ --address 0.0.0.0 --tls-certificate cert.pem --tls-key key.pem")))]
 #[cfg_attr(not(feature = "tls"), command(after_long_help = examples!()))]
 pub(crate) struct ServeArgs {
-    /// The directory of the models
+    /// The directory with the models
     #[arg(value_name = "DIRECTORY")]
     pub(crate) directory: PathBuf,
     #[command(flatten)]
@@ -41,7 +41,7 @@ pub(crate) struct ServeArgs {
     pub(crate) packing: PackingArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
-    /// The format of the request log on standard error: text or json
+    /// Write the request log to standard error as text or json
     #[arg(
         long,
         value_name = "FORMAT",
@@ -56,23 +56,23 @@ pub(crate) struct ServeArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Address")]
 pub(crate) struct ListenArgs {
-    /// The address to listen on; 0.0.0.0 or :: for all networks
+    /// Listen on this address; 0.0.0.0 or :: for all interfaces
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
     pub(crate) address: IpAddr,
-    /// The port; 0 for any free port
+    /// Listen on this port; 0 for any free port
     #[arg(long, value_name = "PORT", default_value_t = 8080)]
     pub(crate) port: u16,
-    /// Also answer to this host name, behind a proxy; repeatable
+    /// Also answer requests for this host name, such as behind a proxy; repeatable
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<String>,
-    /// Allow pages of this origin, or *, to read the files; repeatable
+    /// Allow pages from this origin, or *, to read the files; repeatable
     #[arg(long, value_name = "ORIGIN")]
     pub(crate) cors: Vec<String>,
-    /// The certificate chain for HTTPS, in PEM
+    /// Serve HTTPS with this certificate chain, in PEM
     #[cfg(feature = "tls")]
     #[arg(long, value_name = "FILE", requires = "tls_key")]
     pub(crate) tls_certificate: Option<PathBuf>,
-    /// The private key of the certificate, in PEM
+    /// Use this private key for the certificate, in PEM
     #[cfg(feature = "tls")]
     #[arg(long, value_name = "FILE", requires = "tls_certificate")]
     pub(crate) tls_key: Option<PathBuf>,
@@ -84,16 +84,16 @@ pub(crate) struct PackingArgs {
     /// Pack OBJ, PLY, STL, OFF, glTF and GLB files on request, as `pack` does
     #[arg(long)]
     pub(crate) pack_on_demand: bool,
-    /// The maximum number of files packed at once [default: one per core]
+    /// Pack at most this many files at once [default: one per core]
     #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) packings: Option<u16>,
-    /// The maximum size of a file to pack or draw, such as 512M or 2G
+    /// Pack or draw only files up to this size, such as 512M or 2G
     #[arg(long, hide_short_help = true, value_name = "BYTES", default_value = "512M")]
     pub(crate) largest_input: ByteCount,
-    /// The directory of packed files [default: tristrip in the user's cache directory]
+    /// Keep packed files in this directory [default: tristrip in the user's cache directory]
     #[arg(long, value_name = "DIRECTORY")]
     pub(crate) cache: Option<PathBuf>,
-    /// The maximum size of this directory; the least recently used files are removed
+    /// Limit the size of the cache; the least recently used files are removed
     #[arg(long, hide_short_help = true, value_name = "BYTES", default_value = "2G")]
     pub(crate) cache_bytes: ByteCount,
 }
@@ -104,33 +104,33 @@ pub(crate) struct LimitArgs {
     /// Limit responses to these bits per second, such as 5M, to simulate a slow network
     #[arg(long, value_name = "RATE")]
     pub(crate) bandwidth: Option<BitRate>,
-    /// The maximum number of connections
+    /// Accept at most this many connections
     #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) connections: u32,
-    /// The maximum number of connections from one address
+    /// Accept at most this many connections from one address
     #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) connections_per_client: u32,
-    /// The maximum size of a request head
+    /// Limit the size of a request head
     #[arg(long, hide_short_help = true, value_name = "BYTES", default_value = "16K")]
     pub(crate) header_bytes: ByteCount,
-    /// The maximum time to receive a request head
+    /// Limit the time to receive a request head
     #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
     pub(crate) header_time: Duration,
     /// Close a connection when the client reads nothing for this long
     #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "30s", value_parser = humantime::parse_duration)]
     pub(crate) stall_time: Duration,
-    /// Close a connection without requests after this time; over HTTP/1.1 at most --header-time
+    /// Close an idle connection after this time; with HTTP/1.1, after at most --header-time
     #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "1m", value_parser = humantime::parse_duration)]
     pub(crate) idle_time: Duration,
-    /// The maximum time that a request waits for a packed file or thumbnail; it then gets 503
+    /// Answer 503 if a packed file or thumbnail takes longer than this
     #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "15s", value_parser = humantime::parse_duration)]
     pub(crate) wait_time: Duration,
-    /// The maximum time of running responses when the server stops
+    /// Give running responses this long to end when the server stops
     #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
     pub(crate) grace_time: Duration,
 }
 
-/// The format of the log.
+/// The format of the request log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub(crate) enum LogFormat {
     /// One line of text per request
@@ -158,7 +158,7 @@ pub(crate) struct ViewArgs {
     /// Do not open the browser
     #[arg(long)]
     pub(crate) no_open: bool,
-    /// The port [default: any free port]
+    /// Listen on this port [default: any free port]
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
     pub(crate) port: u16,
     /// Limit responses to these bits per second, such as 5M, to simulate a slow network

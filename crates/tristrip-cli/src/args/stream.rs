@@ -11,12 +11,12 @@ use crate::values::VectorArg;
 /// Pack a model as a progressive GLB that renders while it loads
 ///
 /// The model renders from the first bytes and refines as the rest arrives. The file is a valid GLB:
-/// every viewer draws its base meshes. They are followed by chunks of vertex splits that refine the
-/// base meshes to the full ones. `unpack`, `inspect` and the JavaScript decoder also read truncated
-/// files; the other subcommands need the whole file. Positions and attributes are rounded to a
-/// grid; triangles and their winding are unchanged. Nodes, materials, textures, skins and
-/// animations are kept. Parts with morph targets, and parts that a stream would not make smaller,
-/// are stored in full. The file is read back and proven.
+/// every viewer draws its base meshes. Chunks of vertex splits follow and refine the base meshes to
+/// the full meshes. `unpack`, `inspect` and the JavaScript decoder also read truncated files; the
+/// other subcommands need the complete file. Positions and attributes are rounded to a grid;
+/// triangles and their winding are unchanged. Nodes, materials, textures, skins and animations are
+/// kept. Parts with morph targets, and parts that a stream would not make smaller, are stored in
+/// full. The file is read back and proven.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip pack bunny.ply -o bunny.glb
@@ -26,23 +26,23 @@ use crate::values::VectorArg;
 pub(crate) struct PackArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// Refine first what looks largest from this position in the scene, such as 0,0.1,0.5 [default:
+    /// Refine what looks largest from this scene position first, such as 0,0.1,0.5 [default:
     /// uniform]
     ///
     /// Errors are divided by the distance, and halved on back faces. The complete file still
     /// refines to the full mesh.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Stream")]
     pub(crate) eye: Option<VectorArg>,
-    /// The .glb file to write, a directory for several inputs, or - for standard output
+    /// Write to a .glb file, a directory for several inputs, or - for standard output
     ///
-    /// Files are written under a temporary name and then renamed; existing files are replaced. In a
+    /// Files are written under a temporary name and then renamed. Existing files are replaced. In a
     /// directory, each output has the name of its input.
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
     pub(crate) output: PathBuf,
-    /// The bits per coordinate, 4 to 16 [default: 14]
+    /// Store each coordinate in this many bits, 4 to 16 [default: 14]
     ///
-    /// The longest side of a mesh has 2^BITS - 1 steps. Parts of the same nodes share a grid, so no
-    /// cracks open between them.
+    /// The longest side of a mesh is divided into 2^BITS - 1 steps. Parts of the same nodes share a
+    /// grid, so no cracks open between them.
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=16), help_heading = "Stream")]
     pub(crate) position_bits: Option<u32>,
     /// Skip verification
@@ -52,9 +52,9 @@ pub(crate) struct PackArgs {
 
 /// Read a level of detail from a progressive GLB
 ///
-/// Without --level, --triangles or --bytes, read the full meshes. From a truncated or damaged file,
-/// read everything before the damage, with a warning. A GLB output has the scene of the file; other
-/// formats have only its meshes.
+/// Without --level, --triangles or --bytes, read the full meshes. If the file is truncated or
+/// damaged, read everything before the damage and print a warning. GLB output contains the scene of
+/// the file; other formats contain only its meshes.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip unpack bunny.glb --level 30% -o part.ply
@@ -65,13 +65,13 @@ pub(crate) struct UnpackArgs {
     /// A file written by `pack`, or - for standard input
     #[arg(value_name = "INPUT")]
     pub(crate) input: PathBuf,
-    /// The level: the number of collapses to undo, or a percentage of all
+    /// Select the level: a percentage, or the number of collapses to undo
     #[arg(long, value_name = "LEVEL", allow_negative_numbers = true, group = "goal", help_heading = "Level")]
     pub(crate) level: Option<Level>,
-    /// Read the finest level with at most this number of triangles
+    /// Read the finest level with at most this many triangles
     #[arg(long, value_name = "N", group = "goal", help_heading = "Level")]
     pub(crate) triangles: Option<usize>,
-    /// Read only this number of bytes of the file
+    /// Read only this many bytes of the file
     #[arg(long, value_name = "N", group = "goal", help_heading = "Level")]
     pub(crate) bytes: Option<usize>,
     #[command(flatten)]
@@ -82,7 +82,7 @@ pub(crate) struct UnpackArgs {
 ///
 /// The table splits the range-coded bits by component: `marks` selects the vertices to split,
 /// `corners` the triangles that move, and `precision` refines known positions. Bits per vertex are
-/// relative to the vertices of the full meshes. A truncated or damaged file is reported up to the
+/// relative to the vertices of the full meshes. A truncated or damaged file is inspected up to the
 /// damage.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
@@ -92,10 +92,10 @@ pub(crate) struct UnpackArgs {
 pub(crate) struct InspectArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// Print a row for each chunk
+    /// Print one row per chunk
     #[arg(long)]
     pub(crate) chunks: bool,
-    /// Plot the error of the levels against the bytes in an SVG file
+    /// Plot the error against the bytes received to an SVG file
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) plot: Option<PathBuf>,
 }
