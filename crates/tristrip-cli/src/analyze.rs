@@ -1,4 +1,4 @@
-//! `tristrip analyze`: index and vertex-cache statistics of a file as stored. No strips are built.
+//! `tristrip analyze`: index and vertex-cache statistics of a file as stored. It builds no strips.
 
 use std::cell::RefCell;
 
@@ -22,7 +22,7 @@ use crate::task::AnalyzeTask;
 /// The maximum number of parts listed in the text.
 const MAX_LISTED_PARTS: usize = 24;
 
-/// The length of the longest bar of the text, in characters.
+/// The length of the longest bar of the histogram, in characters.
 const MAX_BAR: usize = 40;
 
 /// The keys of `seconds`.
@@ -38,7 +38,7 @@ pub(crate) struct Analyzed {
     plot: Option<String>,
 }
 
-/// Analyzes all inputs in order, and draws the chart; returns whether all succeeded.
+/// Analyzes all inputs in order and draws the chart. Returns whether all succeeded.
 pub(crate) fn run(task: &AnalyzeTask, console: &mut Console) -> bool {
     let flushed = task.options.flush_policy == FlushPolicy::Flush;
     let curves = RefCell::new(Vec::new());
@@ -93,8 +93,8 @@ fn as_text(found: &analyze::Outcome) -> String {
         let more = found.by_part.len().saturating_sub(MAX_LISTED_PARTS);
         if more > 0 {
             text.push_str("  and ");
-            text.push_str(&counted(more, "part"));
-            text.push_str(" more; --json lists all\n");
+            text.push_str(&count(more));
+            text.push_str(" more; --json lists all parts\n");
         }
     }
     text
@@ -160,7 +160,7 @@ fn drawn_as(drawn: DrawMode) -> &'static str {
         DrawMode::List => "a list",
         DrawMode::Strips => "strips",
         DrawMode::Fans => "fans",
-        _ => "lists, strips or fans by part",
+        _ => "lists, strips or fans, depending on the part",
     }
 }
 

@@ -364,7 +364,13 @@ fn help(subcommand: &[&String]) -> Error {
 /// command.
 pub(crate) fn command_line() -> clap::Command {
     let command = Cli::command().mut_subcommands(|subcommand| {
-        subcommand.display_name("tristrip").disable_version_flag(true).arg(version())
+        let subcommand = subcommand.display_name("tristrip").disable_version_flag(true).arg(version());
+        match subcommand.get_name() {
+            "convert" => subcommand.mut_arg("output", |output| output.required(true)),
+            // The flag is accepted only to explain why it is refused.
+            "build-lod" => subcommand.mut_arg("weld", |weld| weld.hide(true)),
+            _ => subcommand,
+        }
     });
     let groups = groups(&command);
     let exit_codes = "Exit codes: 0: success, all results proven. 1: not proven, or an input or output error. 2: wrong usage.";

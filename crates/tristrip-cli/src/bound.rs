@@ -1,4 +1,4 @@
-//! `tristrip bound`: lower bounds on strips, vertices and indices, and how they were found.
+//! `tristrip bound`: lower bounds on strips, vertices and indices, and how they were computed.
 
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{BoundGap, Stage, bound};
@@ -16,7 +16,7 @@ use crate::task::BoundTask;
 pub(crate) const SECONDS: SecondsKeys =
     &[("load", &[Stage::Load]), ("dual", &[Stage::Prepare]), ("bound", &[Stage::Bound])];
 
-/// Returns a line on the gap.
+/// Returns a line that reports the gap to a bound.
 pub(crate) fn gap_line(gap: &BoundGap) -> String {
     let noun = match gap.figure {
         "strips" => "strip",
@@ -55,12 +55,12 @@ fn bound(
     Ok(found)
 }
 
-/// Returns a line on how a bound was found.
+/// Returns how a bound was computed.
 fn proof_text(proof: &str) -> &'static str {
     match proof {
-        "leaves" => "faces with at most one neighbour are ends of strips",
-        "matching" => "maximum matching in each block, and the bridges between blocks",
-        "subproblems" => "matching, and small subproblems solved exactly",
+        "leaves" => "faces with at most one neighbour are strip ends",
+        "matching" => "maximum matching in each block, and bridges between blocks",
+        "subproblems" => "maximum matching, with small subproblems solved exactly",
         "exact" => "solved exactly: the bound can be reached",
         _ => "at least one strip",
     }

@@ -1,4 +1,4 @@
-//! `tristrip build-lod`: builds the model of view-dependent detail, and writes it as `.tlod`.
+//! `tristrip build-lod`: builds a view-dependent LOD model and writes it as `.tlod`.
 
 use serde::Serialize;
 use tristrip_pipeline::Stage;
@@ -35,7 +35,7 @@ pub(crate) struct Built {
     output: String,
 }
 
-/// Builds the model of the input; returns whether this succeeded.
+/// Builds the model of the input; returns whether it succeeded.
 pub(crate) fn run(task: &BuildLodTask, console: &mut Console) -> bool {
     let show = |_: &BuildLodTask, built: &Built, _: &str, console: &mut Console| {
         console.result(&summary(built), false);
@@ -46,7 +46,7 @@ pub(crate) fn run(task: &BuildLodTask, console: &mut Console) -> bool {
     report::finish(&reports, console)
 }
 
-/// Takes the input through all stages.
+/// Runs all stages on the input.
 fn build(task: &BuildLodTask, console: &mut Console, clock: &StageClock) -> Result<Built, Failure> {
     let model = load_input(&task.input, console, clock)?;
     let read = model.notes.len();
@@ -54,7 +54,7 @@ fn build(task: &BuildLodTask, console: &mut Console, clock: &StageClock) -> Resu
     let mut outcome = clock.observe_and_print(|observer| view_model::run(model, &options, observer))?;
     show_result(&outcome, read, console);
     let mut file = encode(&outcome.model, clock, console)?;
-    // The report does not need the model nor the bytes.
+    // The report does not need the model or the bytes.
     outcome.model = ViewModel::default();
     let path = &task.output;
     let written = clock.timed(Stage::Write, || tristrip_io::replace_file(path, &file.bytes));
@@ -65,7 +65,7 @@ fn build(task: &BuildLodTask, console: &mut Console, clock: &StageClock) -> Resu
     Ok(Built { outcome, file, output: path.display().to_string() })
 }
 
-/// Prints the results of the strips and the collapses; the first `read` notes were printed before.
+/// Prints the results of the strips and the collapses. The first `read` notes are already printed.
 fn show_result(outcome: &view_model::Outcome, read: usize, console: &Console) {
     show_mesh(&outcome.mesh, &outcome.notes, read, console);
     let what = format!("{} ({})", count(outcome.strips), outcome.method.description());
@@ -76,11 +76,11 @@ fn show_result(outcome: &view_model::Outcome, read: usize, console: &Console) {
     console.stage("result", &what, None);
 }
 
-/// Encodes the model, and reads the bytes back.
+/// Encodes the model and reads the bytes back.
 fn encode(model: &ViewModel, clock: &StageClock, console: &Console) -> Result<view_model::File, Failure> {
     let encoding = clock.part();
     let file = encoding.timed(Stage::ReadBack, || model.encode())?;
-    let what = format!("proven: the file holds the same model, of height {}", count(file.height as usize));
+    let what = format!("proven: the file contains the same model (height {})", count(file.height as usize));
     console.stage("verify", &what, encoding.seconds(&[Stage::ReadBack]));
     Ok(file)
 }

@@ -1,4 +1,5 @@
-//! `tristrip chain`: several levels of detail over one vertex buffer, in one GLB or in a file each.
+//! `tristrip chain`: several levels of detail over one vertex buffer, in one GLB or in one file per
+//! level.
 
 use serde::Serialize;
 use tristrip_io::{Format, Model};
@@ -13,7 +14,7 @@ use crate::failure::Failure;
 use crate::job::{Job, Output};
 use crate::output;
 use crate::report::{self, Batch};
-use crate::search::interrupted;
+use crate::search::check_interrupt;
 use crate::stage::{load_job, show_mesh, show_proof_of_collapses};
 use crate::task::ChainTask;
 
@@ -52,9 +53,7 @@ pub(crate) fn run(task: &ChainTask, console: &mut Console) -> bool {
 
 /// Builds the levels of one input and writes them.
 fn build(job: &Job, task: &ChainTask, console: &mut Console, clock: &StageClock) -> Result<Chained, Failure> {
-    if interrupted() {
-        return Err(Failure::Input("not done: interrupted".into()));
-    }
+    check_interrupt()?;
     let model = load_job(job, console, clock)?;
     let format = job.output.as_ref().map_or(Format::Glb, |output| output.format);
     let options = task.options.clone().with_format(format);
@@ -75,7 +74,7 @@ fn build(job: &Job, task: &ChainTask, console: &mut Console, clock: &StageClock)
     Ok(Chained { outcome, output, layout: job.output.as_ref().map(|target| target.layout.name()) })
 }
 
-/// Prints the results of the collapses; the first `read` notes were printed before.
+/// Prints the results of the collapses. The first `read` notes are already printed.
 fn show_result(outcome: &chain::Outcome, name: &str, read: usize, console: &Console) {
     show_mesh(&outcome.mesh, &outcome.notes, read, console);
     let collapses = &outcome.collapses;
@@ -110,7 +109,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Writes each level as a file of its own.
+    /// Writes each level to its own file.
     fn write_levels(&mut self, target: &Output, outcome: &mut chain::Outcome) -> Result<(), Failure> {
         for level in &mut outcome.levels {
             let target = target.of_level(level.number);
@@ -150,7 +149,11 @@ fn row(level: &chain::ChainLevel) -> Vec<String> {
         format!("{:.3} %", level.surface_error_percent),
         format!("{:.2} %", 100.0 * level.screen_coverage),
         level.bytes.map_or_else(|| "-".into(), bytes),
-        if level.reached { String::new() } else { format!("{} not reached", count(level.target_triangles)) },
+        if level.reached {
+            String::new()
+        } else {
+            format!("{} requested, not reached", count(level.target_triangles))
+        },
     ]
 }
 

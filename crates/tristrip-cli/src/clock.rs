@@ -1,4 +1,4 @@
-//! The command's observer of the pipeline: it measures the time of each stage of an input, prints a
+//! The command's observer of the pipeline. It measures the time of each stage of an input, prints a
 //! line when a stage ends, shows the progress and watches searches.
 
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use tristrip_pipeline::{Observer, Search, Stage};
 use crate::console::{Console, Lines};
 use crate::search::SearchWatch;
 
-/// The keys of `seconds` in a report, each with the stages whose times it sums.
+/// The keys of `seconds` in a report. The value of a key is the sum of the times of its stages.
 pub(crate) type SecondsKeys = &'static [(&'static str, &'static [Stage])];
 
 /// The keys of commands that build or read strips.
@@ -26,10 +26,10 @@ pub(crate) const STRIP_SECONDS: SecondsKeys = &[
     ("write", &[Stage::Reorder, Stage::Encode, Stage::Write]),
 ];
 
-/// The stages of packing a model.
+/// The stages that count as packing a model.
 pub(crate) const PACKING: &[Stage] = &[Stage::Simplify, Stage::Encode, Stage::ReadBack];
 
-/// Returns the name of a stage in its line, and what was done in it.
+/// Returns the name of a stage and a description, for its line.
 fn stage_text(stage: Stage) -> (&'static str, &'static str) {
     match stage {
         Stage::Prepare => ("dual", "faces joined across shared edges"),
@@ -40,10 +40,10 @@ fn stage_text(stage: Stage) -> (&'static str, &'static str) {
         Stage::Prove => ("verify", "result proven"),
         Stage::Simplify => ("simplify", "half-edges collapsed"),
         Stage::Fit => ("fit", "vertices moved closer to the original"),
-        Stage::Rebuild => ("rebuild", "model built without unused vertices"),
+        Stage::Rebuild => ("rebuild", "model rebuilt without unused vertices"),
         Stage::Compare => ("compare", "distances to the original measured"),
-        Stage::Reorder => ("reorder", "vertices numbered in the order of first use"),
-        Stage::Encode => ("encode", "bytes laid out"),
+        Stage::Reorder => ("reorder", "vertices reordered by first use"),
+        Stage::Encode => ("encode", "result encoded"),
         Stage::ReadBack => ("verify", "bytes read back and proven"),
         // The command prints the lines of the other stages with their results.
         _ => ("stage", ""),
@@ -92,7 +92,7 @@ impl schemars::JsonSchema for Seconds {
     }
 }
 
-/// Measures the stages of an input. A stage ends when the next one starts, or with the operation.
+/// Measures the stages of an input. A stage ends when the next stage starts or the operation ends.
 pub(crate) struct StageClock {
     lines: Lines,
     budget: Option<Duration>,
@@ -118,31 +118,31 @@ impl State {
 }
 
 impl StageClock {
-    /// Creates a clock that shows stages in the progress display, and stops each search after a
-    /// time.
+    /// Creates a clock that shows stages in the progress display and stops each search after the
+    /// budget.
     pub(crate) fn new(console: &Console, budget: Option<Duration>) -> Self {
         Self { lines: console.lines(), budget, state: Mutex::default() }
     }
 
-    /// Creates a clock without times, for work that is reported by itself.
+    /// Creates a clock without times, for work that is reported separately.
     pub(crate) fn without_times(&self) -> Self {
         Self { lines: self.lines.clone(), budget: self.budget, state: Mutex::default() }
     }
 
     /// Creates a clock for a part of the work. Its times are added to this clock when it is
-    /// dropped, also where the part fails.
+    /// dropped, even if the part fails.
     pub(crate) fn part(&self) -> PartClock<'_> {
         PartClock { clock: self.without_times(), whole: self }
     }
 
-    /// Calls an operation with this observer, and ends its last stage.
+    /// Calls an operation with this observer and ends its last stage.
     pub(crate) fn observe<R>(&self, operation: impl FnOnce(&dyn Observer) -> R) -> R {
         let result = operation(self);
         self.end();
         result
     }
 
-    /// Calls an operation with this observer, and prints a line when a stage ends without an error.
+    /// Calls an operation with this observer and prints a line when a stage ends without an error.
     pub(crate) fn observe_and_print<R, E>(
         &self,
         operation: impl FnOnce(&dyn Observer) -> Result<R, E>,
@@ -185,7 +185,7 @@ impl StageClock {
         }
     }
 
-    /// Returns the time of some stages so far; `None` if none of them ran.
+    /// Returns the sum of the times of some stages so far; `None` if none of them ran.
     pub(crate) fn seconds(&self, stages: &[Stage]) -> Option<f64> {
         let times = self.state().times.clone();
         Seconds { keys: &[], times }.of(stages)
@@ -194,7 +194,7 @@ impl StageClock {
     /// Returns the times for a report with these keys.
     pub(crate) fn into_seconds(self, keys: SecondsKeys) -> Seconds {
         let mut state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        // A stage that failed took its time, too.
+        // The time of a failed stage counts, too.
         state.end();
         Seconds { keys, times: state.times }
     }
@@ -227,7 +227,8 @@ impl Drop for PartClock<'_> {
 
 impl Observer for StageClock {
     fn stage(&self, stage: Stage) {
-        // Before the line of the last stage, below which the progress display is drawn again.
+        // Set before the line of the previous stage is printed: the progress display is redrawn
+        // below that line.
         self.lines.progress().set_message(stage.to_string());
         self.end();
         self.state().current = Some((stage, Instant::now()));

@@ -1,4 +1,4 @@
-//! `tristrip compare`: all methods on the same model side by side, each result proven.
+//! `tristrip compare`: all methods on the same model, with every result verified.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -12,14 +12,14 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Input;
 use crate::report::{self, Batch};
-use crate::search::interrupted;
+use crate::search::check_interrupt;
 use crate::stage::{load_input, show_mesh};
 use crate::task::CompareTask;
 
-/// The keys of `seconds`: each method has its own.
+/// The keys of `seconds`. Each method has its own times in addition.
 pub(crate) const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("dual", &[Stage::Prepare])];
 
-/// A column of the table: head, format, and figure, of which less is better.
+/// A column of the table: heading, format and metric. Lower is better.
 type FigureColumn = (&'static str, fn(f64) -> String, fn(&compare::Row, &StripMetrics) -> Option<f64>);
 
 const COLUMNS: [FigureColumn; 10] = [
@@ -43,7 +43,8 @@ fn ratio(x: f64) -> String {
     format!("{x:.3}")
 }
 
-/// Compares the methods on all inputs in order; returns whether all results are proven.
+/// Compares the methods on all inputs in order. Returns whether all inputs were processed and all
+/// results are proven.
 pub(crate) fn run(task: &CompareTask, console: &mut Console) -> bool {
     let options = compare::Options::default()
         .with_stripify(task.options)
@@ -63,7 +64,8 @@ pub(crate) fn run(task: &CompareTask, console: &mut Console) -> bool {
         let Some(compared) = &report.outcome else { continue };
         proven &= compared.methods.iter().all(|row| row.proven);
         if compared.methods.len() < method_count {
-            let error = format!("interrupted: {} of {method_count} methods compared", compared.methods.len());
+            let all = counted(method_count, "method");
+            let error = format!("interrupted: compared {} of {all}", compared.methods.len());
             console.error(&format!("{}: {error}", report.file));
             report.error = Some(error);
         }
@@ -77,9 +79,7 @@ fn compare(
     console: &Console,
     clock: &StageClock,
 ) -> Result<compare::Outcome, Failure> {
-    if interrupted() {
-        return Err(Failure::Input("not processed: interrupted".into()));
-    }
+    check_interrupt()?;
     let model = load_input(input, console, clock)?;
     let methods = MethodClocks { clock, console, of_methods: Mutex::default() };
     let mut compared = clock.observe_and_print(|_| compare::run(&model, options, &methods))?;
@@ -96,8 +96,8 @@ fn compare(
     Ok(compared)
 }
 
-/// Measures the stages before the methods with a clock, and those of each method with one of its
-/// own.
+/// Measures the stages before the methods with one clock, and the stages of each method with a
+/// separate clock.
 struct MethodClocks<'a> {
     clock: &'a StageClock,
     console: &'a Console,
@@ -122,7 +122,7 @@ impl Observer for MethodClocks<'_> {
     }
 }
 
-/// Returns the table of one model; the best figure of each column is marked.
+/// Returns the table of one model. The best value in each column is marked.
 fn as_text(file: &str, compared: &compare::Outcome, dual: f64, as_markdown: bool) -> String {
     let mut head = vec!["method".to_owned()];
     head.extend(COLUMNS.iter().map(|(name, ..)| (*name).to_owned()));
@@ -154,11 +154,11 @@ fn as_text(file: &str, compared: &compare::Outcome, dual: f64, as_markdown: bool
     if as_markdown {
         let table = markdown(&rows, 1..1 + COLUMNS.len());
         return format!(
-            "### {title}\n\n{table}\nms: without the dual graph, which takes {dual:.2} ms once.\n\n"
+            "### {title}\n\n{table}\nms: without the dual graph, which is built once in {dual:.2} ms.\n\n"
         );
     }
     let legend = format!(
-        "* best of its column; /T: per triangle; ms: without the dual graph, which takes {dual:.2} ms once"
+        "* best in its column; /T: per triangle; ms: without the dual graph, which is built once in {dual:.2} ms"
     );
     format!("{title}\n{}{legend}\n\n", table(&rows, 1..1 + COLUMNS.len()))
 }

@@ -1,8 +1,8 @@
-//! The output of the command: stages, notes and progress on standard error, results on standard
+//! The output of the command. Stages, notes and progress go to standard error, results to standard
 //! output.
 //!
-//! It is not an error if the reader closes the pipe early: nothing more is written then. Progress
-//! is shown only on a terminal.
+//! If the reader closes the pipe early, output stops without an error. Progress is shown only on a
+//! terminal.
 
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
@@ -28,7 +28,8 @@ pub(crate) struct Console {
     colours: bool,
 }
 
-/// Prints lines on standard error above the progress display. Threads share it by cloning.
+/// Prints lines on standard error, above the progress display. Clones share the display between
+/// threads.
 #[derive(Debug, Clone)]
 pub(crate) struct Lines {
     quiet: bool,
@@ -36,7 +37,7 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// Creates lines without a progress display; `quiet` ones are not printed.
+    /// Creates lines without a progress display. With `quiet`, stages and notes are not printed.
     pub(crate) fn new(quiet: bool) -> Self {
         Self { quiet, bar: ProgressBar::hidden() }
     }
@@ -46,7 +47,7 @@ impl Lines {
         self.bar.clone()
     }
 
-    /// Prints a line on a finished stage or a result: name, text and time.
+    /// Prints a line about a finished stage or a result: name, text and time.
     pub(crate) fn stage(&self, name: &str, what: &str, seconds: Option<f64>) {
         let time = seconds.map(text::duration).unwrap_or_default();
         self.print(format!("  {name:<9} {what:<68} {time:>8}").trim_end());
@@ -74,9 +75,9 @@ const ERROR: Style = AnsiColor::Red.on_default().bold();
 /// The style of the word before a warning.
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
-/// Prints the help or the version to standard output, or wrong usage to standard error.
+/// Prints help or version to standard output, or a usage error to standard error.
 pub(crate) fn print_usage(message: &clap::Error) {
-    // A failure to print is not reported: the reader may have closed the pipe early.
+    // A failure to print is ignored: the reader may have closed the pipe early.
     message.print().unwrap_or_default();
 }
 
@@ -115,7 +116,7 @@ impl Console {
         }
     }
 
-    /// Begins an input: prints its name and starts the progress display; `steps` is the number of
+    /// Begins an input: prints its name and starts the progress display. `steps` is the number of
     /// steps, if known.
     pub(crate) fn begin(&mut self, name: &str, steps: Option<usize>) {
         self.lines.print(name);
@@ -173,23 +174,23 @@ impl Console {
         self.lines.print(line);
     }
 
-    /// Prints a line on a finished stage or a result: name, text and time.
+    /// Prints a line about a finished stage or a result: name, text and time.
     pub(crate) fn stage(&self, name: &str, what: &str, seconds: Option<f64>) {
         self.lines.stage(name, what, seconds);
     }
 
-    /// Prints a note on an input.
+    /// Prints a note about an input.
     pub(crate) fn note(&self, note: &str) {
         self.lines.note(note);
     }
 
-    /// Prints a warning on an input, also in quiet mode.
+    /// Prints a warning about an input, even in quiet mode.
     pub(crate) fn warning(&self, name: &str, message: &str) {
         let word = if self.colours { format!("{WARNING}warning:{WARNING:#}") } else { "warning:".into() };
         self.lines.write_stderr(&format!("{word} {name}: {message}"));
     }
 
-    /// Prints an error, also in quiet mode.
+    /// Prints an error, even in quiet mode.
     pub(crate) fn error(&self, message: &str) {
         let name = if self.colours { format!("{ERROR}tristrip:{ERROR:#}") } else { "tristrip:".into() };
         self.lines.write_stderr(&format!("{name} {message}"));
@@ -198,7 +199,7 @@ impl Console {
     /// Prints a text result to standard output, or to standard error if a mesh is written to
     /// standard output.
     ///
-    /// In quiet mode, only `requested` results are printed: not those that accompany a written
+    /// In quiet mode, only `requested` results are printed, not those that accompany a written
     /// file.
     pub(crate) fn result(&mut self, text: &str, requested: bool) {
         match self.results {

@@ -1,4 +1,4 @@
-//! `tristrip convert`: converts between formats and strip layouts, without building new strips.
+//! `tristrip convert`: converts between formats and strip layouts without building new strips.
 
 use serde::Serialize;
 use tristrip_pipeline::text::counted;
@@ -39,7 +39,7 @@ fn convert(
     console: &mut Console,
     clock: &StageClock,
 ) -> Result<Converted, Failure> {
-    let target = job.output.as_ref().ok_or_else(|| Failure::Output("no output is named".into()))?;
+    let target = job.output.as_ref().ok_or_else(|| Failure::Output("found no output, expected -o".into()))?;
     let model = load_job(job, console, clock)?;
     let mut options = convert::Options::new(target.format).with_verify(task.verify);
     if task.as_strips {
@@ -47,7 +47,7 @@ fn convert(
     }
     let mut outcome = output::encode(target, clock, |observer| convert::run(&model, &options, observer))?;
     if let Some(strips) = outcome.strips {
-        let what = format!("{} in the input's order", counted(strips, "strip"));
+        let what = format!("{} in input order", counted(strips, "strip"));
         console.stage("strips", &what, clock.seconds(&[Stage::Prepare, Stage::Stripify]));
     }
     let how = drawn_as(target, outcome.drawn.iter().any(Option::is_some));

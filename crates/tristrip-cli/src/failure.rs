@@ -1,5 +1,5 @@
-//! The failure of one input. It is reported with the name of the file, and the other inputs are
-//! still processed.
+//! The failure of one input. It is reported with the file name, and the other inputs are still
+//! processed.
 
 use std::io;
 
@@ -7,7 +7,7 @@ use tristrip_io::system_message;
 use tristrip_pipeline::UnprovenMetrics;
 use tristrip_pipeline::text::count;
 
-/// What to do about a missing file with a name that a shell would expand.
+/// The hint for a missing file whose name is a shell pattern.
 const PATTERN_HINT: &str = "; a pattern in quotes is not expanded: remove the quotes";
 
 /// Why an input could not be processed.

@@ -1,11 +1,11 @@
-//! The figures of strips and meshes as text.
+//! The metrics of strips and meshes as text.
 
 use tristrip::vertex_cache::VertexCache;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{MeshProperties, StripMetrics};
 use tristrip_render::text::table;
 
-/// Returns a table of the metrics, compared with the plain triangle list.
+/// Returns a table of the metrics, compared with a plain triangle list.
 pub(crate) fn summary(figures: &StripMetrics) -> String {
     let per_triangle = |n: usize| n as f64 / figures.triangles.max(1) as f64;
     let row =
@@ -38,7 +38,7 @@ pub(crate) fn summary(figures: &StripMetrics) -> String {
     table(&rows, 1..3)
 }
 
-/// Returns a line on the vertices, the components and the edges of the mesh.
+/// Returns a line with the vertices, components and edges of the mesh.
 pub(crate) fn mesh_line(mesh: &MeshProperties) -> String {
     let mut words = vec![counted(mesh.vertices, "vertex"), counted(mesh.components, "component")];
     words.push(match mesh.boundary_edges {

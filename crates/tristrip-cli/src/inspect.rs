@@ -1,4 +1,4 @@
-//! `tristrip inspect`: what a progressive GLB holds, and what it costs.
+//! `tristrip inspect`: chunks, bits and errors of a progressive GLB.
 
 use serde::Serialize;
 use tristrip_pipeline::Stage;
@@ -16,7 +16,7 @@ use crate::report::{self, Batch, Report};
 use crate::task::InspectTask;
 use crate::unpack::open;
 
-/// The stages of decoding.
+/// The stages that count as decoding.
 const DECODING: &[Stage] = &[Stage::Load, Stage::Decode];
 
 /// The keys of `seconds`.
@@ -51,7 +51,7 @@ pub(crate) fn run(task: &InspectTask, console: &mut Console) -> bool {
     report::finish(&reports, console)
 }
 
-/// Returns the short name of an input that was decoded, with the end and the error of each chunk.
+/// Returns the short name of a decoded input, with the end and the error of each chunk.
 fn curve(report: &Report<Inspected>) -> Option<(String, Vec<(usize, f32)>)> {
     let chunks = &report.outcome.as_ref()?.outcome.chunks;
     let points = chunks.iter().map(|chunk| (chunk.end, chunk.surface_error)).collect();
@@ -69,7 +69,7 @@ fn inspect(input: &Input, console: &mut Console, clock: &StageClock) -> Result<I
     Ok(Inspected { outcome, plot: None })
 }
 
-/// Returns the tables of a stream.
+/// Returns the tables that describe a stream.
 fn summary(stream: &inspect::Outcome, with_chunks: bool) -> String {
     let row = |name: &str, n: usize| vec![format!("  {name}"), count(n)];
     let rows = [
@@ -87,7 +87,7 @@ fn summary(stream: &inspect::Outcome, with_chunks: bool) -> String {
         rows.push(vec![format!("  {name}"), format!("{bits:.0}"), format!("{per_vertex:.2}")]);
     }
     let whole = stream.bits_per_vertex;
-    rows.push(vec!["  the whole file".into(), String::new(), format!("{whole:.2}")]);
+    rows.push(vec!["  whole file".into(), String::new(), format!("{whole:.2}")]);
     out.push('\n');
     out += &text::table(&rows, 1..3);
     if with_chunks {

@@ -1,4 +1,4 @@
-//! The inputs of a subcommand, each with its output: files, directories, and the standard streams.
+//! The inputs of a subcommand with their outputs: files, directories and the standard streams.
 
 use std::collections::{HashMap, HashSet};
 use std::io::IsTerminal;
@@ -25,16 +25,16 @@ pub(crate) struct Input {
     pub(crate) format: Option<Format>,
 }
 
-/// The destination of a result, with format and layout.
+/// The destination of a result, with its format and layout.
 #[derive(Debug)]
 pub(crate) struct Output {
     /// `None` for standard output.
     pub(crate) path: Option<PathBuf>,
-    /// Whether the file is in an output directory, which is created if it does not exist.
+    /// Whether the file is in an output directory. The directory is created if it does not exist.
     pub(crate) in_directory: bool,
-    /// The format; GLB also for a `.gltf`, which is one in two files.
+    /// The format. It is GLB for a `.gltf` too: a `.gltf` is a GLB split into two files.
     pub(crate) format: Format,
-    /// Whether the result is a `.gltf`, with its buffer in a file beside it.
+    /// Whether the result is a `.gltf` with its buffer in a separate file.
     pub(crate) separate: bool,
     pub(crate) layout: Layout,
 }
@@ -47,13 +47,13 @@ impl Input {
 }
 
 impl Output {
-    /// Chooses a file in a format that can be written.
+    /// Creates an output in a format that can be written.
     fn new(path: Option<PathBuf>, in_directory: bool, format: Format, layout: Layout) -> Self {
         let Target { format, separate, .. } = Target::new(None, format);
         Self { path, in_directory, format, separate, layout }
     }
 
-    /// Chooses bytes in memory instead of a file.
+    /// Creates an output in memory instead of a file.
     #[cfg(feature = "serve")]
     pub(crate) fn in_memory(format: Format) -> Self {
         Self { path: None, in_directory: false, format, separate: false, layout: Layout::List }
@@ -70,8 +70,8 @@ impl Output {
         Target { path, format, separate: self.separate, creates_folder: self.in_directory }
     }
 
-    /// Returns the output of a level of detail: a file beside this one, with the number of the
-    /// level in its name.
+    /// Returns the output of one level of detail: a file in the same directory, with the level
+    /// number in its name.
     pub(crate) fn of_level(&self, level: usize) -> Self {
         let path = self.path.as_deref().map(|path| path_of_level(path, level));
         Self { path, ..*self }
@@ -83,7 +83,7 @@ fn display_name(path: Option<&Path>) -> String {
     path.map_or_else(|| "-".into(), |path| path.display().to_string())
 }
 
-/// Returns the inputs of a subcommand that takes a list of them.
+/// Returns the inputs of a subcommand that takes a list of inputs.
 pub(crate) fn inputs_of(args: GeneralArgs) -> Result<Vec<Input>, String> {
     inputs(args.inputs, args.from.from)
 }
@@ -93,8 +93,8 @@ pub(crate) fn jobs_of(args: GeneralArgs, output: &OutputArgs) -> Result<Vec<Job>
     jobs_to(inputs_of(args)?, output, None)
 }
 
-/// Returns the jobs of a subcommand that writes several levels: into one GLB, or into a file each
-/// in a directory.
+/// Returns the jobs of a subcommand that writes several levels: to one GLB, or to one file per
+/// level in a directory.
 pub(crate) fn jobs_of_levels(
     args: GeneralArgs,
     output: &OutputArgs,
@@ -105,14 +105,14 @@ pub(crate) fn jobs_of_levels(
         if output.format != Format::Glb {
             let (name, format) = (output.name(), output.format.name());
             return Err(format!(
-                "{name}: {format} holds one level; use .glb, .gltf, or a directory for a file per level"
+                "{name}: {format} holds one level; use .glb, .gltf, or a directory (one file per level)"
             ));
         }
     }
     Ok(jobs)
 }
 
-/// Returns the inputs of paths, of which one may be standard input.
+/// Returns the inputs of some paths. At most one of them can be standard input.
 pub(crate) fn inputs(paths: Vec<PathBuf>, format: Option<Format>) -> Result<Vec<Input>, String> {
     if paths.iter().filter(|path| is_dash(path)).count() > 1 {
         return Err("standard input (-) can be read only once".into());
@@ -130,7 +130,7 @@ fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Pairs each input with its output; with a number of levels, an output in a directory is as many
+/// Pairs each input with its output. With `level_count`, an output in a directory is that many
 /// files.
 pub(crate) fn jobs_to(
     inputs: Vec<Input>,
@@ -159,13 +159,17 @@ fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, Str
         return Err("-o - needs --to, the format to write".into());
     };
     if inputs.len() > 1 {
-        return Err("-o - takes one input; name a directory for several".into());
+        let found = inputs.len();
+        return Err(format!("-o -: found {found} inputs, expected one; use a directory for several"));
     }
     if format == Format::Gltf {
         return Err("-o - cannot hold the two files of a .gltf; use --to glb".into());
     }
     if format != Format::Obj && std::io::stdout().is_terminal() {
-        return Err(format!("standard output is a terminal, and {} is binary: redirect it", format.name()));
+        return Err(format!(
+            "standard output is a terminal, but {} is binary; redirect the output",
+            format.name()
+        ));
     }
     let layout = layout_to_write(format, args.layout)?;
     let output = || Some(Output::new(None, false, format, layout));
@@ -180,7 +184,7 @@ fn jobs_to_directory(
 ) -> Result<Vec<Job>, String> {
     let format = args.target.to.unwrap_or(Format::Glb);
     let layout = layout_to_write(format, args.layout)?;
-    // Remove a slash at the end: with it, `exists` is false for a file.
+    // Remove a trailing slash: with it, `exists` returns false for a file.
     let directory: &Path = &directory.components().collect::<PathBuf>();
     if directory.exists() && !directory.is_dir() {
         return Err(format!("{}: several inputs need a directory, but this is a file", directory.display()));
@@ -192,7 +196,7 @@ fn jobs_to_directory(
         ));
     }
     let mut first: HashMap<PathBuf, String> = HashMap::new();
-    // Links are followed, to find an input by any of its names.
+    // Links are followed, so an input is found by any of its names.
     let all: HashSet<PathBuf> =
         inputs.iter().filter_map(|input| input.path.as_ref()?.canonicalize().ok()).collect();
     let mut jobs = Vec::with_capacity(inputs.len());

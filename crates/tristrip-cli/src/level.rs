@@ -1,5 +1,5 @@
-//! `tristrip level` and `tristrip camera-level`: one level or one view drawn with the strips of the
-//! full mesh.
+//! `tristrip level` and `tristrip camera-level`: one level or one view, drawn with the strips of
+//! the full mesh.
 
 use serde::Serialize;
 use tristrip::lod::{Camera, ModelKind, ViewCriteria};
@@ -16,7 +16,7 @@ use crate::figures;
 use crate::job::{Job, Output};
 use crate::output;
 use crate::report::{self, Batch};
-use crate::search::interrupted;
+use crate::search::check_interrupt;
 use crate::stage::{load_job, show_mesh};
 use crate::task::LevelTask;
 
@@ -88,7 +88,7 @@ pub(crate) fn run(task: &LevelTask, console: &mut Console) -> bool {
     report::finish(&reports, console)
 }
 
-/// Prints the results of the strips and collapses; the first `read` notes were printed before.
+/// Prints the results of the strips and collapses. The first `read` notes are already printed.
 fn show_built(outcome: &levels::Outcome, read: usize, console: &Console) {
     show_mesh(&outcome.mesh, &outcome.notes, read, console);
     let strips = count(outcome.strips_full);
@@ -99,7 +99,7 @@ fn show_built(outcome: &levels::Outcome, read: usize, console: &Console) {
     console.stage("result", &what, None);
 }
 
-/// An input that is drawn.
+/// The drawing of one input.
 struct Drawing<'a> {
     job: &'a Job,
     task: &'a LevelTask,
@@ -109,9 +109,7 @@ struct Drawing<'a> {
 impl Drawing<'_> {
     /// Runs all stages.
     fn process(&self, console: &mut Console) -> Result<Leveled, Failure> {
-        if interrupted() {
-            return Err(Failure::Input("not done: interrupted".into()));
-        }
+        check_interrupt()?;
         let task = self.task;
         let model = load_job(self.job, console, self.clock)?;
         let options = levels::Options::default().with_stripify(task.options);
@@ -136,7 +134,7 @@ impl Drawing<'_> {
         })
     }
 
-    /// Prints what is drawn: its name, and how.
+    /// Prints what is drawn and how.
     fn show_drawn(
         &self,
         metrics: &StripMetrics,
@@ -149,7 +147,7 @@ impl Drawing<'_> {
         console.stage("filter", &what, drawing.seconds(&[Stage::Filter]));
         if self.task.verify {
             let kind = name.split(' ').next().unwrap_or_default();
-            let what = format!("proven: exactly the {kind}'s triangles and winding");
+            let what = format!("proven: draws exactly the triangles of the {kind}, with their winding");
             console.stage("verify", &what, drawing.seconds(&[Stage::Prove]));
         } else {
             console.stage("verify", "skipped", None);
@@ -164,14 +162,14 @@ impl Drawing<'_> {
             && triangles > requested
         {
             let (requested, found) = (counted(requested, "triangle"), count(triangles));
-            let note = format!("{requested} asked for: the base mesh has {found}");
+            let note = format!("requested {requested}, but the base mesh has {found}");
             console.note(&note);
             outcome.notes.push(note);
         }
         Ok(level)
     }
 
-    /// Draws a level, and writes the file.
+    /// Draws a level and writes the file.
     fn draw_level(
         &self,
         model: &Model,
@@ -191,7 +189,7 @@ impl Drawing<'_> {
         self.show_drawn(&displayed.metrics, (&name, &how), &drawing, console);
         let pixels = task.view.map(|view| f64::from(view.pixels_of(displayed.surface_error)));
         if let Some(pixels) = pixels {
-            console.stage("error", &format!("{pixels:.3} pixels of the view"), None);
+            console.stage("error", &format!("{pixels:.3} pixels in the view"), None);
         }
         let encode = |options: &encode::Options, observer: &dyn Observer| {
             levels.encode(model, &displayed, options, observer)
@@ -207,7 +205,7 @@ impl Drawing<'_> {
         })
     }
 
-    /// Draws the view of a camera, and writes the file.
+    /// Draws the view of a camera and writes the file.
     fn draw_view(
         &self,
         model: &Model,

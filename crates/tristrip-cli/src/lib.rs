@@ -1,5 +1,5 @@
-//! The `tristrip` command: builds verified triangle strips for polygon meshes. [`run`] is all of
-//! it; the program only passes its arguments.
+//! The `tristrip` command as a library. [`run`] is its only function; the program passes its
+//! arguments to it.
 //!
 //! ```text
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-render, tristrip-serve ─▶ output ─▶ figures ─▶ console
@@ -8,8 +8,8 @@
 //! ```
 //! `serve` and `view` need the feature `serve`, and HTTPS the feature `tls`.
 //!
-//! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output
-//! was bad. 2: wrong usage.
+//! Exit codes: 0: success, all results proven. 1: not proven, or an input or output error. 2: wrong
+//! usage.
 
 #![forbid(unsafe_code)]
 
@@ -61,30 +61,29 @@ use console::Console;
 pub use schema::report_schemas;
 use task::Task;
 
-/// The exit code if everything was done and proven, and of the help and the version.
+/// The exit code on success, with all results proven, and for help and version.
 const DONE: u8 = 0;
-/// The exit code if something was not proven, or an input or output was bad.
+/// The exit code if a result is not proven, or for an input or output error.
 const FAILED: u8 = 1;
-/// The exit code of wrong usage.
+/// The exit code for wrong usage.
 const WRONG_USAGE: u8 = 2;
-/// The stack of each thread: that of a main thread, since tasks run on these threads.
+/// The stack size of each thread. It is that of a main thread because tasks run on these threads.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Runs the command with arguments, of which the first is the program name, and returns its
-/// exit code.
+/// Runs the command and returns its exit code. The first argument is the program name.
 ///
-/// - 0: everything was done and proven, or the help or the version was printed.
-/// - 1: something was not proven, or an input or output was bad; a message says what.
+/// - 0: success, all results proven; or help or version printed.
+/// - 1: a result is not proven, or an input or output error; a message gives the reason.
 /// - 2: wrong usage; a message names the flag.
 ///
-/// It reads and writes the standard streams of the process. Help and messages call the program
-/// `tristrip`, whatever the first argument is.
+/// The command reads and writes the standard streams of the process. Help and messages always call
+/// the program `tristrip`.
 ///
 /// # Signals
-/// Searches install a handler of Ctrl-C in place of that of the process, and it stays installed: on
-/// Ctrl-C outside of a search, or on a second one, it ends the process with exit code 130. Nothing
-/// else ends the process. The web server handles Ctrl-C and SIGTERM, and its handlers stay, too.
-/// Whether a search was interrupted is a state of the process: run one command at a time.
+/// The first search replaces the Ctrl-C handler of the process; the new handler stays installed. On
+/// Ctrl-C outside a search, or on a second Ctrl-C, it ends the process with exit code 130. Nothing
+/// else ends the process. The web server installs handlers for Ctrl-C and SIGTERM, which also stay
+/// installed. The interrupt state is global to the process: run one command at a time.
 ///
 /// ```
 /// assert_eq!(tristrip_cli::run(["tristrip", "--version"]), 0);
@@ -100,7 +99,7 @@ where
     run_command(arguments.into_iter().map(Into::into).collect())
 }
 
-/// Does what [`run`] says.
+/// Runs the command; [`run`] is its generic interface.
 fn run_command(arguments: Vec<OsString>) -> u8 {
     search::forget_interrupt();
     let (task, shared) = match task::parse(arguments) {
@@ -122,8 +121,8 @@ fn run_command(arguments: Vec<OsString>) -> u8 {
     if succeeded && console.finish() { DONE } else { FAILED }
 }
 
-/// Builds the threads of the command. With one thread, it is the calling thread, unless that is in
-/// a pool already: it never leaves the pool that it entered for an earlier command.
+/// Builds the thread pool of the command. A single thread is the calling thread, unless this thread
+/// already belongs to a pool: a thread never leaves the pool that it joined for an earlier command.
 fn pool(threads: Option<usize>) -> Result<ThreadPool, ThreadPoolBuildError> {
     let builder = ThreadPoolBuilder::new().stack_size(STACK_BYTES);
     match threads {
@@ -135,7 +134,7 @@ fn pool(threads: Option<usize>) -> Result<ThreadPool, ThreadPoolBuildError> {
     }
 }
 
-/// Runs a task; returns whether everything was done and proven.
+/// Runs a task; returns whether it succeeded and all results are proven.
 fn run_task(task: &Task, console: &mut Console) -> bool {
     match task {
         Task::Strip(task) => strip::run(task, console),

@@ -1,7 +1,7 @@
-//! The log of the web server on standard error: requests, packings, warnings.
+//! The log of the web server on standard error: requests, packing jobs and warnings.
 //!
-//! A thread of its own writes the lines: a terminal or pipe that takes nothing does not stop the
-//! server. Lines that do not fit into the queue meanwhile are dropped.
+//! A separate thread writes the lines, so a blocked terminal or pipe does not stop the server.
+//! Lines that do not fit into the queue are dropped.
 
 use std::io::{self, Write};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -13,24 +13,24 @@ use tracing_subscriber::fmt;
 
 use crate::args::LogFormat;
 
-/// The lines that may wait to be written.
+/// The maximum number of queued lines.
 const MAX_LINES: usize = 4096;
-/// How long the end of the command waits for lines.
+/// The maximum time that the command waits for queued lines before it ends.
 const END_TIME: Duration = Duration::from_secs(1);
 
-/// What the thread does next.
+/// A message to the writer thread.
 enum Message {
     Write(Vec<u8>),
-    /// Answer once all lines before this are written.
+    /// Answer once all earlier lines are written.
     Answer(SyncSender<()>),
 }
 
-/// The log, as far as it has started.
+/// A running log.
 pub(crate) struct Log {
     sender: SyncSender<Message>,
 }
 
-/// Passes lines to the thread; each is one call.
+/// Passes lines to the writer thread, one line per call.
 struct Lines(SyncSender<Message>);
 
 impl Write for Lines {
@@ -45,7 +45,7 @@ impl Write for Lines {
 }
 
 impl Log {
-    /// Starts the log. A second one would get no lines.
+    /// Starts the log. Only the first log of a process gets lines.
     pub(crate) fn start(format: LogFormat) -> Self {
         let (sender, receiver) = sync_channel(MAX_LINES);
         thread::spawn(move || write_all(&receiver));
@@ -61,7 +61,7 @@ impl Log {
         Self { sender }
     }
 
-    /// Waits until the lines so far are written, but not for long.
+    /// Waits until the queued lines are written, for at most [`END_TIME`].
     pub(crate) fn finish(self) {
         let (answer, answered) = sync_channel(1);
         if self.sender.try_send(Message::Answer(answer)).is_ok() {

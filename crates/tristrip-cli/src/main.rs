@@ -1,4 +1,4 @@
-//! The program `tristrip`: the command of the library, with the arguments of the process.
+//! The program `tristrip`: runs the command of the library with the arguments of the process.
 
 #![forbid(unsafe_code)]
 

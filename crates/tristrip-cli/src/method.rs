@@ -108,14 +108,14 @@ impl MethodArgs {
         let searches = matches!(method, Method::Best | Method::Fewest | Method::Cache);
         let tunnels = matches!(method, Method::Tunnel { .. } | Method::Eta { .. } | Method::GuidedTunnels(_));
         if self.effort.is_some() && !searches {
-            return Err(format!("--effort belongs to methods best, fewest and cache, not to {method}"));
+            return Err(format!("--effort applies to the methods best, fewest and cache, not to {method}"));
         }
         if self.effort.is_some() && named.has_effort {
             return Err("--effort cannot be used with the parameter effort of --method".into());
         }
         if self.budget.is_some() && !searches && !tunnels {
             let methods = "best, fewest, cache, tunnel, eta and guided-tunnels";
-            return Err(format!("--budget belongs to methods {methods}, not to {method}"));
+            return Err(format!("--budget applies to the methods {methods}, not to {method}"));
         }
         let options = named.options.with_weld(self.weld.weld);
         Ok(self.effort.map_or(options, |effort| options.with_effort(effort)))

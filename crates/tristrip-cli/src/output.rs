@@ -13,7 +13,7 @@ use crate::reorder;
 /// Encodes a result for an output; the clock measures the stages.
 ///
 /// # Errors
-/// The output is named in the error of a result that is not proven.
+/// The result cannot be encoded or is not proven; the error names the output.
 pub(crate) fn encode<R>(
     output: &Output,
     clock: &StageClock,
@@ -22,9 +22,9 @@ pub(crate) fn encode<R>(
     clock.observe(encode).map_err(|error| not_written(output, error))
 }
 
-/// Writes an encoded result to its output, prints what was proven and written, and adds the notes
-/// on it. `how` states how the parts are drawn, and the clock is the one that measured the
-/// encoding. Returns the size of the files in bytes.
+/// Writes an encoded result to its output, prints what was proven and written, and adds its notes
+/// and warnings to `notes`. `how` states how the parts are drawn; `clock` is the clock that
+/// measured the encoding. Returns the size of the files in bytes.
 pub(crate) fn write(
     output: &Output,
     how: &str,
@@ -37,10 +37,10 @@ pub(crate) fn write(
         console.stage("reorder", &reorder::line(groups), clock.seconds(&[Stage::Reorder]));
     }
     if let Some(faces) = encoded.faces {
-        let what = format!("proven: the file draws the {}", counted(faces, "face"));
+        let what = format!("proven: the file draws exactly {}", counted(faces, "face"));
         console.stage("verify", &what, clock.seconds(&[Stage::ReadBack]));
     }
-    let size = clock.timed(Stage::Write, || write_files(output, encoded, console))?;
+    let size = clock.timed(Stage::Write, || write_files(output, encoded, notes, console))?;
     if output.path.is_some() {
         let what = format!("{}, {}, {how}", output.name(), text::bytes(size));
         console.stage("write", &what, clock.seconds(&[Stage::Reorder, Stage::Encode, Stage::Write]));
@@ -51,7 +51,7 @@ pub(crate) fn write(
     Ok(size)
 }
 
-/// Returns how the parts of a file are drawn, for the line that reports it.
+/// Returns how the parts of a file are drawn, as text.
 pub(crate) fn drawn_as(output: &Output, any_strips: bool) -> &'static str {
     if any_strips { output.layout.name() } else { "faces" }
 }
@@ -66,15 +66,21 @@ fn not_written(output: &Output, error: Error) -> Failure {
     }
 }
 
-/// Writes the file with those beside it, or the document and the buffer of a `.gltf`; returns the
-/// size in bytes.
-fn write_files(output: &Output, encoded: &encode::Outcome, console: &mut Console) -> Result<usize, Failure> {
+/// Writes the file and its side files, or the document and the buffer of a `.gltf`. Adds warnings
+/// to `notes`. Returns the size in bytes.
+fn write_files(
+    output: &Output,
+    encoded: &encode::Outcome,
+    notes: &mut Vec<String>,
+    console: &mut Console,
+) -> Result<usize, Failure> {
     if output.path.is_none() {
         console.write_stdout(&encoded.bytes);
         return Ok(encoded.bytes.len());
     }
     let written = output.target().write(encoded).map_err(|error| not_written(output, error))?;
     written.warnings.iter().for_each(|warning| console.warning(&output.name(), warning));
+    notes.extend(written.warnings);
     written.beside.iter().for_each(|file| console.stage("write", &file.display().to_string(), None));
     Ok(written.bytes)
 }

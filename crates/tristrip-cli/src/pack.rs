@@ -42,14 +42,14 @@ fn pack(job: &Job, task: &PackTask, console: &mut Console, clock: &StageClock) -
     let model = load_job(job, console, clock)?;
     let mut outcome = clock.observe_and_print(|observer| pack::run(&model, &task.options, observer))?;
     let what = format!(
-        "{} of {}, base meshes of {}",
+        "{}, {}, {} in the base meshes",
         counted(outcome.chunks, "chunk"),
         counted(outcome.meshes, "mesh"),
         counted(outcome.base_triangles, "triangle")
     );
     console.stage("result", &what, None);
     if let Some(triangles) = outcome.proven {
-        let what = format!("the file holds exactly the {}", counted(triangles, "triangle"));
+        let what = format!("the file contains exactly {}", counted(triangles, "triangle"));
         console.stage("proven", &what, None);
     }
     outcome.notes.iter().skip(model.notes.len()).for_each(|note| console.note(note));

@@ -1,4 +1,4 @@
-//! Reports on re-ordered vertices: the new order, and the number of moved vertices.
+//! The report of reordered vertices: the new order and the number of moved vertices.
 
 use serde::Serialize;
 use serde_json::value::{RawValue, to_raw_value};
@@ -35,9 +35,9 @@ impl GroupOrder {
     }
 }
 
-/// Returns a line on how many vertices have a new number.
+/// Returns a line with the number of vertices whose index changed.
 pub(crate) fn line(groups: &[VertexGroup]) -> String {
     let moved: usize = groups.iter().map(|group| group.order.moved_count()).sum();
     let all = groups.iter().map(|group| group.order.vertex_count()).sum();
-    format!("{} of {} renumbered in the order of first use", count(moved), counted(all, "vertex"))
+    format!("moved {} of {} into the order of first use", count(moved), counted(all, "vertex"))
 }

@@ -1,6 +1,6 @@
-//! Processes the inputs of a subcommand in order, and reports each of them: the outcome of its
-//! operation with the times of the stages, or the error. Progress, errors and the JSON report are
-//! the same for all subcommands.
+//! Processes the inputs of a subcommand in order and reports each one: the outcome of its operation
+//! with the stage times, or the error. Progress, errors and the JSON report work the same way in
+//! all subcommands.
 
 use std::path::Path;
 use std::time::Duration;
@@ -57,27 +57,27 @@ impl<O> Report<O> {
     }
 }
 
-/// What the inputs of a subcommand have in common.
+/// The settings that all inputs of a subcommand share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Batch {
     /// The keys of `seconds`.
     pub(crate) seconds: SecondsKeys,
     /// The number of steps per input that the progress display counts, if known.
     pub(crate) steps: Option<usize>,
-    /// The time after which each search is stopped.
+    /// The time limit of each search.
     pub(crate) budget: Option<Duration>,
 }
 
 impl Batch {
-    /// Processes inputs with these keys of `seconds`, without a number of steps and a time budget.
+    /// Creates settings with these keys of `seconds`, without a step count and a time budget.
     pub(crate) fn new(seconds: SecondsKeys) -> Self {
         Self { seconds, steps: None, budget: None }
     }
 
-    /// Processes all items in order. A failure is printed and reported, and the next item follows.
+    /// Processes all items in order. A failure is printed and reported; then the next item follows.
     ///
-    /// `name` returns the name of an input; `show` prints an outcome, below the given title if
-    /// there are several items.
+    /// `name` returns the name of an input. `show` prints an outcome; the title is empty if there
+    /// is only one item.
     pub(crate) fn process<T, O>(
         self,
         items: &[T],
@@ -106,8 +106,8 @@ impl Batch {
     }
 }
 
-/// Writes the chart of all inputs that were processed, and returns whether it was written. A
-/// failure is an error of all these inputs.
+/// Writes the chart of all processed inputs and returns whether this succeeded. A failure is
+/// reported as an error of all these inputs.
 pub(crate) fn write_chart<O>(
     path: &Path,
     chart: Result<String, Failure>,
@@ -125,8 +125,8 @@ pub(crate) fn write_chart<O>(
     false
 }
 
-/// Prints the reports as JSON if requested, and returns whether all inputs were processed without
-/// an error.
+/// Prints the reports as JSON if requested. Returns whether all inputs were processed without an
+/// error.
 pub(crate) fn finish<O: Serialize>(reports: &[Report<O>], console: &mut Console) -> bool {
     console.json(reports, reports.len() > 1);
     reports.iter().all(|report| report.error.is_none())

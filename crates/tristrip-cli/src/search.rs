@@ -1,7 +1,7 @@
-//! Watches searches: progress, time budget, and Ctrl-C.
+//! Watches searches: progress, time budget and Ctrl-C.
 //!
-//! The first Ctrl-C during a search stops it with its best result so far, which is then verified
-//! and written. A second Ctrl-C, or one outside of a search, ends the command as usual.
+//! The first Ctrl-C during a search stops the search. Its best result so far is then verified and
+//! written. A second Ctrl-C, or a Ctrl-C outside a search, ends the command as usual.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -13,7 +13,9 @@ use tristrip::{Method, StripifyOptions};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{Search, SearchStop};
 
-/// The exit code of a command that was ended by Ctrl-C, as shells define it.
+use crate::failure::Failure;
+
+/// The exit code of a command that Ctrl-C ended, by the convention of shells.
 const INTERRUPTED_CODE: i32 = 130;
 /// The time between two updates of the progress display.
 const SHOW_EVERY: Duration = Duration::from_millis(100);
@@ -22,12 +24,20 @@ static HANDLER: Once = Once::new();
 static SEARCHES: AtomicUsize = AtomicUsize::new(0);
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Returns whether a search was stopped by Ctrl-C.
-pub(crate) fn interrupted() -> bool {
+/// Returns whether Ctrl-C stopped a search.
+fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
 }
 
-/// Forgets the Ctrl-C that stopped an earlier command of this process.
+/// Checks that the next input may be processed.
+///
+/// # Errors
+/// Ctrl-C stopped the search of an earlier input.
+pub(crate) fn check_interrupt() -> Result<(), Failure> {
+    if interrupted() { Err(Failure::Input("not processed: interrupted".into())) } else { Ok(()) }
+}
+
+/// Forgets a Ctrl-C that stopped an earlier command of this process.
 pub(crate) fn forget_interrupt() {
     INTERRUPTED.store(false, Ordering::SeqCst);
 }
@@ -38,12 +48,12 @@ const CACHE_SEARCHES: u8 = 3;
 /// Watches the searches of one input.
 pub(crate) struct SearchWatch {
     bar: ProgressBar,
-    /// Whether the method searches; other methods cannot be stopped.
+    /// Whether the method searches. Other methods cannot be stopped.
     searches: bool,
     started: Instant,
     budget: Option<Duration>,
     over_budget: AtomicBool,
-    /// The time of the last update of the progress display, in milliseconds after the start.
+    /// The time of the last update of the progress display, in milliseconds since the start.
     shown: AtomicU64,
 }
 
@@ -62,10 +72,9 @@ impl SearchWatch {
             _ => false,
         };
         if searches {
-            // Counted first: from the moment at which the handler is installed, Ctrl-C stops the
-            // search.
+            // Count before installing the handler: once it is installed, Ctrl-C stops the search.
             SEARCHES.fetch_add(1, Ordering::SeqCst);
-            // Without a handler Ctrl-C ends the command as usual.
+            // If no handler can be installed, Ctrl-C ends the command as usual.
             HANDLER.call_once(|| ctrlc::set_handler(on_interrupt).unwrap_or_default());
         }
         Self {
@@ -134,8 +143,7 @@ mod tests {
     use super::*;
     use tristrip::Effort;
 
-    /// Regression: the first Ctrl-C during a method that does not search had no effect except a
-    /// note.
+    /// Regression: during a method that does not search, the first Ctrl-C only printed a note.
     #[test]
     fn only_searches_handle_an_interrupt() {
         let searches_of = |options: StripifyOptions| {
@@ -154,8 +162,9 @@ mod tests {
     #[test]
     fn the_next_command_is_not_interrupted() {
         INTERRUPTED.store(true, Ordering::SeqCst);
-        assert!(interrupted());
+        let message = check_interrupt().unwrap_err().to_string();
+        assert_eq!(message, "not processed: interrupted");
         forget_interrupt();
-        assert!(!interrupted());
+        assert!(check_interrupt().is_ok());
     }
 }

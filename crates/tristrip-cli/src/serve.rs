@@ -1,4 +1,4 @@
-//! `tristrip serve`: the models of a directory over HTTP.
+//! `tristrip serve`: serves the models of a directory over HTTP.
 
 use serde::Serialize;
 use tristrip_serve::{Content, Server};
@@ -26,7 +26,7 @@ pub(crate) struct Listening {
     notes: Vec<String>,
 }
 
-/// Serves until a signal; returns whether the server could start.
+/// Serves until a signal; returns whether the server started and ended without an error.
 pub(crate) fn run(task: &ServeTask, console: &mut Console) -> bool {
     let file = task.directory.display().to_string();
     let mut options = task.options.clone();
@@ -49,8 +49,9 @@ pub(crate) fn run(task: &ServeTask, console: &mut Console) -> bool {
         notes: Vec::new(),
     };
     if !options.address.to_canonical().is_loopback() && server.url().starts_with("http:") {
-        console.note("other machines can connect, without encryption");
-        listening.notes.push("other machines can connect, without encryption".into());
+        let note = "other machines can connect, and connections are not encrypted";
+        console.note(note);
+        listening.notes.push(note.into());
     }
     if !report::finish(&[Report::new(file, Seconds::default(), Ok(listening))], console) {
         return false;
@@ -61,7 +62,7 @@ pub(crate) fn run(task: &ServeTask, console: &mut Console) -> bool {
     ended
 }
 
-/// Runs a server until a signal; returns whether it ended as it should.
+/// Runs a server until a signal; returns whether it ended without an error.
 pub(crate) fn until_signal(server: Server, console: &Console) -> bool {
     match server.run_until_signal() {
         Ok(()) => true,

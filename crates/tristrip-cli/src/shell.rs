@@ -14,15 +14,17 @@ pub(crate) fn completions(shell: Shell) -> Vec<u8> {
 /// Returns the man page of the command or of a subcommand.
 ///
 /// # Errors
-/// There is no such subcommand, or the page cannot be rendered.
+/// The subcommand is unknown, or the page cannot be rendered.
 pub(crate) fn man(subcommand: Option<&str>) -> Result<Vec<u8>, String> {
     let mut command = command_line();
     command.build();
     let page = match subcommand {
         None => command,
         Some(name) => {
-            let found =
-                command.find_subcommand(name).ok_or_else(|| format!("unknown subcommand {name:?}"))?;
+            let names =
+                || command.get_subcommands().map(clap::Command::get_name).collect::<Vec<_>>().join(", ");
+            let unknown = || format!("found subcommand `{name}`, expected one of: {}", names());
+            let found = command.find_subcommand(name).ok_or_else(unknown)?;
             found.clone().display_name(format!("tristrip-{name}"))
         }
     };

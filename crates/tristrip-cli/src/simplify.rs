@@ -84,7 +84,7 @@ fn simplify(
     Ok(Simplified { outcome, output: job.output.as_ref().map(Output::name), picture })
 }
 
-/// Draws the model before and after, and writes the picture.
+/// Draws the model before and after simplification, and writes the picture.
 fn draw(path: &Path, models: [&Model; 2], console: &Console, notes: &mut Vec<String>) -> Result<(), Failure> {
     console.doing("picture");
     let (drawn, seconds) = timed(|| {
@@ -99,7 +99,7 @@ fn draw(path: &Path, models: [&Model; 2], console: &Console, notes: &mut Vec<Str
     Ok(())
 }
 
-/// Prints the results of the collapses; the first `read` notes were printed before. The deviations
+/// Prints the results of the collapses. The first `read` notes are already printed. The deviations
 /// are in the summary.
 fn show_result(outcome: &simplify::Outcome, name: &str, read: usize, console: &Console) {
     show_mesh(&outcome.mesh, &outcome.notes, read, console);
@@ -139,11 +139,11 @@ fn summary(outcome: &simplify::Outcome) -> String {
     table(&rows, 1..4) + &deviations.unwrap_or_default() + &normals_line(outcome)
 }
 
-/// Returns a line on the normals that were rebuilt, if there are any.
+/// Returns a line about rebuilt normals, or an empty text if there are none.
 fn normals_line(outcome: &simplify::Outcome) -> String {
     let counts = outcome.normals;
     let rebuilt = [
-        (counts.repaired, "where they no longer fitted"),
+        (counts.repaired, "where they no longer match"),
         (counts.flat, "flat"),
         (counts.creased, "smooth up to the creases"),
     ];
@@ -155,7 +155,7 @@ fn normals_line(outcome: &simplify::Outcome) -> String {
     if rebuilt.is_empty() { String::new() } else { format!("  normals rebuilt: {}\n", rebuilt.join(", ")) }
 }
 
-/// Returns a line on how far the result is from the original.
+/// Returns a line with the deviation of the result from the original.
 fn deviation_line(found: &Deviations) -> String {
     let deviation = |what: &str, units: f64, percent: f64| {
         format!("{what} {} ({percent:.3} % of the diagonal)", distance(units))

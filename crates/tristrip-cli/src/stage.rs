@@ -1,4 +1,4 @@
-//! The first stages of an input: its model is loaded, and its mesh is reported.
+//! The first stages of an input: loads its model and reports its mesh.
 
 use std::time::Instant;
 
@@ -13,23 +13,24 @@ use crate::figures::mesh_line;
 use crate::input::load;
 use crate::job::{Input, Job};
 
-/// Calls `work`, and returns its result and its time in seconds.
+/// Calls `work`; returns its result and its time in seconds.
 pub(crate) fn timed<R>(work: impl FnOnce() -> R) -> (R, f64) {
     let start = Instant::now();
     let result = work();
     (result, start.elapsed().as_secs_f64())
 }
 
-/// Loads an input, and prints what it holds and the notes of the reader.
+/// Loads an input; prints its parts and faces and the notes of the reader.
 pub(crate) fn load_input(input: &Input, console: &Console, clock: &StageClock) -> Result<Model, Failure> {
     let model = clock.timed(Stage::Load, || load(input))?;
     show_loaded(&model, "", console, clock);
     Ok(model)
 }
 
-/// Loads the input of a job as [`load_input`] does. A glTF result gets the images that the input
-/// has in separate files, unless it is a `.gltf` in the directory of the input, which refers to
-/// them. A result with materials gets those of an OBJ and its libraries, and an OBJ those of glTF.
+/// Loads the input of a job as [`load_input`] does, with the files that the output needs. A glTF
+/// output gets the images that the input has in separate files, unless it is a `.gltf` in the
+/// directory of the input: that one refers to them. An output with materials gets the materials of
+/// an OBJ and its libraries, and an OBJ output gets the materials of a glTF input.
 pub(crate) fn load_job(job: &Job, console: &Console, clock: &StageClock) -> Result<Model, Failure> {
     let Some(output) = &job.output else { return load_input(&job.input, console, clock) };
     let name = job.input.name();
@@ -46,7 +47,7 @@ pub(crate) fn load_job(job: &Job, console: &Console, clock: &StageClock) -> Resu
     Ok(model)
 }
 
-/// Prints the numbers of parts and faces of a model after a prefix, and the notes of the reader.
+/// Prints the number of parts and faces of a model after a prefix, then the notes of the reader.
 pub(crate) fn show_loaded(model: &Model, prefix: &str, console: &Console, clock: &StageClock) {
     let faces: usize = model.parts.iter().map(|part| part.mesh.faces().face_count()).sum();
     let what = format!("{prefix}{}, {}", counted(model.parts.len(), "part"), counted(faces, "face"));
@@ -54,8 +55,8 @@ pub(crate) fn show_loaded(model: &Model, prefix: &str, console: &Console, clock:
     model.notes.iter().for_each(|note| console.note(note));
 }
 
-/// Prints the counts of the mesh and the notes of an operation, without the first `read` notes,
-/// which were printed when the model was loaded.
+/// Prints the counts of the mesh and the notes of an operation. The first `read` notes were printed
+/// when the model was loaded.
 pub(crate) fn show_mesh(mesh: &MeshProperties, notes: &[String], read: usize, console: &Console) {
     console.stage("mesh", &mesh_line(mesh), None);
     notes.iter().skip(read).for_each(|note| console.note(note));

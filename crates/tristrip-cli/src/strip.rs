@@ -1,4 +1,4 @@
-//! `tristrip strip`: builds strips, verifies them, writes them, and reports their metrics.
+//! `tristrip strip`: builds strips, verifies and writes them, and reports their metrics.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ use crate::job::{Job, Output};
 use crate::output::{self, drawn_as};
 use crate::reorder::GroupOrder;
 use crate::report::{self, Batch};
-use crate::search::interrupted;
+use crate::search::check_interrupt;
 use crate::stage::{load_job, show_mesh, show_proof, timed};
 use crate::task::StripTask;
 
@@ -53,7 +53,8 @@ fn file_row(name: &str, cost: &FileCost) -> Vec<String> {
     vec![format!("  {name}"), count(cost.indices), format!("{:.3}", cost.acmr_fifo_16), bytes]
 }
 
-/// Returns a table of the input and the file that was written; nothing if none was.
+/// Returns a table that compares the input with the written file, or an empty text if no file was
+/// written.
 fn before_and_after(stripped: &Stripped) -> String {
     let (Some(before), Some(after)) = (&stripped.before, &stripped.after) else { return String::new() };
     let head = ["", "indices", "ACMR, FIFO 16", "file"].map(str::to_owned).to_vec();
@@ -73,16 +74,14 @@ pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
     report::finish(&reports, console)
 }
 
-/// Takes one input through all stages.
+/// Runs all stages on one input.
 fn strip(
     job: &Job,
     task: &StripTask,
     console: &mut Console,
     clock: &StageClock,
 ) -> Result<Stripped, Failure> {
-    if interrupted() {
-        return Err(Failure::Input("not processed: interrupted".into()));
-    }
+    check_interrupt()?;
     let model = load_job(job, console, clock)?;
     let options = strip::Options::default().with_stripify(task.options).with_verify(task.verify);
     let strips = clock.observe_and_print(|observer| strip::run(&model, &options, observer))?;
@@ -109,7 +108,7 @@ fn strip(
     Ok(stripped)
 }
 
-/// Prints the results of the strips; the first `read` notes were printed before.
+/// Prints the results of the strips. The first `read` notes are already printed.
 fn show_strips(strips: &strip::Outcome, read: usize, console: &Console) {
     let strip::Outcome { mesh, notes, method, metrics, bound, proven, .. } = strips;
     show_mesh(mesh, notes, read, console);
@@ -121,8 +120,8 @@ fn show_strips(strips: &strip::Outcome, read: usize, console: &Console) {
     show_proof(*proven, mesh, console);
 }
 
-/// Writes each part as strips or as a list, whichever has fewer indices, with the vertices in order
-/// of first use if requested.
+/// Writes each part as strips or as a list, whichever needs fewer indices. If requested, the
+/// vertices are reordered by first use.
 fn write(
     (job, target): (&Job, &Output),
     task: &StripTask,
@@ -137,7 +136,7 @@ fn write(
     let strip::File { encoded, drawn, mut before, mut after, .. } =
         output::encode(target, &writing, |observer| stripped.strips.encode(model, &options, observer))?;
     before.bytes = file_bytes(&job.input);
-    // As for an input, the size of a .gltf is not that of one file.
+    // As for an input, a `.gltf` has no size: it is more than one file.
     after.bytes = after.bytes.filter(|_| !target.separate);
     stripped.vertex_order = encoded.groups.as_ref().map(|groups| groups.iter().map(GroupOrder::of).collect());
     let how = drawn_as(target, drawn.found + drawn.stored > 0);
@@ -147,7 +146,7 @@ fn write(
     Ok(())
 }
 
-/// Draws the strips, and writes the picture.
+/// Draws the strips and writes the picture.
 fn draw(path: &Path, model: &Model, strips: &strip::Outcome, console: &Console) -> Result<(), Failure> {
     console.doing("picture");
     let options = RenderOptions::default();

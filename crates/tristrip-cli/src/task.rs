@@ -1,5 +1,5 @@
-//! Validated tasks: the only place where flags are checked against each other and turned into a
-//! task, or rejected with a message.
+//! Validated tasks. Only this module checks combinations of flags; it builds a task from valid
+//! flags and rejects others with a message.
 
 mod checks;
 mod levels;
@@ -22,7 +22,7 @@ use tristrip_pipeline::{Amount, Goal, simplify};
 use crate::args::{self, AnalyzeArgs, Command, HelpArgs, OutputArgs, SharedArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, write_to_stdout};
 use crate::shell;
-use crate::topics::Topic;
+use crate::topics::{Topic, topic_names};
 use checks::{check_chart, check_picture};
 pub(crate) use levels::{BuildLodTask, ChainTask, LevelTask};
 use levels::{build_lod_task, camera_level_task, chain_task, level_task};
@@ -33,7 +33,7 @@ use servers::{serve_task, view_task};
 pub(crate) use streams::{InspectTask, PackTask, UnpackTask};
 use streams::{inspect_task, pack_task, unpack_task};
 
-/// A subcommand with options that fit each other.
+/// A subcommand with a valid combination of options.
 #[derive(Debug)]
 pub(crate) enum Task {
     Strip(StripTask),
@@ -53,7 +53,7 @@ pub(crate) enum Task {
     Serve(Box<ServeTask>),
     #[cfg(feature = "serve")]
     View(Box<ViewTask>),
-    /// A text to print: completions, a man page or a topic.
+    /// Text to print: completions, a man page or a topic.
     Print(Vec<u8>),
 }
 
@@ -62,12 +62,12 @@ pub(crate) struct StripTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: StripifyOptions,
     pub(crate) budget: Option<Duration>,
-    /// Whether a part may be written as a list: not if the user chose a layout.
+    /// Whether a part may be written as a list. False if the user chose a layout.
     pub(crate) list: bool,
-    /// Whether to write vertices in the order of first use.
+    /// Whether to reorder the vertices by first use.
     pub(crate) reorder: bool,
     pub(crate) verify: bool,
-    /// The PNG file to draw the strips in.
+    /// The PNG file that shows the strips.
     pub(crate) picture: Option<PathBuf>,
 }
 
@@ -77,8 +77,8 @@ pub(crate) struct CompareTask {
     pub(crate) every_variant: bool,
     pub(crate) markdown: bool,
     pub(crate) options: StripifyOptions,
-    /// The effort of the methods that search, instead of their defaults; `best` also runs at its
-    /// default effort.
+    /// The effort of the methods that search, instead of their default efforts. `best` runs at its
+    /// default effort, too.
     pub(crate) effort: Option<Effort>,
     pub(crate) budget: Option<Duration>,
 }
@@ -95,7 +95,7 @@ pub(crate) struct AnalyzeTask {
     pub(crate) options: analyze::Options,
     /// The SVG file to write.
     pub(crate) plot: Option<PathBuf>,
-    /// The vertex caches of its curves.
+    /// The vertex caches of the curves in this file.
     pub(crate) curve: Option<VertexCacheList>,
 }
 
@@ -108,8 +108,8 @@ pub(crate) struct VerifyTask {
 #[derive(Debug)]
 pub(crate) struct ConvertTask {
     pub(crate) jobs: Vec<Job>,
-    /// Whether to write all faces as strips in stored order, not only those that the input stores
-    /// as strips.
+    /// Whether to write all faces as strips in stored order. Otherwise only the strips of the input
+    /// are written as strips.
     pub(crate) as_strips: bool,
     pub(crate) verify: bool,
 }
@@ -118,7 +118,7 @@ pub(crate) struct ConvertTask {
 pub(crate) struct SimplifyTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: simplify::Options,
-    /// The PNG file of the model before and after.
+    /// The PNG file that shows the model before and after.
     pub(crate) picture: Option<PathBuf>,
 }
 
@@ -155,8 +155,8 @@ impl Task {
 }
 
 impl Task {
-    /// Returns the task if the shared options fit it: these may stand before the subcommand, where
-    /// clap does not compare them with its flags.
+    /// Checks the shared options against the task and returns the task. Shared options can precede
+    /// the subcommand, where clap does not check them against its flags.
     fn fitting(self, shared: &Shared) -> Result<Self, String> {
         match &self {
             Self::Compare(CompareTask { markdown: true, .. }) if shared.json => {
@@ -173,7 +173,7 @@ impl Task {
 /// Parses the command line into a task.
 ///
 /// # Errors
-/// The usage is wrong, or the help or the version was asked for.
+/// The usage is wrong, or help or the version was requested.
 pub(crate) fn parse(arguments: Vec<OsString>) -> Result<(Task, Shared), clap::Error> {
     let parsed = args::parse(arguments)?;
     let shared = shared(&parsed.shared);
@@ -185,7 +185,7 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<(Task, Shared), clap::Er
 /// Builds a task from flags.
 ///
 /// # Errors
-/// Flags do not fit together; the message names them.
+/// The combination of flags is not valid; the message names the flags.
 fn validate(command: Command) -> Result<Task, String> {
     Ok(match command {
         Command::Strip(args) => {
@@ -219,13 +219,10 @@ fn validate(command: Command) -> Result<Task, String> {
         Command::Analyze(args) => analyze_task(args)?,
         Command::Verify(args) => {
             let both = inputs(vec![args.source, args.result], args.from.from)?;
-            let [source, result]: [Input; 2] = both.try_into().map_err(|_| "two files are needed")?;
+            let [source, result]: [Input; 2] = both.try_into().map_err(|_| "expected two files")?;
             Task::Verify(VerifyTask { source, result })
         }
         Command::Convert(args) => {
-            if args.output.target.output.is_none() {
-                return Err("-o is needed: name the file to write".into());
-            }
             let (as_strips, verify) = (args.output.layout.is_some(), !args.output.target.no_verify);
             let jobs = jobs_of(args.general, &args.output)?;
             Task::Convert(ConvertTask { jobs, as_strips, verify })
@@ -262,7 +259,9 @@ fn validate(command: Command) -> Result<Task, String> {
         Command::Completions(args) => Task::Print(shell::completions(args.shell)),
         Command::Man(args) => Task::Print(shell::man(args.subcommand.as_deref())?),
         Command::Help(HelpArgs { name }) => {
-            let topic = name.as_deref().and_then(Topic::find).ok_or("there is no such topic")?;
+            let name = name.unwrap_or_default();
+            let unknown = || format!("found topic `{name}`, expected one of: {}", topic_names());
+            let topic = Topic::find(&name).ok_or_else(unknown)?;
             Task::Print(topic.text().into_bytes())
         }
     })
@@ -284,4 +283,19 @@ fn analyze_task(args: AnalyzeArgs) -> Result<Task, String> {
 
 fn shared(args: &SharedArgs) -> Shared {
     Shared { json: args.json, quiet: args.quiet, threads: args.threads.map(usize::from) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// clap rejects unknown topics first. This message is for a name that only clap knows.
+    #[test]
+    fn an_unknown_topic_is_named_with_the_topics() {
+        let message = validate(Command::Help(HelpArgs { name: Some("paint".into()) })).unwrap_err();
+        assert_eq!(
+            message,
+            "found topic `paint`, expected one of: methods, levels, simplification, files, server"
+        );
+    }
 }

@@ -53,6 +53,11 @@ impl Topic {
     }
 }
 
+/// Returns the names of all topics, separated by commas.
+pub(crate) fn topic_names() -> String {
+    TOPICS.each_ref().map(|topic| topic.name).join(", ")
+}
+
 /// Returns the text of `levels` with the filters and level models of the library.
 fn levels() -> String {
     let filters = DisplayFilter::ALL.iter().map(|filter| (filter.name(), filter.summary()));

@@ -37,7 +37,7 @@ pub(crate) struct Unpacked {
     output: Option<String>,
 }
 
-/// Reads the level; returns whether this succeeded.
+/// Reads the level; returns whether it succeeded.
 pub(crate) fn run(task: &UnpackTask, console: &mut Console) -> bool {
     let show = |task: &UnpackTask, unpacked: &Unpacked, _: &str, console: &mut Console| {
         console.result(&summary(&unpacked.outcome), task.job.output.is_none());
@@ -60,13 +60,14 @@ fn read(input: &Input) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// Opens a progressive GLB, which may be cut off.
+/// Opens a progressive GLB, which may be truncated.
 pub(crate) fn open(input: &Input) -> Result<ProgressiveGlb, Failure> {
     let name = input.name();
     let opened = ProgressiveGlb::open(read(input)?).map_err(|error| Failure::reading(&name, &error))?;
-    opened.ok_or_else(|| Failure::Input(
-            "no progressive GLB: `pack` writes them, but a model that a stream would not make smaller as a plain GLB".into(),
-        ))
+    opened.ok_or_else(|| {
+        let found = "found a file without a stream, expected a progressive GLB from `pack`";
+        Failure::Input(format!("{found}; `pack` writes a plain GLB if a stream would not be smaller"))
+    })
 }
 
 fn unpack(task: &UnpackTask, console: &mut Console, clock: &StageClock) -> Result<Unpacked, Failure> {
@@ -87,6 +88,7 @@ fn unpack(task: &UnpackTask, console: &mut Console, clock: &StageClock) -> Resul
     console.stage("load", &what, clock.seconds(&[Stage::Load, Stage::Decode]));
     let mut model = std::mem::take(&mut outcome.model);
     model.notes.iter().for_each(|note| console.note(note));
+    let printed = model.notes.len();
     if let Some(problem) = &outcome.problem {
         console.warning(&job.input.name(), problem);
     }
@@ -94,6 +96,8 @@ fn unpack(task: &UnpackTask, console: &mut Console, clock: &StageClock) -> Resul
     if target.format == Format::Glb {
         let images = tristrip_io::embed_images(&mut model, job.input.path.as_deref());
         images.map_err(|error| Failure::reading(&job.input.name(), &error))?;
+        model.notes.iter().skip(printed).for_each(|note| console.note(note));
+        outcome.notes.extend(model.notes.iter().skip(printed).cloned());
     }
     let options = encode::Options::new(target.format).with_verify(*verify);
     let drawings = vec![Drawing::Faces; model.parts.len()];
@@ -105,7 +109,7 @@ fn unpack(task: &UnpackTask, console: &mut Console, clock: &StageClock) -> Resul
     Ok(Unpacked { proven: verify.then_some(true), outcome, output: Some(target.name()) })
 }
 
-/// Returns a line on the level.
+/// Returns a line that describes the level.
 fn summary(unpacked: &unpack::Outcome) -> String {
     format!(
         "  level {} of {}, {} of {}, from {} in {}\n",

@@ -1,6 +1,7 @@
-//! The values that flags parse to, and their names on the command line.
+//! The values of flags, and their names on the command line.
 //!
-//! These types depend on no other part of the command: flags, tasks and subcommands share them.
+//! These types do not depend on other parts of the command. Flags, tasks and subcommands share
+//! them.
 
 #[cfg(feature = "serve")]
 mod rates;
@@ -33,8 +34,7 @@ pub(crate) fn effort_parser() -> impl TypedValueParser<Value = Effort> {
         .try_map(|level| Effort::new(level).ok_or_else(|| format!("{level} is not in 0..=9")))
 }
 
-/// Returns a parser for the values of a type of the library, by their names and with a line of help
-/// each.
+/// Returns a parser for the named values of a library type, with one line of help per value.
 pub(crate) fn named<T>(
     values: impl IntoIterator<Item = T>,
     name: fn(T) -> &'static str,
@@ -47,11 +47,11 @@ where
     PossibleValuesParser::new(values).try_map(|text| text.parse::<T>().map_err(|error| error.to_string()))
 }
 
-/// Returns a line on a layout, in the words of files.
+/// Returns a line of help about a layout.
 pub(crate) fn layout_help(layout: Layout) -> &'static str {
     match layout {
         Layout::Restart => {
-            "Strips separated by the restart index (in glTF: a draft extension, which three.js and other viewers ignore and draw wrong)"
+            "Strips separated by the restart index; in glTF a draft extension that three.js does not support"
         }
         Layout::Degenerate => "One strip, joined by degenerate triangles; every glTF viewer draws it",
         Layout::Separate => "One primitive (glTF) or row (PLY) per strip",
@@ -59,7 +59,7 @@ pub(crate) fn layout_help(layout: Layout) -> &'static str {
     }
 }
 
-/// A number of triangles or steps as typed: `50000`, `200k` or `2M`.
+/// A number of triangles as typed: `50000`, `200k` or `2M`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Amount(pub(crate) usize);
 
@@ -134,7 +134,7 @@ impl fmt::Display for ImagePoint {
     }
 }
 
-/// Returns the finite numbers between commas, if there are N.
+/// Parses N finite numbers separated by commas.
 fn finite_numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
     let numbers: Option<Vec<f32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     let numbers = <[f32; N]>::try_from(numbers?).ok()?;

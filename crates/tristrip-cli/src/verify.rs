@@ -1,4 +1,4 @@
-//! `tristrip verify`: proves that a file from any source draws exactly the faces of another.
+//! `tristrip verify`: proves that a file draws exactly the faces of another.
 
 use serde::Serialize;
 use tristrip_io::Model;
@@ -69,7 +69,7 @@ pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
 /// Reads both files and compares them.
 ///
 /// # Errors
-/// A file could not be read or used.
+/// A file cannot be read or used.
 fn compare(
     task: &VerifyTask,
     console: &Console,
@@ -88,7 +88,7 @@ fn compare(
     Ok(outcome)
 }
 
-/// Reads a file, and prints what it holds.
+/// Reads a file; prints its parts, faces and notes after its name.
 fn load_named(input: &Input, console: &Console, clock: &StageClock) -> Result<Model, String> {
     let (name, loading) = (input.name(), clock.part());
     let loaded = loading.timed(Stage::Load, || load(input));

@@ -1,4 +1,4 @@
-//! `tristrip view`: models packed in memory, and shown in the browser.
+//! `tristrip view`: packs models in memory and shows them in the browser.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -39,7 +39,7 @@ pub(crate) struct Shown {
     content: Option<MemoryFile>,
 }
 
-/// Packs all models, and shows them until a signal; returns whether all succeeded.
+/// Packs all models and serves them until a signal; returns whether all succeeded.
 pub(crate) fn run(task: &ViewTask, console: &mut Console) -> bool {
     let show = |_: &Job, _: &Shown, _: &str, _: &mut Console| ();
     let mut reports = Batch::new(&[]).process(&task.jobs, console, |job| job.input.name(), pack_job, show);
@@ -83,12 +83,12 @@ pub(crate) fn run(task: &ViewTask, console: &mut Console) -> bool {
     until_signal(server, console)
 }
 
-/// Opens a browser on a thread of its own: one that runs in the terminal ends only after the server
-/// has answered it.
+/// Opens a browser on a separate thread: a browser in the terminal does not return before the
+/// server has answered it.
 fn open_browser(url: String, lines: Lines) {
     thread::spawn(move || {
         if webbrowser::open(&url).is_err() {
-            lines.note("no browser could be opened: open the address in one");
+            lines.note("cannot open a browser; open the address above in one");
         }
     });
 }
@@ -118,20 +118,21 @@ impl Shown {
     }
 }
 
-/// Reads a file that is a progressive GLB already, and says whether it is cut off: the viewer shows
-/// what is there.
+/// Reads a file that is already a progressive GLB, with a note if it is truncated. The viewer shows
+/// the complete chunks.
 fn progressive(job: &Job) -> Option<(Vec<u8>, Option<String>)> {
     let path = job.input.path.as_ref().filter(|path| Format::from_path(path) == Some(Format::Glb))?;
     let bytes = Arc::new(std::fs::read(path).ok()?);
     let glb = ProgressiveGlb::open(Arc::clone(&bytes)).ok()??;
-    let (present, all) = (glb.chunks().len(), glb.chunk_bytes());
-    let note = format!("the file is cut off: {present} of {all} bytes of its chunks are there");
+    let (present, all) = (glb.chunks().len(), counted(glb.chunk_bytes(), "byte"));
+    let note = format!("the file is truncated: it contains {present} of {all} of its chunks");
     let note = (!glb.is_complete()).then_some(note);
     drop(glb);
     Some((Arc::unwrap_or_clone(bytes), note))
 }
 
-/// Returns the name of a file as it is served: without what a path of a URL cannot have.
+/// Returns the name under which a file is served, without characters that a URL path cannot
+/// contain.
 fn file_name(path: Option<&Path>) -> String {
     let name = path.and_then(Path::file_name).unwrap_or_default().to_string_lossy();
     let kept = |c: char| if c.is_alphanumeric() || matches!(c, '.' | '-' | '_' | ' ') { c } else { '_' };
@@ -140,7 +141,7 @@ fn file_name(path: Option<&Path>) -> String {
     if name.is_empty() { "model".to_owned() } else { name.to_owned() }
 }
 
-/// Adds a number to a name that is taken.
+/// Puts a number in front of a name that is already used.
 fn make_distinct(name: &mut String, names: &mut HashSet<String>) {
     let first = name.clone();
     let mut number = 1;

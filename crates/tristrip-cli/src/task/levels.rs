@@ -21,13 +21,13 @@ pub(crate) struct LevelTask {
     pub(crate) options: StripifyOptions,
     pub(crate) budget: Option<Duration>,
     pub(crate) model: ModelKind,
-    /// The ratio of triangles that the base mesh keeps.
+    /// The fraction of the triangles that the base mesh keeps.
     pub(crate) base: Ratio,
     pub(crate) price: Price,
     pub(crate) goal: LevelGoal,
-    /// The view in which the error of the level is reported.
+    /// The view for which the error of the level is reported.
     pub(crate) view: Option<View>,
-    /// The camera of which the view is drawn instead of a level, and what detail it needs.
+    /// The camera whose view is drawn instead of a level, with the detail criteria of the view.
     pub(crate) camera: Option<(Camera, ViewCriteria)>,
     pub(crate) filter: DisplayFilter,
     /// The effort of [`DisplayFilter::Repair`].
@@ -40,7 +40,7 @@ pub(crate) struct ChainTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: chain::Options,
     pub(crate) budget: Option<Duration>,
-    /// Whether a part may be written as a list: not if the user chose a layout.
+    /// Whether a part may be written as a list. False if the user chose a layout.
     pub(crate) list: bool,
 }
 
@@ -64,13 +64,13 @@ impl LevelTask {
 pub(super) fn level_task(mut args: LevelArgs) -> Result<LevelTask, String> {
     let model = args.model.unwrap_or(ModelKind::Progressive);
     if model == ModelKind::ProgressiveMesh {
-        // It has no strips: in any other layout, each triangle would be one.
+        // This model has no strips: in any other layout, each triangle would be a strip.
         args.output.layout = args.output.layout.or(Some(Layout::List));
     }
     let view = view(&args)?;
     let goal = level_goal(&args, view);
-    // Goals may need any level; a level is a number within a range that is not too coarse to look
-    // at.
+    // A goal can need any level. A level number refers to a range whose coarsest level still
+    // resembles the model.
     let base = match goal {
         LevelGoal::Level(_) => Ratio::new(0.05),
         _ => Some(Ratio::ZERO),
@@ -158,21 +158,21 @@ pub(super) fn build_lod_task(args: BuildLodArgs) -> Result<BuildLodTask, String>
     let options = method.validate()?;
     if options.weld {
         return Err(
-            "--weld does not fit build-lod: the file holds the vertices of the mesh as they are".into()
+            "--weld cannot be used with build-lod: the file stores the vertices of the mesh unchanged".into(),
         );
     }
-    let input = inputs(vec![input], from.from)?.into_iter().next().ok_or("an input is needed")?;
+    let input = inputs(vec![input], from.from)?.into_iter().next().ok_or("found no input, expected one")?;
     let budget = method.budget();
     Ok(BuildLodTask { input, output, options, budget, order })
 }
 
-/// Returns the filter of a model: models that store strips by themselves have none.
+/// Returns the filter of a model. Models that store their own strips have none.
 fn display_filter(model: ModelKind, filter: Option<DisplayFilter>) -> Result<DisplayFilter, String> {
     match (model, filter) {
         (ModelKind::Progressive | ModelKind::Naive, filter) => Ok(filter.unwrap_or_default()),
         (_, None | Some(DisplayFilter::None)) => Ok(DisplayFilter::None),
         (model, Some(filter)) => {
-            Err(format!("--filter {filter} belongs to --model progressive and naive: {model} has none"))
+            Err(format!("--filter {filter} applies to --model progressive and naive, not to {model}"))
         }
     }
 }
@@ -181,7 +181,7 @@ fn display_filter(model: ModelKind, filter: Option<DisplayFilter>) -> Result<Dis
 fn filter_effort(effort: Option<Effort>, filter: DisplayFilter) -> Result<Effort, String> {
     match effort {
         Some(_) if filter != DisplayFilter::Repair => {
-            Err(format!("--filter-effort belongs to --filter repair, not to {filter}"))
+            Err(format!("--filter-effort applies to --filter repair, not to {filter}"))
         }
         effort => Ok(effort.unwrap_or_default()),
     }

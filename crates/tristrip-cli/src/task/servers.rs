@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use tristrip_io::Format;
+use tristrip_pipeline::text::counted;
 use tristrip_serve::{Limits, PackingOptions, ServerOptions};
 
 use crate::args::{LogFormat, ServeArgs, ViewArgs};
@@ -20,15 +21,16 @@ pub(crate) struct ServeTask {
 pub(crate) struct ViewTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: ServerOptions,
-    /// Whether the browser is opened.
+    /// Whether to open the browser.
     pub(crate) opens: bool,
 }
 
 pub(super) fn serve_task(args: ServeArgs) -> Result<ServeTask, String> {
     let ServeArgs { directory, listen, packing, limits, log } = args;
-    let ByteCount(header_bytes) = limits.header_bytes;
-    let header_bytes = usize::try_from(header_bytes).ok().filter(|bytes| (8192..=1 << 24).contains(bytes));
-    let header_bytes = header_bytes.ok_or("--header-bytes: expected 8K to 16M")?;
+    let ByteCount(found) = limits.header_bytes;
+    let header_bytes = usize::try_from(found).ok().filter(|bytes| (8192..=1 << 24).contains(bytes));
+    let out_of_range = || format!("--header-bytes: found {}, expected 8K to 16M", counted(found, "byte"));
+    let header_bytes = header_bytes.ok_or_else(out_of_range)?;
     let times = [
         ("--header-time", limits.header_time),
         ("--stall-time", limits.stall_time),
@@ -36,7 +38,7 @@ pub(super) fn serve_task(args: ServeArgs) -> Result<ServeTask, String> {
         ("--wait-time", limits.wait_time),
     ];
     if let Some((flag, _)) = times.iter().find(|(_, time)| time.is_zero()) {
-        return Err(format!("{flag}: expected more than 0 seconds"));
+        return Err(format!("{flag}: found 0 seconds, expected more"));
     }
     let [ByteCount(largest_input), ByteCount(cache_bytes)] = [packing.largest_input, packing.cache_bytes];
     let mut packing_options = PackingOptions::default()
@@ -72,7 +74,7 @@ pub(super) fn serve_task(args: ServeArgs) -> Result<ServeTask, String> {
 
 pub(super) fn view_task(args: ViewArgs) -> Result<ViewTask, String> {
     let inputs = inputs(args.models, args.from.from)?;
-    // As for `pack` into a file of memory.
+    // As for `pack`, with an output in memory.
     let jobs =
         inputs.into_iter().map(|input| Job { output: Some(Output::in_memory(Format::Glb)), input }).collect();
     let options = ServerOptions::default()

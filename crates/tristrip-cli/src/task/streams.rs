@@ -28,7 +28,7 @@ pub(crate) struct UnpackTask {
 #[derive(Debug)]
 pub(crate) struct InspectTask {
     pub(crate) inputs: Vec<Input>,
-    /// Whether to print a row for each chunk.
+    /// Whether to print one row per chunk.
     pub(crate) chunks: bool,
     /// The SVG file to write.
     pub(crate) plot: Option<PathBuf>,
@@ -63,7 +63,7 @@ pub(super) fn unpack_task(args: UnpackArgs) -> Result<UnpackTask, String> {
     let verify = !args.target.no_verify;
     let output = OutputArgs { target: args.target, layout: Some(Layout::List) };
     let jobs = jobs_to(inputs(vec![args.input], None)?, &output, None)?;
-    let job = jobs.into_iter().next().ok_or("an input is needed")?;
+    let job = jobs.into_iter().next().ok_or("found no input, expected one")?;
     Ok(UnpackTask { job, goal, verify })
 }
 

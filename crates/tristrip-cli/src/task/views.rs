@@ -1,4 +1,4 @@
-//! The detail that a view needs.
+//! The detail criteria of a view.
 
 use tristrip::lod::{Foveation, ViewCriteria};
 
@@ -6,7 +6,7 @@ use super::checks::of_flag;
 use crate::args::CriteriaArgs;
 use crate::values::{Amount as Count, VectorArg};
 
-/// Checks an allowed error in pixels.
+/// Checks the allowed error in pixels.
 pub(super) fn checked_pixels(pixels: f32) -> Result<f32, String> {
     if pixels.is_finite() && pixels >= 0.0 {
         return Ok(pixels);
@@ -14,7 +14,7 @@ pub(super) fn checked_pixels(pixels: f32) -> Result<f32, String> {
     Err(format!("--pixels: found {pixels}, expected a finite number of at least 0"))
 }
 
-/// Returns what detail a view needs, without a limit of steps.
+/// Builds the detail criteria of a view, without a step limit.
 pub(super) fn view_criteria(
     pixels: f32,
     triangles: Option<Count>,

@@ -1,4 +1,4 @@
-//! Numbers of bytes and bits per second with a unit: values of the flags of `serve` and `view`.
+//! Byte counts and bit rates with a unit: values of the flags of `serve` and `view`.
 
 use std::str::FromStr;
 
@@ -25,7 +25,7 @@ impl FromStr for BitRate {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let units = [('k', 1_000), ('M', 1_000_000), ('G', 1_000_000_000)];
-        // Slower than this a page of text would take minutes.
+        // At a lower rate, a page of text would take minutes.
         let rate = scaled(text, &units).filter(|rate| *rate >= 1000).map(Self);
         rate.ok_or_else(|| {
             format!("found `{text}`, expected at least 1000 bits per second, such as 500k or 5M")
@@ -33,7 +33,7 @@ impl FromStr for BitRate {
     }
 }
 
-/// Returns a whole number with a unit behind it, or none.
+/// Parses an integer with an optional unit suffix.
 fn scaled(text: &str, units: &[(char, u64)]) -> Option<u64> {
     let unit = units.iter().find_map(|&(unit, factor)| Some((text.strip_suffix(unit)?, factor)));
     let (digits, factor) = unit.unwrap_or((text, 1));

@@ -41,7 +41,7 @@ fn each_model_has_a_table() {
         .success()
         .stdout(contains("fish_control.ply: 220 triangles\nmethod "))
         .stdout(contains("catmark_bishop.ply: 1,804 triangles\nmethod "))
-        .stdout(contains("stripe-global:patches=full").and(contains("* best of its column")));
+        .stdout(contains("stripe-global:patches=full").and(contains("* best in its column")));
     tristrip()
         .args(["compare", "--markdown"])
         .arg(model("fish_control.ply"))

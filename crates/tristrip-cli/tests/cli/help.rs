@@ -46,6 +46,19 @@ fn every_help_is_short_and_explains_what_is_left_out() {
     }
 }
 
+/// Returns the help of a subcommand in one line.
+fn long_help(subcommand: &str) -> String {
+    text(&[subcommand, "--help"]).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn help_offers_what_a_command_accepts_and_shows_what_it_needs() {
+    // `build-lod` refuses --weld, and `convert` needs -o.
+    assert!(!long_help("build-lod").contains("--weld") && long_help("strip").contains("--weld"));
+    assert!(long_help("convert").contains("[OPTIONS] --output <OUTPUT> <INPUT>..."));
+    assert!(long_help("strip").contains("[OPTIONS] <INPUT>..."));
+}
+
 #[test]
 fn commands_are_listed_by_task() {
     let help = text(&["-h"]);

@@ -67,8 +67,8 @@ fn a_level_is_selected_by_what_it_has_to_reach() {
     let limited = lod("hand.ply", &["--triangles", "200", "--base", "10%"]);
     assert_eq!((number(&limited, "level"), &limited["triangles"]), (0, &limited["triangles_base"]));
     let notes = |report: &Value| report["notes"].to_string();
-    assert!(notes(&limited).contains("200 triangles asked for"), "{limited}");
-    assert!(!notes(&few).contains("asked for"));
+    assert!(notes(&limited).contains("requested 200 triangles, but the base mesh has"), "{limited}");
+    assert!(!notes(&few).contains("requested"));
     let error = |report: &Value| report["surface_error"].as_f64().unwrap();
     let of_error = lod("hand.ply", &["--error", "0.2%"]);
     assert!(
@@ -235,7 +235,7 @@ fn every_level_model_draws_the_level() {
     }
     let filtered = ["level", "--model", "sets", "--filter", "dtfs"];
     let refused = tristrip().args(filtered).arg(model("hand.ply")).assert().code(2);
-    refused.stderr(contains("--filter dtfs belongs to --model progressive and naive"));
+    refused.stderr(contains("--filter dtfs applies to --model progressive and naive, not to sets"));
     tristrip()
         .args(["level", "--model", "sets", "--filter", "none"])
         .arg(model("hand.ply"))

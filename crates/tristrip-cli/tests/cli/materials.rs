@@ -90,7 +90,10 @@ fn an_obj_takes_its_library_and_images_along() {
     assert_eq!(document(&glb)["images"].as_array().map(Vec::len), Some(1));
     // A file of other content stays.
     fs::write(to.path().join("mats/box.mtl"), "mine").unwrap();
-    run().assert().success().stderr(contains("box.mtl exists with other content and was not replaced"));
+    let kept = "box.mtl exists with other content and was not replaced";
+    run().assert().success().stderr(contains(kept));
+    let notes = json(run().arg("--json"))["notes"].to_string();
+    assert!(notes.contains(kept), "{notes}");
     assert_eq!(fs::read_to_string(to.path().join("mats/box.mtl")).unwrap(), "mine");
 }
 

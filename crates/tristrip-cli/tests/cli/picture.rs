@@ -51,7 +51,7 @@ fn a_picture_is_a_png_of_one_input() {
     };
     refused(&["--picture", "strips.jpg"], "--picture writes PNG; use the extension .png");
     let again = fish.display().to_string();
-    refused(&["--picture", "strips.png", &again], "--picture takes one input");
+    refused(&["--picture", "strips.png", &again], "--picture: found 2 inputs, expected one");
     let mut command = tristrip();
     command.args(["strip", "--picture", "/nonexistent/strips.png"]).arg(&fish);
     command.assert().code(1).stderr(contains("/nonexistent/strips.png"));

@@ -140,6 +140,29 @@ fn a_file_that_is_cut_off_gives_a_warning() {
     tristrip().arg("unpack").arg(&path).assert().code(1).stderr(contains("the file"));
 }
 
+/// Regression: notes about images that cannot be embedded were neither printed nor reported.
+#[test]
+fn missing_images_are_noted_when_a_level_is_unpacked() {
+    let dir = tempfile::tempdir().unwrap();
+    let (gltf, glb) = (dir.path().join("fish.gltf"), dir.path().join("fish.glb"));
+    let fish = model("fish_control.ply");
+    tristrip().args(["convert", "-q"]).arg(fish).arg("-o").arg(&gltf).assert().success();
+    let json_text = fs::read_to_string(&gltf).unwrap();
+    let images = r#"{"images":[{"uri":"none.png"}],"textures":[{"source":0}],"#;
+    fs::write(&gltf, json_text.replacen('{', images, 1)).unwrap();
+    tristrip().args(["pack", "-q"]).arg(&gltf).arg("-o").arg(&glb).assert().success();
+    let out = dir.path().join("level.glb");
+    let missing = "images that the file only refers to: 1, such as ";
+    let unpack = || {
+        let mut unpack = tristrip();
+        unpack.arg("unpack").arg(&glb).arg("-o").arg(&out);
+        unpack
+    };
+    let notes = json(unpack().arg("--json"))["notes"].to_string();
+    assert!(notes.contains(missing), "{notes}");
+    unpack().assert().success().stderr(contains(missing));
+}
+
 #[test]
 fn chunks_and_costs_are_shown() {
     let dir = tempfile::tempdir().unwrap();
@@ -169,7 +192,7 @@ fn chunks_and_costs_are_shown() {
     let bytes = report["base_bytes"].as_f64().unwrap() + report["chunk_bytes"].as_f64().unwrap();
     assert!((bits - 8.0 * bytes).abs() < 8.0, "{bits}, {bytes}");
     assert!(fs::read_to_string(&plot).unwrap().contains("Error against bytes: fish_control.glb"));
-    let table = contains("marks").and(contains("ends at byte")).and(contains("the whole file"));
+    let table = contains("marks").and(contains("ends at byte")).and(contains("whole file"));
     tristrip().args(["inspect", "--chunks"]).arg(&path).assert().success().stdout(table);
 }
 
@@ -179,7 +202,12 @@ fn wrong_inputs_and_usage_are_refused() {
     let obj = dir.path().join("square.obj");
     fs::write(&obj, SQUARE).unwrap();
     for command in ["unpack", "inspect"] {
-        tristrip().arg(command).arg(&obj).assert().code(1).stderr(contains("no progressive GLB"));
+        tristrip()
+            .arg(command)
+            .arg(&obj)
+            .assert()
+            .code(1)
+            .stderr(contains("expected a progressive GLB from `pack`"));
         tristrip().arg(command).arg(dir.path()).assert().code(1);
         tristrip().arg(command).arg(dir.path().join("none.glb")).assert().code(1);
     }

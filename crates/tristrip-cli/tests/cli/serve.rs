@@ -261,11 +261,11 @@ fn models_are_viewed_from_memory() {
     assert!(server.get("/files/2-a.glb") == ("200".into(), bytes.clone()));
     assert_eq!(server.get("/").0, "200");
     drop(server);
-    // So is one that is cut off.
+    // So is a truncated one.
     let start = bytes.len() - 100;
     fs::write(path, &bytes[..start]).unwrap();
     let server = Server::start(&["view", "--no-open", path]);
-    assert!(server.report["notes"][0].as_str().unwrap().starts_with("the file is cut off"));
+    assert!(server.report["notes"][0].as_str().unwrap().starts_with("the file is truncated: it contains "));
     assert!(server.get("/files/a.glb") == ("200".into(), bytes[..start].to_vec()));
 }
 
@@ -285,8 +285,10 @@ fn bad_folders_ports_and_flags_are_refused() {
     serve(&["--tls-certificate", "none.pem", "--tls-key", "none.pem"]).code(1).stderr(contains("none.pem"));
     serve(&["--cors", "example.org"]).code(1).stderr(contains("cors: found example.org"));
     serve(&["--bandwidth", "5"]).code(2);
-    serve(&["--header-bytes", "1"]).code(2).stderr(contains("--header-bytes"));
-    serve(&["--wait-time", "0s"]).code(2).stderr(contains("--wait-time"));
+    serve(&["--header-bytes", "1"])
+        .code(2)
+        .stderr(contains("--header-bytes: found 1 byte, expected 8K to 16M"));
+    serve(&["--wait-time", "0s"]).code(2).stderr(contains("--wait-time: found 0 seconds, expected more"));
     serve(&["--stall-time", "0s"]).code(2).stderr(contains("--stall-time"));
     serve(&["--packings", "0"]).code(2);
     tristrip().arg("serve").assert().code(2);
