@@ -1,4 +1,4 @@
-//! Compiles the crate again when a file of the viewer is added, which the compiler does not see by itself.
+//! Rebuilds the crate when a file of the viewer is added; the compiler does not notice this itself.
 
 #![allow(clippy::print_stdout, reason = "the way to tell Cargo")]
 
@@ -7,7 +7,7 @@ use std::path::Path;
 fn main() {
     for name in ["index.html", "viewer", "src", "three", "webgl"] {
         let path = Path::new("../../web").join(name);
-        // A path that does not exist would always count as changed.
+        // Cargo treats a missing path as always changed.
         if path.exists() {
             println!("cargo::rerun-if-changed={}", path.display());
         }

@@ -1,4 +1,5 @@
-//! What a connection does: how many responses it waits for or sends, and when it last got on. So connections that only take space are found.
+//! The activity of a connection: the number of its requests and responses, and the time of its last
+//! progress. The server uses it to find and close connections that only occupy resources.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -10,51 +11,53 @@ use crate::bytes_source::PIECE_BYTES;
 use crate::options::Limits;
 use crate::streams::StreamEnd;
 
-/// The bytes that each body of a connection could have given while one waits, had they taken turns: then its client leaves that one alone. With fewer, it may only share what a slow
-/// network takes.
+/// If each body of a connection could have sent this many bytes in turn while one body waits, the
+/// client is not reading that body. With fewer bytes, the bodies may only share a slow network.
 const TURNS_BYTES: u64 = 2 * PIECE_BYTES as u64;
-/// How many times as long as a connection that gets on nowhere one body may wait for its client in any case.
+/// The maximum time that one body may wait for its client, as a multiple of the stall time.
 const BODY_PATIENCE: u32 = 4;
 
-/// A body of a connection, and since when it waits for its client.
+/// A response body of a connection, with the time since which it waits for its client.
 #[derive(Debug, Clone)]
 pub(crate) struct OpenBody(Arc<BodyState>);
 
 #[derive(Debug)]
 struct BodyState {
-    /// The milliseconds after the start of the connection at which the body gave its last bytes; `NONE` while the server looks for more.
+    /// The time at which the body sent its last bytes, in milliseconds since the start of the
+    /// connection; `NONE` while the server prepares more bytes.
     since: AtomicU64,
-    /// The share that each body could have given by then.
+    /// The value of `share` of the connection at that time.
     share: AtomicU64,
-    /// `None` once it is used, and for HTTP/1.1.
+    /// `None` once it has been used, and for HTTP/1.1.
     end: Mutex<Option<StreamEnd>>,
 }
 
 impl OpenBody {
     const NONE: u64 = u64::MAX;
 
-    /// Notes that the client takes more.
+    /// Records that the client is ready for more bytes.
     pub(crate) fn is_asked(&self) {
         self.0.since.store(Self::NONE, Ordering::Relaxed);
     }
 
-    /// Returns how long the body waits for its client.
+    /// Returns how long the body has been waiting for its client.
     fn wait(&self, now: u64) -> Duration {
         Duration::from_millis(now.saturating_sub(self.0.since.load(Ordering::Relaxed)))
     }
 }
 
-/// The state of a connection, which its requests share.
+/// The state of a connection, shared by its requests.
 #[derive(Debug)]
 pub(crate) struct Activity {
     start: Instant,
-    /// Requests whose responses have not ended.
+    /// The number of requests that have no response yet.
     requests: AtomicUsize,
-    /// The bodies that have begun and not ended.
+    /// The bodies that have begun but not ended.
     bodies: Mutex<Vec<OpenBody>>,
-    /// The bytes that each of them could have given so far: what they have given, divided by how many they were at that time.
+    /// The bytes that each body could have sent so far: the bytes that were sent, divided by the
+    /// number of bodies at that time.
     share: AtomicU64,
-    /// The milliseconds after the start at which something last happened.
+    /// The time of the last progress, in milliseconds since the start.
     last: AtomicU64,
     has_served: AtomicBool,
     is_http2: AtomicBool,
@@ -63,11 +66,11 @@ pub(crate) struct Activity {
 /// Why a connection is closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Overdue {
-    /// It has sent no whole head of a request.
+    /// It has not sent a complete request head.
     Header,
-    /// It has been without a request.
+    /// It has had no request.
     Idle,
-    /// It reads nothing of what is sent.
+    /// It does not read what is sent.
     Stalled,
 }
 
@@ -94,7 +97,7 @@ impl Activity {
         }
     }
 
-    /// Notes a request.
+    /// Records the start of a request.
     pub(crate) fn request_begins(&self, is_http2: bool) {
         self.requests.fetch_add(1, Ordering::Relaxed);
         self.has_served.store(true, Ordering::Relaxed);
@@ -102,13 +105,13 @@ impl Activity {
         self.progress();
     }
 
-    /// Notes that a request has its response, or lost its client.
+    /// Records that a request has its response, or that its client has left.
     pub(crate) fn request_ends(&self) {
         self.requests.fetch_sub(1, Ordering::Relaxed);
         self.progress();
     }
 
-    /// Notes a body, which waits for its client from now on, and the stream that it is sent by.
+    /// Records a body that waits for its client from now on, with the stream that sends it.
     pub(crate) fn body_begins(&self, end: Option<StreamEnd>) -> OpenBody {
         let (since, share) = (AtomicU64::new(self.now()), AtomicU64::new(self.share.load(Ordering::Relaxed)));
         let body = OpenBody(Arc::new(BodyState { since, share, end: Mutex::new(end) }));
@@ -117,7 +120,7 @@ impl Activity {
         body
     }
 
-    /// Notes that a body has given bytes, and that the client may take long until it takes more.
+    /// Records that a body has sent bytes and now waits for its client.
     pub(crate) fn body_gives(&self, body: &OpenBody, bytes: u64) {
         let share = bytes / self.bodies().len().max(1) as u64;
         let all = self.share.fetch_add(share, Ordering::Relaxed) + share;
@@ -135,7 +138,8 @@ impl Activity {
         self.bodies.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Ends the streams whose clients have taken nothing of them for the given time, although they took enough of others; returns how many.
+    /// Ends the streams that their client has not read for the stall time although it has read
+    /// enough of other streams. Returns how many were ended.
     pub(crate) fn end_stalled_streams(&self, limits: &Limits) -> usize {
         let (now, share) = (self.now(), self.share.load(Ordering::Relaxed));
         let bodies = self.bodies();
@@ -150,25 +154,26 @@ impl Activity {
         ends.len()
     }
 
-    /// Returns the milliseconds since the start.
+    /// Returns the time in milliseconds since the start.
     pub(crate) fn now(&self) -> u64 {
         self.start.elapsed().as_millis() as u64
     }
 
-    /// Notes that bytes were taken.
+    /// Records progress.
     pub(crate) fn progress(&self) {
         self.last.store(self.now(), Ordering::Relaxed);
     }
 
-    /// Returns why the connection should be closed now, if it should.
+    /// Returns why the connection must be closed now, or `None` if it can stay open.
     ///
-    /// A client of HTTP/1.1 that reads nothing is found by its socket, one of HTTP/2 here: its streams wait for it while the socket does not.
+    /// A stalled HTTP/1.1 client is detected at its socket. A stalled HTTP/2 client is detected
+    /// here: its streams wait while its socket does not.
     pub(crate) fn overdue(&self, limits: &Limits) -> Option<Overdue> {
         let now = self.now();
         let since = Duration::from_millis(now.saturating_sub(self.last.load(Ordering::Relaxed)));
         let bodies = self.bodies();
         if !bodies.is_empty() {
-            // A body that waits for the server says nothing of its client.
+            // A body that waits for the server does not show that its client has stalled.
             let stalls = self.is_http2.load(Ordering::Relaxed)
                 && since >= limits.stall_time
                 && bodies.iter().all(|body| body.wait(now) >= limits.stall_time);

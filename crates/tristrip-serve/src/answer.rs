@@ -1,4 +1,5 @@
-//! What happens to every request around its route: checks of name and method, CORS, headers that all responses have, and the log.
+//! The steps around the route of every request: checks of host name and method, CORS, common
+//! response headers, and the log.
 //!
 //! ```text
 //! request ─▶ host? ─▶ method? ─▶ HEAD becomes GET ─▶ CORS ─▶ routes ─▶ headers ─▶ body: paced, counted, logged; none for HEAD
@@ -32,11 +33,13 @@ use crate::replies::text;
 use crate::response_body::{Pace, Record, ResponseBody};
 use crate::site::route_name;
 
-/// What the page may load: files of this server, and what it makes itself. Models are not run as pages.
+/// The content security policy of the viewer page: it may load files of this server and data that
+/// it creates itself.
 const PAGE_POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; connect-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+/// The content security policy of files: a browser does not run models as pages.
 const FILE_POLICY: &str = "default-src 'none'; sandbox";
 
-/// Answers requests of all connections.
+/// Answers the requests of all connections.
 #[derive(Debug, Clone)]
 pub(crate) struct Answerer {
     routes: Router,
@@ -44,7 +47,7 @@ pub(crate) struct Answerer {
     has_cors: bool,
     bandwidth: Option<u64>,
     limits: Arc<Limits>,
-    /// The responses of each client that have not ended.
+    /// The unfinished responses of each client.
     responses: Arc<Clients>,
     metrics: Arc<ServerMetrics>,
 }
@@ -82,16 +85,16 @@ impl Answerer {
         let place = self.responses.enter(client, &self.limits);
         let mut response = match place {
             Ok(_) => self.route(request).await,
-            Err(_) => text(StatusCode::SERVICE_UNAVAILABLE, "too many requests at once"),
+            Err(_) => text(StatusCode::SERVICE_UNAVAILABLE, "too many requests at once; try again later"),
         };
         set_headers(route, response.headers_mut());
-        // Names may have letters that turn the text of a terminal around, or control it.
+        // Names can contain characters that control a terminal or reverse its text direction.
         let path = utf8_percent_encode(&path, CONTROLS).to_string();
         let record =
             Record { method: method.clone(), path, route, status: response.status(), client, started };
         let pace = self.bandwidth.map(Pace::new);
         Ok(response.map(|body| {
-            // A response to HEAD has the headers of one to GET.
+            // A response to HEAD has the headers of a response to GET.
             let body = if method == Method::HEAD { Body::empty() } else { body };
             ResponseBody::new(body, pace, record, self.metrics, activity, place.ok())
         }))
@@ -99,28 +102,27 @@ impl Answerer {
 
     async fn route(&self, request: Request<Incoming>) -> Response {
         if !self.hosts.allow(request.uri(), request.headers()) {
-            return text(
-                StatusCode::FORBIDDEN,
-                "this server answers only to names of this machine; --host adds others",
-            );
+            return text(StatusCode::FORBIDDEN, "unknown host name; allow it with --host");
         }
         let method = request.method().clone();
         let is_known =
             [Method::GET, Method::HEAD].contains(&method) || self.has_cors && method == Method::OPTIONS;
         if !is_known {
-            let mut response = text(StatusCode::METHOD_NOT_ALLOWED, "only GET and HEAD");
+            let mut response =
+                text(StatusCode::METHOD_NOT_ALLOWED, &format!("found method {method}, expected GET or HEAD"));
             response.headers_mut().insert(ALLOW, HeaderValue::from_static("GET, HEAD"));
             return response;
         }
-        // Lengths in two ways are how one request is hidden in another behind a proxy; GET has no body to send in chunks.
+        // Two different lengths can hide one request inside another behind a proxy (request
+        // smuggling). GET has no body that would need chunks.
         if request.headers().contains_key(TRANSFER_ENCODING) {
-            return text(StatusCode::BAD_REQUEST, "a request has no body");
+            return text(StatusCode::BAD_REQUEST, "found a request with Transfer-Encoding, expected no body");
         }
-        // Bodies of requests are not read.
+        // Request bodies are not read.
         let (mut parts, _) = request.into_parts();
         if method == Method::HEAD {
             parts.method = Method::GET;
-            // Ranges are those of GET alone.
+            // Ranges are defined for GET only.
             parts.headers.remove(RANGE);
         }
         match self.routes.clone().oneshot(Request::from_parts(parts, Body::empty())).await {
@@ -130,7 +132,7 @@ impl Answerer {
     }
 }
 
-/// A request that has no response yet; also if its client leaves.
+/// A request without a response. Dropping it ends the request, even if the client leaves early.
 struct Running(Arc<Activity>);
 
 impl Running {

@@ -1,4 +1,5 @@
-//! The viewer: the bundle in the folder `dist`, in the binary, each file compressed once when it is first asked for.
+//! The viewer: the files of the directory `dist`, embedded in the binary. Each file is compressed
+//! once, at its first request.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -16,15 +17,15 @@ use crate::bytes_source::BytesSource;
 use crate::media::{is_compressible, media_type};
 use crate::replies::Resource;
 
-/// The files that the browser loads. `npm run build` in `web` makes them of the sources beside them.
+/// The files that the browser loads. `npm run build` in `web` builds them from the sources.
 #[derive(RustEmbed)]
 #[folder = "$CARGO_MANIFEST_DIR/dist"]
 struct Files;
 
-/// Files below this size are sent as they are.
+/// Smaller files are sent uncompressed.
 const FEWEST_BYTES: usize = 1024;
 
-/// How the bytes of a file are encoded.
+/// The content encoding of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Encoding {
     Identity,
@@ -64,14 +65,14 @@ impl Encoding {
     }
 }
 
-/// The files of the viewer, and their compressed versions so far.
+/// The files of the viewer with the compressed versions created so far.
 #[derive(Debug, Default)]
 pub(crate) struct Assets {
     compressed: Mutex<HashMap<(String, Encoding), Bytes>>,
 }
 
 impl Assets {
-    /// Answers a request for a file; `None` if there is none of this name.
+    /// Answers a request for a file; returns `None` if no file has this name.
     pub(crate) async fn reply(self: &Arc<Self>, name: &str, request: &HeaderMap) -> Option<Response> {
         let file = Files::get(name)?;
         let media_type = media_type(name);
@@ -100,7 +101,7 @@ impl Assets {
     }
 }
 
-/// Compresses bytes in memory, which does not fail.
+/// Compresses bytes in memory. Returns `None` if an encoder fails, which does not happen in memory.
 fn compress(bytes: &[u8], encoding: Encoding) -> Option<Vec<u8>> {
     match encoding {
         Encoding::Identity => Some(bytes.to_vec()),
@@ -120,7 +121,7 @@ fn compress(bytes: &[u8], encoding: Encoding) -> Option<Vec<u8>> {
     }
 }
 
-/// Returns whether the viewer has such a file.
+/// Returns whether the viewer has a file of this name.
 pub(crate) fn has(name: &str) -> bool {
     Files::get(name).is_some()
 }

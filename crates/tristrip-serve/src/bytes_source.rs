@@ -1,4 +1,5 @@
-//! Bytes that are sent: in memory, or in a file that is read in small pieces, so that a client takes little memory however large its file is.
+//! The bytes of a response: in memory, or in a file that is read in small pieces. The memory per
+//! client therefore does not depend on the file size.
 
 use std::fs::File;
 use std::io;
@@ -8,14 +9,15 @@ use axum::body::Body;
 use bytes::Bytes;
 use futures_util::stream::{iter, try_unfold};
 
-/// The bytes that are read from a file at once; a file of at most so many bytes is read when it is opened.
+/// The size of the pieces that are read from a file. A file of at most this size is read when it is
+/// opened.
 pub(crate) const PIECE_BYTES: usize = 64 << 10;
 
-/// Where the bytes of a response are.
+/// The source of the bytes of a response.
 #[derive(Debug, Clone)]
 pub(crate) enum BytesSource {
     Memory(Bytes),
-    /// So many bytes of a file from an offset on.
+    /// A byte range of a file.
     File {
         file: Arc<File>,
         offset: u64,
@@ -24,7 +26,7 @@ pub(crate) enum BytesSource {
 }
 
 impl BytesSource {
-    /// Takes the bytes of a file; short ones are read here. It may block.
+    /// Creates a source from a byte range of a file. Short ranges are read immediately. May block.
     pub(crate) fn of_file(file: File, offset: u64, length: u64) -> io::Result<Self> {
         if length > PIECE_BYTES as u64 {
             return Ok(Self::File { file: Arc::new(file), offset, length });
@@ -39,7 +41,8 @@ impl BytesSource {
         }
     }
 
-    /// Returns a body of a part of the bytes, which lies within them. A file that has become shorter ends the body with an error, and so the connection.
+    /// Returns a body with a part of the bytes; the part must lie within them. If the file has
+    /// become shorter, the body ends with an error, which closes the connection.
     pub(crate) fn body(&self, start: u64, length: u64) -> Body {
         match self {
             Self::Memory(bytes) => in_pieces(bytes.slice(start as usize..(start + length) as usize)),
@@ -71,7 +74,8 @@ impl BytesSource {
     }
 }
 
-/// Returns a body that lasts as long as its client reads: a connection whose bodies have all been given away counts as idle, however much of them is still to be sent.
+/// Returns a body in pieces, which lasts as long as its client reads. A connection counts as idle
+/// once all of its bodies are handed to the socket, even if most bytes are not sent yet.
 fn in_pieces(mut bytes: Bytes) -> Body {
     if bytes.len() <= PIECE_BYTES {
         return Body::from(bytes);
@@ -82,7 +86,7 @@ fn in_pieces(mut bytes: Bytes) -> Body {
     })))
 }
 
-/// Reads the next piece on a thread that may block.
+/// Reads the next piece on a blocking thread.
 async fn read_piece(file: Arc<File>, at: u64, end: u64) -> io::Result<(Arc<File>, Bytes)> {
     let read = tokio::task::spawn_blocking(move || {
         let mut piece = vec![0; (end - at).min(PIECE_BYTES as u64) as usize];
@@ -109,7 +113,7 @@ fn read_exact_at(file: &File, offset: u64, length: usize) -> io::Result<Vec<u8>>
     Ok(bytes)
 }
 
-/// Reads bytes at an offset without moving the position of the file, which responses share.
+/// Reads bytes at an offset. The file position does not move: responses share the file.
 pub(crate) fn read_at(file: &File, buffer: &mut [u8], offset: u64) -> io::Result<usize> {
     loop {
         #[cfg(unix)]

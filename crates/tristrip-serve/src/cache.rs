@@ -1,16 +1,20 @@
-//! Files that took time to make, in a folder of bounded size. A server that is killed while it writes one leaves the others as they are.
+//! A cache of packed files and thumbnails in a directory of limited size. If a server is killed
+//! while it writes a file, the other files stay valid.
 //!
 //! ```text
-//! KEY.cached:  "TRISTRIP" │ version │ CRC-32 of the bytes │ their length │ the bytes
+//! KEY.cached:  "TRISTRIP" │ version │ CRC-32 of the content │ length of the content │ content
 //! ```
 //!
 //! # Algorithm
-//! - Written under a temporary name, then renamed: a name leads to a whole file or to none. The writer locks its temporary file; one that nobody locks was left behind
-//!   by a process that was killed, and is removed when a server starts.
-//! - Opened: head and length are compared always, the checksum once for each version of the file in a process. A damaged file is removed, and made again.
-//! - Evicted: the least recently used files, by their times of access, which the cache sets itself. A file that is being sent stays open until it is sent.
+//! - Write: files are written under a temporary name and then renamed, so a name refers to a
+//!   complete file or to none. The writer locks its temporary file. An unlocked temporary file was
+//!   left by a killed process; it is removed when a server starts.
+//! - Open: the header and the length are always checked, the checksum once per process and version
+//!   of the file. A damaged file is removed and created again.
+//! - Evict: the least recently used files are removed, by their access times, which the cache sets
+//!   itself. A file that is being sent stays open until it is sent.
 //!
-//! Several servers may share a folder.
+//! Several servers can share a directory.
 
 use std::collections::HashMap;
 use std::fs::{self, File, FileTimes, TryLockError};
@@ -31,21 +35,22 @@ const HEAD_BYTES: u64 = 24;
 const EXTENSION: &str = "cached";
 const TEMPORARY: &str = "writing";
 const PREFIX: &str = "tristrip-";
-/// The hexadecimal digits of a key.
+/// The number of hexadecimal digits of a key.
 const KEY_DIGITS: usize = 40;
 
-/// A folder of cached files.
+/// A directory of cached files.
 #[derive(Debug)]
 pub(crate) struct Cache {
     folder: PathBuf,
-    /// The folder that is removed with this value, if it is one.
+    /// The temporary directory, which is removed when the cache is dropped; `None` for a permanent
+    /// one.
     _temporary: Option<TempDir>,
     most_bytes: u64,
-    /// The files whose checksum is that of their bytes, in the version that was read.
+    /// The files whose checksum was verified, with the size and modification time at that time.
     verified: Mutex<HashMap<String, (u64, SystemTime)>>,
 }
 
-/// Bytes that were made, from the cache or not.
+/// The result of a job, from the cache or new.
 #[derive(Debug, Clone)]
 pub(crate) struct Made {
     pub(crate) source: BytesSource,
@@ -59,7 +64,8 @@ impl Made {
 }
 
 impl Cache {
-    /// Opens a folder, which is created if it does not exist, and removes what killed processes left there.
+    /// Opens a directory and removes temporary files of killed processes. The directory is created
+    /// if it does not exist.
     pub(crate) fn open(folder: &Path, most_bytes: u64) -> Result<Self, Error> {
         let failed = |source| Error::io(folder, source);
         create(folder).map_err(failed)?;
@@ -67,7 +73,7 @@ impl Cache {
             return Err(Error::Parameter {
                 name: "cache",
                 found: folder.display().to_string(),
-                expected: "a folder of this user that other users cannot write to",
+                expected: "a directory that this user owns and others cannot write to",
             });
         }
         for path in files(folder, is_temporary).map_err(failed)? {
@@ -83,7 +89,7 @@ impl Cache {
         Ok(cache)
     }
 
-    /// Opens a new folder that only this user can read, and that ends with the cache.
+    /// Opens a new directory that only this user can read. It is removed with the cache.
     pub(crate) fn temporary(most_bytes: u64) -> Result<Self, Error> {
         let made = tempfile::Builder::new().prefix(PREFIX).tempdir();
         let folder = made.map_err(|source| Error::io(&std::env::temp_dir(), source))?;
@@ -91,21 +97,22 @@ impl Cache {
         Ok(Self { _temporary: Some(folder), ..cache })
     }
 
-    /// Returns the bytes of a key, if they are there and not damaged.
+    /// Returns the bytes of a key if the cache has them and they are not damaged.
     pub(crate) fn get(&self, key: &str) -> Option<Made> {
         let path = self.path(key);
         let file = File::open(&path).ok()?;
         match self.checked(key, file) {
             Ok(made) => Some(made),
             Err(error) => {
-                tracing::warn!(key, %error, "damaged file of the cache removed");
+                tracing::warn!(key, %error, "removed a damaged cache file");
                 fs::remove_file(&path).unwrap_or_default();
                 None
             }
         }
     }
 
-    /// Keeps bytes, and returns them. What cannot be written is kept in memory as long as it is sent.
+    /// Stores bytes and returns them. If they cannot be written, they stay in memory while they are
+    /// sent.
     pub(crate) fn put(&self, key: &str, bytes: Vec<u8>) -> Made {
         let made = match self.write(key, &bytes) {
             Ok(file) => self.checked(key, file),
@@ -113,12 +120,12 @@ impl Cache {
         };
         self.evict();
         made.unwrap_or_else(|error| {
-            tracing::warn!(key, %error, "not written to the cache");
+            tracing::warn!(key, %error, "could not write to the cache");
             Made::in_memory(bytes)
         })
     }
 
-    /// Returns the bytes that all files take.
+    /// Returns the total size of all cached files in bytes.
     pub(crate) fn used_bytes(&self) -> u64 {
         let files = files(&self.folder, is_cached).unwrap_or_default();
         files.iter().filter_map(|path| fs::metadata(path).ok()).map(|metadata| metadata.len()).sum()
@@ -145,35 +152,36 @@ impl Cache {
         File::open(&path)
     }
 
-    /// Compares a file with its head.
+    /// Checks a file against its header.
     fn checked(&self, key: &str, mut file: File) -> io::Result<Made> {
         let wrong = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what.to_owned());
         let mut head = [0; HEAD_BYTES as usize];
         file.read_exact(&mut head)?;
         let (magic, rest) = head.split_at(MAGIC.len());
-        let number =
-            |at: usize| rest[at..at + 4].try_into().map(u32::from_le_bytes).map_err(|_| wrong("head"));
+        let number = |at: usize| {
+            rest[at..at + 4].try_into().map(u32::from_le_bytes).map_err(|_| wrong("wrong header"))
+        };
         let (version, checksum) = (number(0)?, number(4)?);
         let length = u64::from(number(8)?) | u64::from(number(12)?) << 32;
         let metadata = file.metadata()?;
         if magic != MAGIC || version != VERSION || metadata.len() != HEAD_BYTES.saturating_add(length) {
-            return Err(wrong("head or length"));
+            return Err(wrong("wrong header or length"));
         }
         let seen = (metadata.len(), metadata.modified()?);
         let is_verified =
             self.verified.lock().unwrap_or_else(PoisonError::into_inner).get(key) == Some(&seen);
         if !is_verified {
             if checksum_of(&file)? != checksum {
-                return Err(wrong("checksum"));
+                return Err(wrong("wrong checksum"));
             }
             self.verified.lock().unwrap_or_else(PoisonError::into_inner).insert(key.to_owned(), seen);
         }
-        // A time that cannot be set makes the file a candidate for eviction sooner.
+        // If the time cannot be set, the file is evicted sooner.
         file.set_times(FileTimes::new().set_accessed(SystemTime::now())).unwrap_or_default();
         Ok(Made { source: BytesSource::of_file(file, HEAD_BYTES, length)?, checksum })
     }
 
-    /// Removes the least recently used files until the others take few enough bytes.
+    /// Removes the least recently used files until the others fit into the size limit.
     fn evict(&self) {
         let mut found: Vec<(SystemTime, u64, PathBuf)> = files(&self.folder, is_cached)
             .unwrap_or_default()
@@ -198,7 +206,7 @@ impl Cache {
     }
 }
 
-/// Returns the checksum of the bytes behind the head.
+/// Returns the checksum of the bytes after the header.
 fn checksum_of(file: &File) -> io::Result<u32> {
     let (mut hasher, mut at, mut piece) = (crc32fast::Hasher::new(), HEAD_BYTES, vec![0; 1 << 18]);
     loop {
@@ -212,7 +220,7 @@ fn checksum_of(file: &File) -> io::Result<u32> {
     }
 }
 
-/// Creates a folder that only this user can read, if it does not exist.
+/// Creates a directory that only this user can read, if it does not exist.
 fn create(folder: &Path) -> io::Result<()> {
     let mut builder = fs::DirBuilder::new();
     #[cfg(unix)]
@@ -220,7 +228,8 @@ fn create(folder: &Path) -> io::Result<()> {
     builder.recursive(true).create(folder)
 }
 
-/// Checks that a folder belongs to this user, and that others cannot write to it: they could give clients any bytes.
+/// Checks that this user owns a directory and that others cannot write to it. Otherwise they could
+/// send any bytes to clients.
 fn is_own(folder: &Path) -> io::Result<bool> {
     #[cfg(unix)]
     {
@@ -232,7 +241,7 @@ fn is_own(folder: &Path) -> io::Result<bool> {
     fs::metadata(folder).map(|metadata| metadata.is_dir())
 }
 
-/// Returns the files of a folder whose names the cache gives.
+/// Returns the files of a directory whose names match a pattern of the cache.
 fn files(folder: &Path, is_named: fn(&str) -> bool) -> io::Result<Vec<PathBuf>> {
     let entries = fs::read_dir(folder)?.filter_map(Result::ok);
     let is_named = |entry: &fs::DirEntry| entry.file_name().to_str().is_some_and(is_named);
@@ -315,7 +324,7 @@ mod tests {
         assert!(cache.get(&key("b")).is_none());
         assert!(["a", "c", "d"].iter().all(|name| cache.get(&key(name)).is_some()));
         assert!(dir.path().join("other.cached").exists());
-        // What is larger than the cache is sent, and not kept.
+        // A result larger than the cache is sent but not stored.
         let made = cache.put(&key("e"), vec![5; 100_000]);
         assert_eq!(made.source.read().unwrap(), vec![5; 100_000]);
         assert!(cache.used_bytes() <= 3000);

@@ -1,12 +1,18 @@
-//! The list of models for the gallery, `/models.json`: what is in the folder, with sizes and numbers of triangles where they are cheap to find.
+//! The list of models for the gallery, `/models.json`: the models of the directory with their
+//! sizes, and with triangle counts where these are cheap to find.
 //!
 //! # Algorithm
-//! 1. The folder is scanned, folders in it too, within a depth and a number of files and folders. Names that no URL can have are left out.
-//! 2. Of a GLB, the head and the JSON are read. It is progressive if the JSON says so. The numbers of triangles and vertices are then in the first chunk of each mesh: the stream is
-//!    read from its start until all of them are there, without the base meshes and textures before it.
-//! 3. A scan reads a limited number of bytes. Files that are left are looked at by the next scan, and counted in a note.
-//! 4. What was found in a file is kept until the file changes; the whole list is kept for two seconds.
-//! 5. A scan ends early when nobody waits for it any more. What it has found is kept.
+//! 1. Scan the directory and its subdirectories, up to a maximum depth and a maximum number of
+//!    entries. Skip names that no URL can contain.
+//! 2. Read the header and the JSON of each GLB. The JSON states whether the GLB is progressive. The
+//!    triangle and vertex counts of a progressive GLB are in the first chunk of each mesh: read the
+//!    stream from its start until all these chunks are found. Skip the base meshes and textures
+//!    before the stream.
+//! 3. A scan reads a limited number of bytes. A note counts the remaining files; the next scan
+//!    reads them.
+//! 4. The result for a file is cached until the file changes, and the complete list for two
+//!    seconds.
+//! 5. A scan stops early when no client waits for it. The results so far are kept.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
@@ -22,24 +28,26 @@ use crate::folder::{Folder, Version};
 use crate::glb_start::{HEAD_BYTES, bytes_at, json_bytes};
 use crate::paths::SitePath;
 
-/// The depth of folders, and the files and folders that are looked at.
+/// The maximum depth of directories, and the maximum number of files and directories per scan.
 const MAX_DEPTH: usize = 16;
 const MAX_ENTRIES: usize = 10_000;
 /// The bytes of all files that a scan reads.
 const SCAN_BYTES: u64 = 256 << 20;
-/// The most bytes of JSON that are read. A GLB with more is listed without its numbers, as one that is not progressive.
+/// The maximum size of the JSON of a GLB in bytes. A GLB with more JSON is listed as not
+/// progressive, without counts.
 const MAX_JSON_BYTES: u64 = 16 << 20;
-/// The first piece of a stream that is read to find its numbers, and the most bytes of it.
+/// The size of the first piece of a stream that is read to find its counts, and the maximum of all
+/// pieces.
 const PIECE_BYTES: u64 = 16 << 10;
 const MAX_STREAM_BYTES: u64 = 16 << 20;
 
-/// What a client gets of a model.
+/// How a model is served.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Kind {
     /// A progressive GLB.
     Progressive,
-    /// A file that is packed when it is asked for.
+    /// A file that is packed on request.
     Packed,
     /// A GLB without a stream.
     Static,
@@ -64,16 +72,16 @@ pub(crate) struct Catalogue {
     pub(crate) notes: Vec<String>,
 }
 
-/// What a GLB holds.
+/// The contents of a GLB.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Contents {
     pub(crate) is_progressive: bool,
-    /// The triangles and vertices of the full meshes.
+    /// The numbers of triangles and vertices of the full meshes.
     pub(crate) size: Option<(usize, usize)>,
 }
 
 impl Listed {
-    /// Describes a file that is served as it is.
+    /// Describes a file that is served unchanged.
     pub(crate) fn file(path: &SitePath, bytes: u64, contents: Contents) -> Self {
         let kind = if contents.is_progressive { Kind::Progressive } else { Kind::Static };
         Self::new(path, format!("files/{}", path.encoded()), kind, bytes, contents)
@@ -92,7 +100,7 @@ impl Listed {
     }
 }
 
-/// Scans a folder, and remembers what was in its files.
+/// Scans a directory and caches the contents of its files.
 #[derive(Debug)]
 pub(crate) struct Scanner {
     known: Mutex<HashMap<SitePath, (Version, Contents)>>,
@@ -106,18 +114,19 @@ impl Default for Scanner {
     }
 }
 
-/// A walk through a folder.
+/// A recursive walk through a directory.
 struct Walk<'a> {
     folder: &'a Folder,
-    /// Whether the result is still wanted.
+    /// Returns whether a client still waits for the result.
     is_wanted: &'a dyn Fn() -> bool,
-    /// The files and folders that may still be looked at.
+    /// The number of files and directories that may still be visited.
     left: usize,
     files: Vec<(SitePath, Version, Format)>,
 }
 
 impl Scanner {
-    /// Lists the models of a folder by their paths; `None` if the result is not wanted any more. It may block.
+    /// Lists the models of a directory, sorted by path; returns `None` if no client waits for the
+    /// result any more. May block.
     pub(crate) fn scan(
         &self,
         folder: &Folder,
@@ -129,7 +138,9 @@ impl Scanner {
         let Walk { left, mut files, .. } = walk;
         let mut notes = Vec::new();
         if left == 0 {
-            notes.push(format!("only the first {MAX_ENTRIES} files and folders were looked at"));
+            notes.push(format!(
+                "found more than {MAX_ENTRIES} files and directories; the others are not listed"
+            ));
         }
         files.sort_by(|(a, ..), (b, ..)| a.cmp(b));
         let mut bytes_left = self.most_bytes;
@@ -154,7 +165,7 @@ impl Scanner {
                 unpacked += 1;
             }
         }
-        // Files that are gone are forgotten.
+        // Forget files that no longer exist.
         let paths: HashSet<&SitePath> = files.iter().map(|(path, ..)| path).collect();
         self.known().retain(|path, _| paths.contains(path));
         let mut note = |count: usize, what: &str| {
@@ -162,12 +173,13 @@ impl Scanner {
                 notes.push(format!("{} {what}", counted(count, "file")));
             }
         };
-        note(unread, "not looked at yet: the list is whole after some more requests");
+        note(unread, "not read yet; reload the list to complete it");
         note(unpacked, "can be packed with --pack-on-demand");
         Some(Catalogue { models, notes })
     }
 
-    /// Returns what a GLB holds, known or found now; `None` if too few bytes are left.
+    /// Returns the contents of a GLB, cached or read now; `None` if the byte limit of the scan is
+    /// reached.
     fn contents(
         &self,
         folder: &Folder,
@@ -201,7 +213,7 @@ impl Scanner {
 }
 
 impl Walk<'_> {
-    /// Collects the model files below a folder; `None` if they are not wanted any more.
+    /// Collects the model files below a directory; `None` if no client waits for them any more.
     fn collect(&mut self, path: &str, depth: usize) -> Option<()> {
         if !(self.is_wanted)() {
             return None;
@@ -221,7 +233,8 @@ impl Walk<'_> {
     }
 }
 
-/// Finds what a GLB of so many bytes holds; a file that is not one, or that cannot be read, holds nothing that is known.
+/// Reads the contents of a GLB with this file size. For other files and unreadable files, returns
+/// the default.
 fn contents_of(file_bytes: u64, mut read: impl FnMut(u64, u64) -> Option<Vec<u8>>) -> Contents {
     let mut contents = Contents::default();
     let find = || {
@@ -229,7 +242,7 @@ fn contents_of(file_bytes: u64, mut read: impl FnMut(u64, u64) -> Option<Vec<u8>
         let length = json_bytes(&start).filter(|length| *length <= MAX_JSON_BYTES)?;
         start.extend(read(HEAD_BYTES, length)?);
         let name = b"TRISTRIP_progressive";
-        // Most files are told apart without parsing.
+        // Most files need no parsing.
         if start.windows(name.len()).any(|window| window == name) {
             let range = ChunkRange::find(start).ok()??;
             contents.is_progressive = true;
@@ -241,7 +254,8 @@ fn contents_of(file_bytes: u64, mut read: impl FnMut(u64, u64) -> Option<Vec<u8>
     contents
 }
 
-/// Decodes the base meshes, whose heads have the sizes of the full ones; `None` if they are not all there.
+/// Decodes the base meshes, whose headers contain the sizes of the full meshes. Returns `None` if a
+/// base mesh is missing.
 fn size_of(
     range: &ChunkRange,
     file_bytes: u64,
@@ -273,7 +287,7 @@ fn size_of(
     None
 }
 
-/// Finds what a GLB in memory holds.
+/// Reads the contents of a GLB in memory.
 pub(crate) fn contents_of_bytes(bytes: &[u8]) -> Contents {
     contents_of(bytes.len() as u64, |offset, length| {
         let offset = usize::try_from(offset).ok()?;
@@ -367,12 +381,12 @@ mod tests {
         assert_eq!(read[..2], [0..20, 20..20 + json]);
         assert!(read.len() == 3 && read[2].start == packed.base_bytes as u64, "{read:?}");
         assert!(read[2].end - read[2].start <= PIECE_BYTES, "{read:?}");
-        // A file that only names the extension.
+        // A file that only mentions the extension.
         let json = br#"{"asset":{"version":"2.0","generator":"TRISTRIP_progressive"}}  "#;
         let words = [2, 20 + json.len() as u32, json.len() as u32].map(u32::to_le_bytes).concat();
         let named = [b"glTF", &words[..], b"JSON", json].concat();
         assert_eq!(contents_of_bytes(&named), Contents::default());
-        // A head that promises more JSON than any scan reads.
+        // A header that announces more JSON than any scan reads.
         let mut long = packed.bytes.clone();
         long[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
         assert_eq!(contents_of_bytes(&long), Contents::default());
@@ -394,7 +408,7 @@ mod tests {
             let now = known(&list);
             assert!(now > before && now <= before + 6, "{now} after {before}");
             before = now;
-            let is_whole = !list.notes[0].contains("not looked at yet");
+            let is_whole = !list.notes[0].contains("not read yet");
             assert_eq!(is_whole, now == 6, "{:?}", list.notes);
             if is_whole {
                 break;
@@ -419,7 +433,7 @@ mod tests {
             assert_eq!(asked.get(), most + 1);
             assert_eq!(scanner.known().len(), usize::min(3, most.saturating_sub(2)), "{most}");
         }
-        // Found again without a byte read.
+        // Found again without reading a byte.
         let scanner = Scanner { most_bytes: 0, known: Mutex::new(std::mem::take(&mut scanner.known())) };
         let list = scanner.scan(&folder, false, &|| true).unwrap();
         assert_eq!(list.notes, ["1 file can be packed with --pack-on-demand"]);

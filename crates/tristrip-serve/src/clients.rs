@@ -1,4 +1,5 @@
-//! What each client has at once, connections or responses, within limits in all and per client.
+//! Counts the simultaneous connections or responses, in total and per client, and enforces their
+//! limits.
 
 use std::collections::HashMap;
 use std::net::{IpAddr, Ipv6Addr};
@@ -6,13 +7,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::options::Limits;
 
-/// The connections of each client, or its responses.
+/// The number of connections or responses of each client.
 #[derive(Debug, Default)]
 pub(crate) struct Clients {
     counts: Mutex<(usize, HashMap<IpAddr, usize>)>,
 }
 
-/// A connection or a response that counts until this is dropped.
+/// A connection or response that counts until this value is dropped.
 #[derive(Debug)]
 pub(crate) struct Place {
     clients: Arc<Clients>,
@@ -20,7 +21,7 @@ pub(crate) struct Place {
 }
 
 impl Clients {
-    /// Counts a connection or a response, or returns the name of the limit that it is over.
+    /// Counts a connection or response, or returns the name of the limit that it exceeds.
     pub(crate) fn enter(self: &Arc<Self>, client: IpAddr, limits: &Limits) -> Result<Place, &'static str> {
         let network = network(client);
         let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
@@ -51,7 +52,7 @@ impl Drop for Place {
     }
 }
 
-/// Returns what one client has: an address of IPv4, a network of IPv6.
+/// Returns the address that identifies a client: its IPv4 address, or its IPv6 network of 64 bits.
 fn network(client: IpAddr) -> IpAddr {
     match client.to_canonical() {
         IpAddr::V6(address) => IpAddr::V6(Ipv6Addr::from_bits(address.to_bits() >> 64 << 64)),

@@ -1,12 +1,17 @@
-//! Connections: how many there may be, and how long each may do nothing.
+//! Connections: limits on their number and on the time without progress.
 //!
 //! # Algorithm
-//! 1. A connection over a limit gets a response 503 at once and is closed. Addresses of IPv6 count by their network of 64 bits, which one client has as a whole.
-//! 2. The head of a request has a limit of bytes and of time. So has the TLS handshake.
-//! 3. A watch looks at each connection a few times per limit: one that has no request, or whose client takes nothing, is closed. It waits for nothing that another connection needs.
-//!    A stream of HTTP/2 whose client takes nothing is ended alone while others get on (`streams.rs`).
-//! 4. Responses at once have the limits of connections, in all and per client, so that streams of HTTP/2 have no more open files than connections of HTTP/1.1.
-//! 5. Little is kept per connection: reading and writing buffers are as small as the head of a request.
+//! 1. A connection that exceeds a limit gets a 503 response immediately and is closed. IPv6
+//!    addresses count by their 64-bit network: one client usually has a complete network.
+//! 2. The size of a request head and the time to receive it are limited. The TLS handshake has the
+//!    same time limit.
+//! 3. A timer checks each connection a few times per time limit. Connections without a request and
+//!    connections whose client reads nothing are closed. The check of one connection never waits
+//!    for another connection. If the client of an HTTP/2 stream does not read it while other
+//!    streams make progress, only this stream is ended (`streams.rs`).
+//! 4. Simultaneous responses have the same limits as connections, in total and per client. HTTP/2
+//!    streams therefore cannot open more files than HTTP/1.1 connections.
+//! 5. The memory per connection is small: read and write buffers are as small as a request head.
 
 use std::net::IpAddr;
 use std::pin::pin;
@@ -30,12 +35,12 @@ use crate::options::Limits;
 use crate::streams::StreamExecutor;
 use crate::tls::Tls;
 
-/// What a client over a limit gets.
+/// The response to a connection that exceeds a limit.
 const REFUSAL: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nContent-Type: text/plain; charset=utf-8\r\nContent-Length: 21\r\nConnection: close\r\n\r\ntoo many connections\n";
-/// The bytes of a stream of HTTP/2 that a client may leave unread, and those of a connection that are sent ahead.
+/// The maximum number of buffered bytes per HTTP/2 stream that the client has not read.
 const SEND_BYTES: usize = 64 << 10;
 
-/// Serves connections.
+/// The state that all connections share.
 #[derive(Clone)]
 pub(crate) struct Connections {
     pub(crate) answerer: Answerer,
@@ -47,7 +52,7 @@ pub(crate) struct Connections {
     pub(crate) stop: watch::Receiver<bool>,
 }
 
-/// A connection in the figures.
+/// A connection that the metrics count.
 struct Counted(Arc<ServerMetrics>);
 
 impl Counted {
@@ -63,7 +68,7 @@ impl Drop for Counted {
     }
 }
 
-/// Closes a connection with a response, if that can be sent at once.
+/// Sends the 503 response if this is possible without waiting. The caller closes the connection.
 pub(crate) fn refuse(socket: &TcpStream) {
     socket.try_write(REFUSAL).unwrap_or_default();
 }
@@ -72,14 +77,14 @@ impl Connections {
     /// Serves a connection to its end.
     pub(crate) async fn serve(self, socket: TcpStream, client: IpAddr, place: Place) {
         let (_place, _counted) = (place, Counted::new(&self.metrics));
-        // Small responses are sent at once.
+        // Send small responses immediately.
         socket.set_nodelay(true).unwrap_or_default();
         let mut stream = TimeoutStream::new(socket);
         stream.set_write_timeout(Some(self.limits.stall_time));
         let Some(tls) = self.tls.clone() else { return self.serve_stream(Box::pin(stream), client).await };
         match timeout(self.limits.header_time, tls.accept(Box::pin(stream))).await {
             Ok(Ok(stream)) => self.serve_stream(stream, client).await,
-            Ok(Err(error)) => tracing::debug!(%client, %error, "no TLS"),
+            Ok(Err(error)) => tracing::debug!(%client, %error, "TLS handshake failed"),
             Err(_) => self.metrics.count_refused("header-time"),
         }
     }
@@ -134,7 +139,7 @@ impl Connections {
             .http1()
             .timer(TokioTimer::new())
             .header_read_timeout(header_time)
-            // The least that hyper takes.
+            // The minimum that hyper accepts.
             .max_buf_size(header_bytes.max(8192));
         builder
             .http2()
@@ -142,13 +147,13 @@ impl Connections {
             .max_concurrent_streams(streams)
             .max_header_list_size(u32::try_from(header_bytes).unwrap_or(u32::MAX))
             .max_send_buf_size(SEND_BYTES)
-            // A client that is gone is found while nothing is sent.
+            // Detect a disconnected client even if nothing is sent.
             .keep_alive_interval(Some(Duration::from_secs(20)))
             .keep_alive_timeout(Duration::from_secs(20));
         builder
     }
 
-    /// Returns how often a connection is looked at.
+    /// Returns the interval between two checks of a connection.
     fn watch_time(&self) -> Duration {
         let Limits { header_time, stall_time, idle_time, .. } = *self.limits;
         let shortest = header_time.min(stall_time).min(idle_time);

@@ -1,4 +1,4 @@
-//! What a server shows: the files of a folder, or files in memory.
+//! The content of a server: the files of a directory, or files in memory.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -17,10 +17,10 @@ use crate::paths::SitePath;
 use crate::replies::Resource;
 use crate::thumbnails;
 
-/// What a server shows.
+/// The content of a server.
 #[derive(Debug, Clone)]
 pub enum Content {
-    /// The files of a folder, and of the folders in it.
+    /// The files of a directory and its subdirectories.
     Folder(PathBuf),
     /// Files in memory.
     Files(Vec<MemoryFile>),
@@ -29,20 +29,20 @@ pub enum Content {
 /// A file in memory.
 #[derive(Debug, Clone)]
 pub struct MemoryFile {
-    /// Its name, which becomes a part of its URL: `bunny.ply.glb`.
+    /// The name, which becomes part of the URL, such as `bunny.ply.glb`.
     pub name: String,
-    /// Its bytes.
+    /// The content.
     pub bytes: Vec<u8>,
 }
 
-/// Content that is open.
+/// Opened content.
 #[derive(Debug)]
 pub(crate) enum Store {
     Folder(Arc<Folder>),
     Memory(BTreeMap<SitePath, Stored>),
 }
 
-/// A file in memory, with what was found out about it.
+/// A file in memory with its contents and thumbnail.
 #[derive(Debug)]
 pub(crate) struct Stored {
     resource: Resource,
@@ -61,7 +61,7 @@ impl Store {
                     let path = SitePath::new(&name).map_err(|_| Error::Parameter {
                         name: "name",
                         found: name.clone(),
-                        expected: "a relative path without hidden files or characters that a system reserves",
+                        expected: "a relative path without hidden files and reserved characters",
                     })?;
                     store.insert(path, Stored::new(&name, bytes.into()));
                 }
@@ -71,7 +71,7 @@ impl Store {
     }
 }
 
-/// Opens a file of a folder. It may block.
+/// Opens a file of a directory. May block.
 pub(crate) fn open_resource(folder: &Folder, path: &SitePath) -> io::Result<Resource> {
     let (file, version) = folder.open_file(path)?;
     Ok(Resource {
@@ -95,19 +95,19 @@ impl Stored {
         &self.resource
     }
 
-    /// Returns a picture, which is drawn once, as soon as there is a permit.
+    /// Returns the thumbnail. It is drawn once, as soon as a permit is available.
     pub(crate) async fn thumbnail(&self, permits: &Arc<Semaphore>) -> Result<Resource, String> {
         let drawn = self.thumbnail.get_or_init(|| async {
             let permit = Arc::clone(permits).acquire_owned().await;
             let bytes = self.bytes.clone();
             let draw = move || {
-                // Held to the end, also if the client leaves.
+                // Held until the drawing ends, even if the client leaves.
                 let _permit = permit;
                 thumbnails::of_glb(&bytes)
             };
             match tokio::task::spawn_blocking(draw).await {
                 Ok(png) => png.map(Bytes::from),
-                Err(_) => Err("an error in the program ended the drawing".into()),
+                Err(_) => Err("internal error while drawing the thumbnail".into()),
             }
         });
         let png = drawn.await.clone()?;

@@ -1,18 +1,18 @@
-//! How long the work of a job may take.
+//! The time limit of a job.
 
 use std::time::{Duration, Instant};
 
 use tristrip_pipeline::Observer;
 
-/// When a job is given up.
+/// The time at which a job is cancelled.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Deadline(Instant);
 
 impl Deadline {
-    /// Returns the deadline of a job that begins now.
+    /// Returns the deadline of a job that starts now.
     pub(crate) fn after(time: Duration) -> Self {
         let now = Instant::now();
-        // A time beyond what the clock can name is none: a century is enough.
+        // If the clock cannot represent the time, a century from now is late enough.
         Self(now.checked_add(time).unwrap_or(now + Duration::from_hours(24 * 36500)))
     }
 
@@ -20,13 +20,14 @@ impl Deadline {
         Instant::now() >= self.0
     }
 
-    /// Returns an error once the deadline is over. The message is replaced by one that names the limit.
+    /// Returns an error after the deadline. The caller replaces its message by one that names the
+    /// limit.
     pub(crate) fn check(self) -> Result<(), String> {
-        if self.is_over() { Err("too late".into()) } else { Ok(()) }
+        if self.is_over() { Err("the deadline is over".into()) } else { Ok(()) }
     }
 }
 
-/// Cancels a packing.
+/// Cancels a packing job.
 impl Observer for Deadline {
     fn is_cancelled(&self) -> bool {
         self.is_over()

@@ -1,11 +1,11 @@
-//! The errors of the server, by who must act.
+//! The errors of the server, grouped by who must act.
 
 use std::io;
 use std::net::SocketAddr;
 
 use tristrip_io::system_message;
 
-/// Why a server cannot start or go on.
+/// An error that keeps a server from starting or running.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -17,7 +17,8 @@ pub enum Error {
         /// The error of the operating system.
         source: io::Error,
     },
-    /// The address cannot be used: another program has the port, or it is not one of this machine.
+    /// The address cannot be used: another program uses the port, or the address does not belong to
+    /// this machine.
     #[error("{address}: {}", system_message(.source))]
     Address {
         /// The address and the port.
@@ -25,20 +26,20 @@ pub enum Error {
         /// The error of the operating system.
         source: io::Error,
     },
-    /// The certificate and its key cannot be used.
+    /// The certificate or its key cannot be used.
     #[error("TLS: {0}")]
     Tls(String),
-    /// An option has a value that cannot be used.
+    /// The value of an option is not valid.
     #[error("{name}: found {found}, expected {expected}")]
     Parameter {
         /// The name of the option.
         name: &'static str,
-        /// Its value.
+        /// The value that was found.
         found: String,
-        /// What it may be.
+        /// The values that are expected.
         expected: &'static str,
     },
-    /// The operating system refuses threads, timers or signals.
+    /// The operating system does not provide threads, timers or signal handlers.
     #[error("server: {}", system_message(.0))]
     System(#[source] io::Error),
 }

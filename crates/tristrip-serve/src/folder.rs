@@ -1,7 +1,9 @@
-//! The folder of a server, as a handle: nothing outside it is opened, whatever its links are, also if they change meanwhile.
+//! The directory of a server, as a handle. Nothing outside it is opened, even if links in it lead
+//! outside or change in the meantime.
 //!
-//! The handle resolves each component below itself and refuses absolute links and those that lead out of it (`openat2` on Linux). Only regular files are
-//! opened, without waiting for the other end of a pipe.
+//! The handle resolves every path component below the directory. It rejects absolute links and
+//! links that lead outside (`openat2` on Linux). Only regular files are opened; opening never waits
+//! for the other end of a pipe.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -15,19 +17,19 @@ use cap_std::fs::{Dir, Metadata, OpenOptions};
 use crate::error::Error;
 use crate::paths::SitePath;
 
-/// A folder whose files are served.
+/// A directory whose files are served.
 #[derive(Debug)]
 pub(crate) struct Folder {
     dir: Dir,
     path: PathBuf,
 }
 
-/// What tells a version of a file from others: it changes when the file is written or replaced.
+/// The version of a file. It changes when the file is written or replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Version {
     pub(crate) bytes: u64,
     pub(crate) modified: Option<SystemTime>,
-    /// The number of the file in its file system, where systems have one.
+    /// The inode number, or 0 on systems without inodes.
     number: u64,
 }
 
@@ -41,7 +43,7 @@ impl Version {
         Self { bytes: metadata.len(), modified, number }
     }
 
-    /// Returns the version as text without spaces or quotes.
+    /// Returns the version as text without spaces and quotes.
     pub(crate) fn tag(&self) -> String {
         let since = self.modified.and_then(|time| time.duration_since(SystemTime::UNIX_EPOCH).ok());
         let nanoseconds = since.map_or(0, |since| since.as_nanos());
@@ -66,12 +68,12 @@ impl Folder {
         Ok((file.into_std(), version_of(&metadata)?))
     }
 
-    /// Returns the version of a regular file, which is not opened.
+    /// Returns the version of a regular file without opening it.
     pub(crate) fn version(&self, path: &SitePath) -> io::Result<Version> {
         version_of(&self.dir.metadata(path.as_str())?)
     }
 
-    /// Reads a whole file of at most this size.
+    /// Reads a complete file of at most this size.
     pub(crate) fn read(&self, path: &SitePath, most_bytes: u64) -> io::Result<Vec<u8>> {
         let (file, version) = self.open_file(path)?;
         let mut bytes = Vec::with_capacity(usize::try_from(version.bytes.min(most_bytes)).unwrap_or(0));
@@ -82,18 +84,21 @@ impl Folder {
         Ok(bytes)
     }
 
-    /// Returns the path of a file without links, for readers that look for other files beside it.
+    /// Returns the path of a file with all links resolved, for readers that open other files in the
+    /// same directory.
     pub(crate) fn real_path(&self, path: &SitePath) -> io::Result<PathBuf> {
         Ok(self.path.join(self.dir.canonicalize(path.as_str())?))
     }
 
-    /// Returns the path of the folder without links.
+    /// Returns the path of the directory with all links resolved.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Returns the regular files and the folders in a folder, by name; the path is empty for the folder itself. Links to files are among them, links to
-    /// folders are not, so that no scan runs in a circle. Whatever is in the folder counts: no more entries are read than are left.
+    /// Returns the regular files and the subdirectories of a directory, sorted by name. The empty
+    /// path means the directory of the server. The result includes links to files but not links to
+    /// directories, which could form a cycle. Reads at most `left` entries of any kind, and
+    /// subtracts them from `left`.
     pub(crate) fn entries(&self, path: &str, left: &mut usize) -> io::Result<Vec<Entry>> {
         let here = if path.is_empty() { "." } else { path };
         let mut found = Vec::new();
@@ -128,16 +133,16 @@ impl Folder {
     }
 }
 
-/// Returns the version of a regular file; an error for anything else.
+/// Returns the version of a regular file, or an error for anything else.
 fn version_of(metadata: &Metadata) -> io::Result<Version> {
     if metadata.is_file() { Ok(Version::new(metadata)) } else { Err(io::ErrorKind::NotFound.into()) }
 }
 
-/// A file or a folder in a folder.
+/// A file or subdirectory.
 #[derive(Debug)]
 pub(crate) struct Entry {
     pub(crate) path: SitePath,
-    /// `None` for a folder.
+    /// `None` for a directory.
     pub(crate) version: Option<Version>,
 }
 

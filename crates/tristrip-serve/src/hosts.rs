@@ -1,7 +1,9 @@
-//! Which names a request may have: a server that listens to this machine alone answers only to names of this machine.
+//! The host names that a request may have. A server on a loopback address accepts only names of
+//! this machine.
 //!
-//! Otherwise a page of any site could read the files: its own name is made to lead to 127.0.0.1 once the page is loaded (DNS rebinding), and the browser then takes this server
-//! for that site. The name in the request is still that of the site.
+//! Otherwise, a page of any site could read the files by DNS rebinding. The site changes its own
+//! DNS name to 127.0.0.1 after the page is loaded, and the browser then sends requests for the site
+//! to this server. These requests still contain the name of the site.
 
 use std::net::{IpAddr, Ipv6Addr};
 
@@ -11,10 +13,10 @@ use axum::http::{HeaderMap, Uri};
 
 use crate::error::Error;
 
-/// The names that requests may have.
+/// The allowed host names.
 #[derive(Debug)]
 pub(crate) struct Hosts {
-    /// `None` for all.
+    /// `None` allows all names.
     allowed: Option<Vec<String>>,
 }
 
@@ -24,7 +26,7 @@ impl Hosts {
         Ok(Self { allowed: is_loopback(address).then_some(names) })
     }
 
-    /// Checks the name of a request: in its URL, its header, or both.
+    /// Checks the host name of a request in its URL, its `Host` header, or both.
     pub(crate) fn allow(&self, uri: &Uri, headers: &HeaderMap) -> bool {
         let Some(allowed) = &self.allowed else { return true };
         let mut named = headers
@@ -54,19 +56,19 @@ fn is_local(host: &str) -> bool {
     host.eq_ignore_ascii_case("localhost") || address.parse::<IpAddr>().is_ok_and(is_loopback)
 }
 
-/// Checks whether an address leads to this machine alone, also one of IPv4 that is written in IPv6.
+/// Checks whether an address is a loopback address, also as an IPv4-mapped IPv6 address.
 fn is_loopback(address: IpAddr) -> bool {
     address.to_canonical().is_loopback()
 }
 
-/// Returns a name as requests have it, without their ports.
+/// Returns a name in the form that requests use, without a port.
 fn allowed_name(name: &str) -> Result<String, Error> {
     if name.parse::<Ipv6Addr>().is_ok() {
         return Ok(format!("[{name}]"));
     }
     let is_host = name.parse::<Authority>().is_ok_and(|authority| authority.host() == name);
     if !is_host {
-        let expected = "a name or an address without a port, such as models.example.org";
+        let expected = "a host name or an address without a port, such as models.example.org";
         return Err(Error::Parameter { name: "host", found: name.to_owned(), expected });
     }
     Ok(name.trim_end_matches('.').to_ascii_lowercase())

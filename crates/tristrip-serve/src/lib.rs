@@ -1,14 +1,16 @@
-//! The web server of tristrip: the models of a folder, or of memory, with a gallery and a viewer that refines them while they load.
+//! The web server of tristrip. It serves the models of a directory, or models in memory, with a
+//! gallery and a viewer that refines models while they load.
 //!
 //! ```text
 //! server: accept ─▶ connections: limits, TLS, watch ─▶ answer: host, method, CORS, log ─▶ site: routes
 //!                                                                                         ├─ assets: the viewer
-//!   paths ─▶ folder: a handle that no path leads out of ─▶ replies: ETag, ranges ◀────────┤─ content: files as they are
+//!   paths ─▶ folder: a handle that no path can leave ─▶ replies: ETag, ranges ◀───────────┤─ content: unchanged files
 //!                 ├─ catalogue: the list of models                                        │
-//!                 └─ packing, thumbnails ─▶ workshop: once for all who ask ─▶ cache ◀─────┘
+//!                 └─ packing, thumbnails ─▶ workshop: one job per file ─────▶ cache ◀─────┘
 //! ```
-//! It speaks HTTP/1.1 and HTTP/2, and TLS with the feature `tls`. What a client may take is limited ([`Limits`]): connections, heads of requests, time without progress.
-//! Files are read in small pieces, so that memory does not grow with their size.
+//! The server supports HTTP/1.1 and HTTP/2, and TLS with the feature `tls`. [`Limits`] limits the
+//! connections, request heads and idle times of clients. Files are read in small pieces, so memory
+//! use does not depend on their size.
 
 #![forbid(unsafe_code)]
 

@@ -1,9 +1,10 @@
-//! Media types by the extensions of names, and which of them are worth compressing.
+//! Media types by file name extension, and which of them are worth compressing.
 
-/// The type of files that have no other.
+/// The media type of unknown files.
 const BYTES: &str = "application/octet-stream";
 
-/// Extensions, their types, and whether they are compressed: text is, and meshes as plain numbers; progressive GLB and pictures are compressed already.
+/// Extensions, their media types, and whether they are worth compressing. Text and uncompressed
+/// meshes are; progressive GLB and images are already compressed.
 const TYPES: [(&str, &str, bool); 27] = [
     ("html", "text/html; charset=utf-8", true),
     ("js", "text/javascript; charset=utf-8", true),
@@ -34,7 +35,7 @@ const TYPES: [(&str, &str, bool); 27] = [
     ("woff2", "font/woff2", false),
 ];
 
-/// Returns the media type of a file by its name.
+/// Returns the media type for a file name.
 pub(crate) fn media_type(name: &str) -> &'static str {
     entry(name).map_or(BYTES, |(_, media_type, _)| media_type)
 }

@@ -1,4 +1,5 @@
-//! Figures of a server: requests, bytes, connections, packings, cache. `/metrics` prints them as text for Prometheus.
+//! The metrics of a server: requests, bytes, connections, jobs and cache. `/metrics` returns them
+//! as text for Prometheus.
 
 use std::sync::atomic::AtomicU64;
 use std::time::Duration;
@@ -12,10 +13,10 @@ use prometheus_client::registry::Registry;
 
 type Labels<const N: usize> = [(&'static str, String); N];
 
-/// The upper ends of the times of requests, in seconds.
+/// The upper bounds of the buckets of request times, in seconds.
 const SECONDS: [f64; 10] = [0.001, 0.005, 0.02, 0.1, 0.5, 1.0, 2.0, 5.0, 20.0, 60.0];
 
-/// The figures of a server.
+/// The metrics of a server.
 #[derive(Debug)]
 pub(crate) struct ServerMetrics {
     registry: Registry,
@@ -24,7 +25,7 @@ pub(crate) struct ServerMetrics {
     sent_bytes: Counter,
     pub(crate) connections: Gauge,
     refused: Family<Labels<1>, Counter>,
-    /// Packings and pictures that are made now, and the results of those before.
+    /// Running and waiting jobs, and the results of finished jobs.
     pub(crate) running: Gauge,
     pub(crate) waiting: Gauge,
     made: Family<Labels<2>, Counter>,
@@ -59,37 +60,41 @@ impl ServerMetrics {
             "Seconds from a request to the end of its response",
             metrics.seconds.clone(),
         );
-        registry.register("sent_bytes", "Bytes of the bodies of responses", metrics.sent_bytes.clone());
+        registry.register("sent_bytes", "Bytes of response bodies", metrics.sent_bytes.clone());
         registry.register("connections", "Open connections", metrics.connections.clone());
         registry.register(
             "refused_connections",
-            "Connections and streams refused or ended, by the limit",
+            "Connections and streams refused or ended, by limit",
             metrics.refused.clone(),
         );
         registry.register(
             "jobs_running",
-            "Packings and thumbnails that are made now",
+            "Packing and thumbnail jobs that are running",
             metrics.running.clone(),
         );
         registry.register(
             "jobs_waiting",
-            "Packings and thumbnails that wait for others",
+            "Packing and thumbnail jobs that are waiting",
             metrics.waiting.clone(),
         );
-        registry.register("jobs", "Packings and thumbnails by result", metrics.made.clone());
+        registry.register("jobs", "Finished packing and thumbnail jobs by result", metrics.made.clone());
         registry.register(
             "jobs_shared",
-            "Requests that waited for a job of another request",
+            "Requests that shared the job of another request",
             metrics.shared.clone(),
         );
         registry.register("cache_hits", "Results found in the cache", metrics.cache_hits.clone());
         registry.register("cache_misses", "Results not found in the cache", metrics.cache_misses.clone());
-        registry.register("cache_bytes", "Bytes of all files of the cache", metrics.cache_bytes.clone());
+        registry.register(
+            "cache_bytes",
+            "Total size of all cached files in bytes",
+            metrics.cache_bytes.clone(),
+        );
         metrics.registry = registry;
         metrics
     }
 
-    /// Counts a response once its body has ended.
+    /// Counts a response after its body has ended.
     pub(crate) fn count_response(&self, route: &'static str, status: u16, bytes: u64, time: Duration) {
         self.requests.get_or_create(&[("route", route.into()), ("status", status.to_string())]).inc();
         self.seconds.get_or_create(&[("route", route.into())]).observe(time.as_secs_f64());
@@ -106,7 +111,7 @@ impl ServerMetrics {
         self.made.get_or_create(&[("kind", kind.into()), ("result", result.into())]).inc();
     }
 
-    /// Returns all figures as text.
+    /// Returns all metrics as text.
     pub(crate) fn text(&self) -> String {
         let mut text = String::new();
         // Writing to a string does not fail.
@@ -120,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_are_printed() {
+    fn metrics_are_printed() {
         let metrics = ServerMetrics::new();
         metrics.count_response("files", 206, 100, Duration::from_millis(3));
         metrics.count_refused("client");

@@ -1,4 +1,4 @@
-//! Stands in for `tls` when the feature `tls` is off: there is never a certificate.
+//! Replaces the module `tls` if the feature `tls` is off. There is never a certificate.
 
 use std::future::Ready;
 use std::io;
@@ -6,18 +6,18 @@ use std::io;
 use crate::error::Error;
 use crate::options::ServerOptions;
 
-/// The certificate in use; it has no values.
+/// The certificate in use. This type has no values.
 #[derive(Debug, Clone)]
 pub(crate) enum Tls {}
 
 impl Tls {
-    /// Returns `None`: the options name no certificate.
+    /// Returns `None`: without the feature, options cannot name a certificate.
     #[expect(clippy::unnecessary_wraps, reason = "the signature with the feature")]
     pub(crate) fn from_options(_: &ServerOptions) -> Result<Option<Self>, Error> {
         Ok(None)
     }
 
-    /// Is never called.
+    /// Never called.
     pub(crate) fn accept<S>(&self, _: S) -> Ready<io::Result<S>> {
         match *self {}
     }

@@ -1,4 +1,4 @@
-//! What a server may be told: where it listens, what it packs, and its limits.
+//! Server configuration: address, packing and limits.
 
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use tristrip_pipeline::pack;
 
-/// How a server works. The default listens to this machine alone, and packs nothing.
+/// The configuration of a server. The default listens on 127.0.0.1:8080 and packs nothing.
 ///
 /// ```
 /// use tristrip_serve::{PackingOptions, ServerOptions};
@@ -17,22 +17,24 @@ use tristrip_pipeline::pack;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ServerOptions {
-    /// The address to listen at.
+    /// The address to listen on.
     pub address: IpAddr,
-    /// The port; 0 for any that is free.
+    /// The port; 0 for any free port.
     pub port: u16,
-    /// The names beside `localhost` that requests may have for a server that listens to this machine alone.
+    /// Allowed host names in addition to `localhost` and loopback addresses. They matter only for a
+    /// server on a loopback address.
     pub hosts: Vec<String>,
-    /// The origins whose pages may read the answers; `*` for all.
+    /// The origins whose pages may read the responses; `*` for all.
     pub cors: Vec<String>,
-    /// The bits per second of each response, to show a model over a slow network; `None` for no limit.
+    /// The bandwidth of each response in bits per second, to simulate a slow network. `None`:
+    /// unlimited.
     pub bandwidth: Option<u64>,
-    /// The certificate of HTTPS; `None` for HTTP.
+    /// The certificate for HTTPS; `None` for HTTP.
     #[cfg(feature = "tls")]
     pub tls: Option<TlsFiles>,
-    /// What is packed, and how.
+    /// The configuration of packing on demand.
     pub packing: PackingOptions,
-    /// Limits on what clients may take.
+    /// The limits for clients.
     pub limits: Limits,
 }
 
@@ -53,91 +55,96 @@ impl Default for ServerOptions {
 }
 
 impl ServerOptions {
-    /// Sets the address to listen at.
+    /// Sets the address to listen on.
     #[must_use]
     pub fn with_address(self, address: IpAddr) -> Self {
         Self { address, ..self }
     }
 
-    /// Sets the port; 0 for any that is free.
+    /// Sets the port; 0 for any free port.
     #[must_use]
     pub fn with_port(self, port: u16) -> Self {
         Self { port, ..self }
     }
 
-    /// Sets the names beside `localhost` that requests may have.
+    /// Sets the allowed host names in addition to `localhost` and loopback addresses.
     #[must_use]
     pub fn with_hosts(self, hosts: Vec<String>) -> Self {
         Self { hosts, ..self }
     }
 
-    /// Sets the origins whose pages may read the answers; `*` for all.
+    /// Sets the origins whose pages may read the responses; `*` for all.
     #[must_use]
     pub fn with_cors(self, cors: Vec<String>) -> Self {
         Self { cors, ..self }
     }
 
-    /// Sets the bits per second of each response; `None` for no limit.
+    /// Sets the bandwidth of each response in bits per second; `None`: unlimited.
     #[must_use]
     pub fn with_bandwidth(self, bandwidth: Option<u64>) -> Self {
         Self { bandwidth, ..self }
     }
 
-    /// Sets the certificate of HTTPS; `None` for HTTP.
+    /// Sets the certificate for HTTPS; `None` for HTTP.
     #[cfg(feature = "tls")]
     #[must_use]
     pub fn with_tls(self, tls: Option<TlsFiles>) -> Self {
         Self { tls, ..self }
     }
 
-    /// Sets what is packed, and how.
+    /// Sets the configuration of packing on demand.
     #[must_use]
     pub fn with_packing(self, packing: PackingOptions) -> Self {
         Self { packing, ..self }
     }
 
-    /// Sets limits on what clients may take.
+    /// Sets the limits for clients.
     #[must_use]
     pub fn with_limits(self, limits: Limits) -> Self {
         Self { limits, ..self }
     }
 }
 
-/// The files of a certificate, in PEM.
+/// The PEM files of a certificate.
 #[cfg(feature = "tls")]
 #[derive(Debug, Clone)]
 pub struct TlsFiles {
-    /// The certificate, and those that it depends on.
+    /// The certificate chain.
     pub certificate: PathBuf,
-    /// Its private key.
+    /// The private key.
     pub key: PathBuf,
 }
 
-/// What is packed on demand, and where the results are kept.
+/// The configuration of packing on demand and of the cache.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct PackingOptions {
-    /// Whether files that are not progressive are packed when they are asked for.
+    /// Whether files that are not progressive are packed on request.
     pub on_demand: bool,
-    /// How they are packed.
+    /// The options of packing.
     pub pack: pack::Options,
-    /// The packings that are made at once. Thumbnails do not wait for them: half as many are drawn beside them, at least one.
+    /// The maximum number of files that are packed at once. Thumbnails do not wait for packing:
+    /// half this number of thumbnails, but at least one, are drawn at the same time.
     pub at_once: usize,
-    /// The packings that may wait for others, and the thumbnails; more are refused for the moment.
+    /// The maximum number of waiting packing jobs, and of waiting thumbnails. Further requests get
+    /// 503.
     pub waiting: usize,
-    /// How long a request waits for a packing or a thumbnail. It is then told to come back, and the work goes on.
+    /// The maximum time that a request waits for a packed file or thumbnail. After that it gets 503
+    /// with `Retry-After`, and the job continues.
     pub wait_time: Duration,
-    /// How long a packing or a thumbnail may take before it is given up. A mesh whose simplification has begun is simplified to its end.
+    /// The maximum time of a packing or thumbnail job. After that it is cancelled, but the
+    /// simplification of the current mesh is completed first.
     pub job_time: Duration,
-    /// The bytes of the largest file that is read for a packing or a picture.
+    /// The maximum size in bytes of a file to pack or draw.
     pub largest_input_bytes: u64,
-    /// The folder of the cache, of this user and not writable by others; `None` for [`default_cache`](crate::default_cache).
+    /// The cache directory. This user must own it, and others must not be able to write to it.
+    /// `None`: [`default_cache`](crate::default_cache).
     pub cache: Option<PathBuf>,
-    /// The bytes that the cache may take.
+    /// The maximum size of the cache in bytes.
     pub cache_bytes: u64,
-    /// How long a file that cannot be packed is not tried again.
+    /// The time after which a failed job may be tried again.
     pub failure_time: Duration,
-    /// The threads of all packings together; `None` for one per core.
+    /// The number of threads that all packing jobs share; `None` for one per core.
     pub threads: Option<usize>,
 }
 
@@ -148,7 +155,7 @@ impl Default for PackingOptions {
             pack: pack::Options::default(),
             at_once: std::thread::available_parallelism().map_or(1, usize::from),
             waiting: 64,
-            // Less than the minute that proxies wait.
+            // Less than one minute, the usual timeout of proxies.
             wait_time: Duration::from_secs(15),
             job_time: Duration::from_mins(30),
             largest_input_bytes: 512 << 20,
@@ -161,74 +168,75 @@ impl Default for PackingOptions {
 }
 
 impl PackingOptions {
-    /// Sets whether files are packed when they are asked for.
+    /// Sets whether files are packed on request.
     #[must_use]
     pub fn with_on_demand(self, on_demand: bool) -> Self {
         Self { on_demand, ..self }
     }
 
-    /// Sets the packings that are made at once.
+    /// Sets the maximum number of files that are packed at once.
     #[must_use]
     pub fn with_at_once(self, at_once: usize) -> Self {
         Self { at_once, ..self }
     }
 
-    /// Sets the packings that may wait for others, and the thumbnails.
+    /// Sets the maximum number of waiting packing jobs, and of waiting thumbnails.
     #[must_use]
     pub fn with_waiting(self, waiting: usize) -> Self {
         Self { waiting, ..self }
     }
 
-    /// Sets how long a request waits for a packing or a thumbnail.
+    /// Sets the maximum time that a request waits for a packed file or thumbnail.
     #[must_use]
     pub fn with_wait_time(self, wait_time: Duration) -> Self {
         Self { wait_time, ..self }
     }
 
-    /// Sets how long a packing or a thumbnail may take before it is given up.
+    /// Sets the maximum time of a packing or thumbnail job.
     #[must_use]
     pub fn with_job_time(self, job_time: Duration) -> Self {
         Self { job_time, ..self }
     }
 
-    /// Sets the bytes of the largest file that is read for a packing or a picture.
+    /// Sets the maximum size in bytes of a file to pack or draw.
     #[must_use]
     pub fn with_largest_input_bytes(self, largest_input_bytes: u64) -> Self {
         Self { largest_input_bytes, ..self }
     }
 
-    /// Sets the folder of the cache, and the bytes that it may take.
+    /// Sets the cache directory and its maximum size in bytes.
     #[must_use]
     pub fn with_cache(self, cache: Option<PathBuf>, cache_bytes: u64) -> Self {
         Self { cache, cache_bytes, ..self }
     }
 
-    /// Sets the threads of all packings together; `None` for one per core.
+    /// Sets the number of threads that all packing jobs share; `None` for one per core.
     #[must_use]
     pub fn with_threads(self, threads: Option<usize>) -> Self {
         Self { threads, ..self }
     }
 }
 
-/// Limits on what clients may take of a server.
+/// Limits for the clients of a server.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Limits {
-    /// Connections at once.
+    /// The maximum number of simultaneous connections.
     pub connections: usize,
-    /// Connections at once from one address; for IPv6 from one network of 64 bits.
+    /// The maximum number of simultaneous connections from one IPv4 address or one 64-bit IPv6
+    /// network.
     pub connections_per_client: usize,
-    /// Bytes of the head of a request.
+    /// The maximum size of a request head in bytes.
     pub header_bytes: usize,
-    /// How long the head of a request may take, TLS included.
+    /// The maximum time to receive a request head, and the maximum time of the TLS handshake.
     pub header_time: Duration,
-    /// How long a client may read nothing of what is sent.
+    /// The maximum time for which a client may read nothing of a response.
     pub stall_time: Duration,
-    /// How long a connection may be without a request.
+    /// The maximum time for which a connection may have no request.
     pub idle_time: Duration,
-    /// How long running responses may take once the server stops.
+    /// The maximum time that running responses get when the server stops.
     pub grace_time: Duration,
-    /// Requests at once over one connection of HTTP/2.
+    /// The maximum number of simultaneous requests on one HTTP/2 connection.
     pub streams: u32,
 }
 
@@ -248,31 +256,31 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Sets the connections at once, in all and from one address.
+    /// Sets the maximum numbers of simultaneous connections, in total and per client.
     #[must_use]
     pub fn with_connections(self, connections: usize, connections_per_client: usize) -> Self {
         Self { connections, connections_per_client, ..self }
     }
 
-    /// Sets the bytes of the head of a request, and how long it may take.
+    /// Sets the maximum size of a request head in bytes, and the maximum time to receive it.
     #[must_use]
     pub fn with_headers(self, header_bytes: usize, header_time: Duration) -> Self {
         Self { header_bytes, header_time, ..self }
     }
 
-    /// Sets how long a client may read nothing of what is sent.
+    /// Sets the maximum time for which a client may read nothing of a response.
     #[must_use]
     pub fn with_stall_time(self, stall_time: Duration) -> Self {
         Self { stall_time, ..self }
     }
 
-    /// Sets how long a connection may be without a request.
+    /// Sets the maximum time for which a connection may have no request.
     #[must_use]
     pub fn with_idle_time(self, idle_time: Duration) -> Self {
         Self { idle_time, ..self }
     }
 
-    /// Sets how long running responses may take once the server stops.
+    /// Sets the maximum time that running responses get when the server stops.
     #[must_use]
     pub fn with_grace_time(self, grace_time: Duration) -> Self {
         Self { grace_time, ..self }

@@ -1,10 +1,14 @@
-//! Packing of files on demand: which files, under which key, and how they are read.
+//! Packing on demand: how source files are found and read, and the cache keys of their results.
 //!
-//! A key is a hash of all that a result depends on: the file without links, its version, the versions of the files beside it that a `.gltf`, a GLB or an OBJ may name,
-//! the options, and the version of this crate. So a result is never older than its files; and one whose files changed while they were read is not kept.
+//! A key is a hash of everything that a result depends on: the resolved path of the file, its
+//! version, the versions of the files that a `.gltf`, GLB or OBJ may refer to, the options, and the
+//! version of this crate. A result is therefore never older than its files. If files change while
+//! they are read, the result is not kept.
 //!
-//! A model is read through the handle of the folder. The files that a `.gltf`, a GLB or an OBJ names are opened by their paths: none that is hidden or outside the folder of the
-//! document, links followed, but someone who may change links in the served folder at the same moment could lead them out of it.
+//! A model is read through the directory handle. The files that a `.gltf`, GLB or OBJ refers to are
+//! opened by their paths, with links resolved. Hidden files and files outside the directory of the
+//! document are rejected. However, someone who can change links in the served directory at that
+//! moment could redirect them to files outside.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -18,25 +22,27 @@ use crate::folder::Folder;
 use crate::glb_start::{first_bytes, json_of};
 use crate::paths::SitePath;
 
-/// The version of what packings and pictures are: one more whenever the same file gives other bytes and the package has no other version.
+/// The version of packed files and thumbnails. Increase it if the same file gives different bytes
+/// within one package version.
 const PACKING_VERSION: u32 = 1;
-/// The bytes of a GLB in which URIs are looked for.
+/// The number of bytes at the start of a GLB that are searched for URIs.
 const MAX_JSON_BYTES: u64 = 64 << 10;
-/// How deep folders beside a document are looked into, and the most files and folders that are looked at.
+/// The maximum depth of directories next to a document that are searched, and the maximum number of
+/// files and directories.
 const MAX_DEPTH: usize = 4;
 const MAX_ENTRIES: usize = 10_000;
 
-/// A model file in the folder of a server.
+/// A model file in the directory of a server.
 #[derive(Debug, Clone)]
 pub(crate) struct Source {
     pub(crate) path: SitePath,
     pub(crate) format: Format,
-    /// What a result of this file depends on.
+    /// Everything that a result of this file depends on.
     key: String,
 }
 
 impl Source {
-    /// Finds a file with the extension of a model, and what belongs to it. It may block.
+    /// Finds a file with the extension of a model and the versions of its related files. May block.
     pub(crate) fn find(folder: &Folder, path: &SitePath) -> Option<Self> {
         let format = Format::from_path(path.as_str())?;
         let version = folder.version(path).ok()?;
@@ -56,7 +62,7 @@ impl Source {
         Some(Self { path: path.clone(), format, key })
     }
 
-    /// Returns the key of what is made of the file with these options.
+    /// Returns the cache key of the result for these options.
     pub(crate) fn key(&self, options: &str) -> String {
         let mut hash = Sha256::new();
         hash.update(options.as_bytes());
@@ -69,12 +75,12 @@ impl Source {
         })
     }
 
-    /// Checks that nothing has changed since the file was found. It may block.
+    /// Checks that nothing has changed since the file was found. May block.
     pub(crate) fn is_current(&self, folder: &Folder) -> bool {
         Self::find(folder, &self.path).is_some_and(|now| now.key == self.key)
     }
 
-    /// Reads the model, with the materials and images that belong to it.
+    /// Reads the model with its materials and images.
     pub(crate) fn read(&self, folder: &Folder, most_bytes: u64) -> Result<Model, String> {
         let found = folder.version(&self.path).map_err(|error| error.to_string())?.bytes;
         if found > most_bytes {
@@ -83,7 +89,7 @@ impl Source {
         let bytes = folder.read(&self.path, most_bytes).map_err(|error| error.to_string())?;
         let left = most_bytes - bytes.len() as u64;
         let root = format!("{}/", folder.path().display());
-        // Messages do not say where the folder is.
+        // Messages do not reveal where the directory is.
         let message = |error: tristrip_io::Error| error.to_string().replace(&root, "");
         let real = folder.real_path(&self.path).map_err(|error| error.to_string())?;
         tristrip_io::read_beside(&Arc::new(bytes), self.format, &real, left).map_err(message)
@@ -102,7 +108,8 @@ impl Source {
     }
 }
 
-/// Checks whether a model may name other files: a GLB does if its JSON has a URI, or is too long to be looked at.
+/// Checks whether a model may refer to other files. A GLB may if its JSON contains a URI or is too
+/// long to search.
 fn names_files(folder: &Folder, path: &SitePath, format: Format) -> bool {
     match format {
         Format::Obj | Format::Gltf => true,
@@ -117,7 +124,8 @@ fn names_files(folder: &Folder, path: &SitePath, format: Format) -> bool {
     }
 }
 
-/// Adds the versions of the files in a folder and below it that are not models: buffers, material libraries, images.
+/// Adds the versions of all files below a directory that are not models: buffers, material
+/// libraries, images.
 fn add_versions(folder: &Folder, path: &str, depth: usize, left: &mut usize, key: &mut String) {
     for entry in folder.entries(path, left).unwrap_or_default() {
         let Some(version) = entry.version else {

@@ -1,43 +1,47 @@
-//! Paths of requests: decoded once, and refused unless they name something below a folder on every system.
+//! Request paths. A path is decoded once and rejected unless it names a file below a directory on
+//! every operating system.
 //!
 //! # Algorithm
-//! 1. Percent signs are decoded once, to UTF-8. A percent sign that is left is a character.
-//! 2. The path is cut at slashes. Each component is refused if it is empty, `.` or `..`, has a control character, a backslash or a colon, ends with a
-//!    dot or a space, or names a device of Windows. So a path means the same on every system, whatever the folder is.
-//! 3. Names that begin with a dot are not served: such files hold settings and secrets.
+//! 1. Decode percent-encoding once, to UTF-8. A remaining percent sign is a normal character.
+//! 2. Split the path at slashes. Reject a component that is empty, `.` or `..`, contains a control
+//!    character or one of the characters that Windows reserves (such as a backslash or a colon),
+//!    ends with a dot or a space, or names a Windows device. A path then has the same meaning on
+//!    every system.
+//! 3. Reject names that begin with a dot: such files often contain settings and secrets.
 //!
-//! The folder is then opened by a handle that no link leads out of (`folder.rs`); this check is the first of the two.
+//! This is the first of two checks. Files are then opened through a directory handle that no link
+//! can leave (`folder.rs`).
 
 use std::fmt;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 
-/// The longest path in bytes, the most components, and the longest component.
+/// The maximum length of a path in bytes, of its components in number, and of a component in bytes.
 const MAX_BYTES: usize = 2048;
 const MAX_COMPONENTS: usize = 32;
 const MAX_COMPONENT_BYTES: usize = 255;
 
-/// What is encoded in the paths of URLs.
+/// The characters that are percent-encoded in URL paths.
 const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/');
 
-/// Names that Windows keeps for devices, with any extension.
+/// Names that Windows reserves for devices, with any extension.
 const DEVICES: [&str; 6] = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
 
-/// A path below the folder of a server: components between slashes.
+/// A valid path below the directory of a server, with slashes between its components.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct SitePath(String);
 
-/// Why a path is refused.
+/// Why a path is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum BadPath {
-    /// It is not a path of a file.
+    /// It cannot be the path of a file.
     Malformed,
-    /// It is one that is not served.
+    /// It names a hidden file, which is not served.
     Hidden,
 }
 
 impl SitePath {
-    /// Decodes the path of a URL, behind the slash that ends its route.
+    /// Decodes a URL path without the prefix of its route.
     pub(crate) fn decode(raw: &str) -> Result<Self, BadPath> {
         if raw.len() > 3 * MAX_BYTES || !is_well_encoded(raw) {
             return Err(BadPath::Malformed);
@@ -46,7 +50,7 @@ impl SitePath {
         Self::new(&decoded)
     }
 
-    /// Checks a path that is not encoded.
+    /// Checks a decoded path.
     pub(crate) fn new(path: &str) -> Result<Self, BadPath> {
         if path.len() > MAX_BYTES || path.split('/').count() > MAX_COMPONENTS {
             return Err(BadPath::Malformed);
@@ -60,24 +64,25 @@ impl SitePath {
         Ok(Self(path.to_owned()))
     }
 
-    /// Returns the path without an extension, if it has this one.
+    /// Returns the path without this extension, or `None` if it has another one.
     pub(crate) fn without_extension(&self, extension: &str) -> Option<Self> {
         let path = self.0.strip_suffix(extension)?.strip_suffix('.')?;
         Self::new(path).ok()
     }
 
-    /// Returns the path as text between slashes.
+    /// Returns the path as text, with slashes between its components.
     pub(crate) fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// Returns the path for a URL.
+    /// Returns the percent-encoded path for a URL.
     pub(crate) fn encoded(&self) -> impl fmt::Display + '_ {
         utf8_percent_encode(&self.0, ENCODED)
     }
 }
 
-/// Returns a relative path as a URL has it: percent signs for all but letters, digits, slashes and `-._~`.
+/// Returns a relative path with percent-encoding for a URL. Only ASCII letters, digits, slashes and
+/// `-._~` are unchanged.
 ///
 /// ```
 /// assert_eq!(tristrip_serve::url_path("a b/ä.ply"), "a%20b/%C3%A4.ply");

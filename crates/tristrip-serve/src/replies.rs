@@ -1,9 +1,12 @@
-//! Responses with bytes: conditions, ranges and the headers that caches and readers of ranges need.
+//! Responses with bytes: conditional requests, ranges, and the headers that caches and range
+//! requests need.
 //!
 //! # Algorithm
-//! As RFC 9110 orders them: `If-None-Match`, or `If-Modified-Since` where that is absent, gives 304; then a range, if `If-Range` is absent or names this very version.
-//! A date in `If-Range` never does: a file may have been written twice within its second. One range gives 206. Several ranges give the whole, which a server may do; a range behind the
-//! end gives 416. Requests are only GET and HEAD, so that `If-Match` decides nothing here; a HEAD has no range.
+//! In the order of RFC 9110: first `If-None-Match`, or `If-Modified-Since` if it is absent, can
+//! give 304. Then a range is used if `If-Range` is absent or names exactly this version. A date in
+//! `If-Range` never matches: the file may have been written twice within one second. One range
+//! gives 206. Several ranges give the complete file, as the RFC allows. A range after the end gives
+//! 416. `If-Match` is ignored because all requests are GET or HEAD, and HEAD has no range.
 
 use std::ops::Range;
 use std::time::SystemTime;
@@ -20,18 +23,18 @@ use headers::{ETag, HeaderMapExt, IfModifiedSince, IfNoneMatch, LastModified};
 use crate::bytes_source::BytesSource;
 use crate::media::is_compressible;
 
-/// Bytes with what a response says of them.
+/// Bytes with the metadata of a response.
 #[derive(Debug, Clone)]
 pub(crate) struct Resource {
     pub(crate) source: BytesSource,
     pub(crate) media_type: &'static str,
-    /// A name of this version of the bytes, in letters, digits and hyphens.
+    /// The tag of this version of the bytes: letters, digits and hyphens.
     pub(crate) tag: String,
     pub(crate) modified: Option<SystemTime>,
 }
 
 impl Resource {
-    /// Answers a request with these headers. The body is that of a GET.
+    /// Answers a request with these headers. The body is the body for GET.
     pub(crate) fn reply(&self, request: &HeaderMap) -> Response {
         let etag = format!("\"{}\"", self.tag);
         let modified = self.modified.map(LastModified::from);
@@ -47,7 +50,7 @@ impl Resource {
         }
         let parsed: Option<ETag> = etag.parse().ok();
         if self.is_known(request, parsed.as_ref()) {
-            // A client whose bytes were compressed on their way has the weak tag.
+            // A client that received compressed bytes has the weak tag.
             let weak = format!("W/{etag}");
             let is_weak = |value: &HeaderValue| value.to_str().is_ok_and(|tags| tags.contains(&weak));
             if request.get_all(IF_NONE_MATCH).iter().any(is_weak) {
@@ -80,7 +83,7 @@ impl Resource {
         response
     }
 
-    /// Checks whether the client has this version.
+    /// Checks whether the client already has this version.
     fn is_known(&self, request: &HeaderMap, etag: Option<&ETag>) -> bool {
         if let Some(tags) = request.typed_get::<IfNoneMatch>() {
             return etag.is_some_and(|etag| !tags.precondition_passes(etag));
@@ -90,12 +93,14 @@ impl Resource {
     }
 }
 
-/// Checks whether a range is of the version that the client has a part of: it names no version, or this one by its strong tag.
+/// Checks whether the range refers to this version: `If-Range` is absent or contains the strong tag
+/// of this version.
 fn range_applies(request: &HeaderMap, etag: &str) -> bool {
     request.get(IF_RANGE).is_none_or(|version| version.as_bytes() == etag.as_bytes())
 }
 
-/// Returns the one range that a request asks for; `None` for all bytes, an error if there are none in it.
+/// Returns the range of a request, `None` for all bytes, or an error if the range contains no
+/// bytes.
 fn range(request: &HeaderMap, length: u64) -> Result<Option<Range<u64>>, ()> {
     use http_range_header::{RangeUnsatisfiableError, parse_range_header};
     let Some(text) = request.get(RANGE).and_then(|value| value.to_str().ok()) else { return Ok(None) };

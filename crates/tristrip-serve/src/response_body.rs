@@ -1,8 +1,9 @@
-//! The body of a response on its way: paced if the bandwidth is limited, counted, and logged when it ends.
+//! The body of a response. It is paced if the bandwidth is limited, counted, and logged when it
+//! ends.
 //!
 //! # Algorithm
-//! A paced body gives its bytes in pieces of a twentieth of a second. The next piece is due when the pieces before it would have arrived at the given rate; a client that was
-//! slower than that gets nothing faster later.
+//! A paced body sends its bytes in pieces of 1/20 second. The next piece is due when the previous
+//! pieces would have arrived at the given rate. A slower client does not catch up later.
 
 use std::net::IpAddr;
 use std::pin::Pin;
@@ -21,12 +22,13 @@ use crate::clients::Place;
 use crate::metrics::ServerMetrics;
 use crate::streams::StreamEnd;
 
-/// The pieces per second of a paced body, and the fewest bytes of one.
+/// The number of pieces per second of a paced body, and the minimum and maximum size of a piece in
+/// bytes.
 const PIECES_PER_SECOND: u64 = 20;
 const FEWEST_BYTES: u64 = 64;
 const MAX_BYTES: u64 = 64 << 10;
 
-/// The rate of a body.
+/// The pacing of a body.
 #[derive(Debug)]
 pub(crate) struct Pace {
     bytes_per_second: u64,
@@ -35,13 +37,14 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
-    /// Starts now, at a rate in bits per second.
+    /// Starts pacing now, at a rate in bits per second.
     pub(crate) fn new(bits_per_second: u64) -> Self {
         let bytes_per_second = (bits_per_second / 8).max(1);
         Self { bytes_per_second, due: Box::pin(sleep_until(Instant::now())), rest: Bytes::new() }
     }
 
-    /// Returns the next piece of what is left, which is not empty, once it is due.
+    /// Returns the next piece of the remaining bytes once it is due. The remaining bytes must not
+    /// be empty.
     fn poll_piece(&mut self, context: &mut Context<'_>) -> Poll<Bytes> {
         ready!(self.due.as_mut().poll(context));
         let most = (self.bytes_per_second / PIECES_PER_SECOND).clamp(FEWEST_BYTES, MAX_BYTES);
@@ -53,7 +56,7 @@ impl Pace {
     }
 }
 
-/// What is logged of a response.
+/// The log entry of a response.
 #[derive(Debug)]
 pub(crate) struct Record {
     pub(crate) method: Method,
@@ -75,7 +78,7 @@ pub(crate) struct ResponseBody {
     metrics: Arc<ServerMetrics>,
     activity: Arc<Activity>,
     open: OpenBody,
-    /// The response counts until its body ends.
+    /// Counts the response until its body ends.
     _place: Option<Place>,
 }
 
@@ -181,7 +184,7 @@ mod tests {
         assert!(metrics.text().contains("tristrip_sent_bytes_total 200000"));
     }
 
-    /// Takes a paced body whose 100,000 bytes are due within two seconds.
+    /// Reads a paced body whose 100,000 bytes are due within two seconds.
     async fn take(metrics: &Arc<ServerMetrics>) {
         let record = Record {
             method: Method::GET,

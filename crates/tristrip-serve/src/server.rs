@@ -1,4 +1,4 @@
-//! The server: it listens, accepts connections, and ends them when it is told to stop.
+//! The server. It listens, accepts connections, and ends them when it is stopped.
 
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
@@ -23,12 +23,12 @@ use crate::site::{Site, router};
 use crate::tls::Tls;
 use crate::workshop::Workshop;
 
-/// The files that may be open beside the connections and the files that they send.
+/// The number of open files in addition to the connections and the files that they send.
 const OTHER_FILES: u64 = 128;
-/// How long nothing is accepted after the system refused, for lack of open files or memory.
+/// The pause after the system could not accept a connection, for lack of file handles or memory.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// A server that listens, and answers once it runs.
+/// A listening server. It answers requests while it runs.
 ///
 /// ```
 /// use std::io::{Read, Write};
@@ -57,7 +57,8 @@ pub struct Server {
     stop: StopHandle,
 }
 
-/// Stops a server: it accepts no more connections, and ends when running responses have ended, or the grace time has.
+/// Stops a server. The server then accepts no more connections. It ends when the running responses
+/// have ended, or after the grace time.
 ///
 /// ```
 /// use tristrip_serve::{Content, Server, ServerOptions};
@@ -76,14 +77,15 @@ impl StopHandle {
         Self { sender: Arc::new(watch::Sender::new(false)) }
     }
 
-    /// Tells the server to stop.
+    /// Stops the server.
     pub fn stop(&self) {
         self.sender.send_replace(true);
     }
 }
 
-/// Returns the folder in which packed files are kept if no other is given: `tristrip` in the user's folder of caches; `None` for a user without a home. A temporary folder is
-/// then used as long as the server runs.
+/// Returns the default cache directory, `tristrip` in the user's cache directory, or `None` if the
+/// user has no home directory. In that case the server uses a temporary directory and removes it
+/// when it ends.
 ///
 /// ```
 /// assert!(tristrip_serve::default_cache().is_none_or(|folder| folder.ends_with("tristrip")));
@@ -93,10 +95,12 @@ pub fn default_cache() -> Option<PathBuf> {
 }
 
 impl Server {
-    /// Opens the content and the cache, and listens. Clients that connect wait until the server runs.
+    /// Opens the content and the cache and starts listening. Clients that connect wait until the
+    /// server runs.
     ///
     /// # Errors
-    /// The folder or the cache cannot be opened, another program listens at the address, or the certificate or an option is wrong.
+    /// The directory or the cache cannot be opened, the address is in use or not available, or the
+    /// certificate or an option is not valid.
     pub fn bind(content: Content, options: &ServerOptions) -> Result<Self, Error> {
         let options = options.clone();
         let store = Store::open(content)?;
@@ -124,7 +128,7 @@ impl Server {
         self.address
     }
 
-    /// Returns the URL of the gallery, as a browser on this machine opens it.
+    /// Returns the URL of the gallery for a browser on this machine.
     pub fn url(&self) -> String {
         let scheme = if self.tls.is_some() { "https" } else { "http" };
         let mut address = self.address;
@@ -138,23 +142,24 @@ impl Server {
         format!("{scheme}://{address}/")
     }
 
-    /// Returns what stops the server, from any thread.
+    /// Returns a handle that stops the server from any thread.
     pub fn stop_handle(&self) -> StopHandle {
         self.stop.clone()
     }
 
-    /// Answers until the server is stopped.
+    /// Answers requests until the server is stopped.
     ///
     /// # Errors
-    /// The system refuses threads or timers.
+    /// The system does not provide threads or timers.
     pub fn run(self) -> Result<(), Error> {
         self.run_on_runtime(false)
     }
 
-    /// Answers until the server is stopped, or the process gets an interrupt (Ctrl-C) or SIGTERM. A second one ends it at once.
+    /// Answers requests until the server is stopped or the process receives an interrupt (Ctrl-C)
+    /// or SIGTERM. A second signal ends the server immediately.
     ///
     /// # Errors
-    /// The system refuses threads, timers or handlers of signals.
+    /// The system does not provide threads, timers or signal handlers.
     pub fn run_until_signal(self) -> Result<(), Error> {
         self.run_on_runtime(true)
     }
@@ -173,7 +178,7 @@ impl Server {
                 Ok(()) = at_once => Ok(()),
             }
         });
-        // A packing that has not ended has written nothing, or a whole file.
+        // A job that is still running has written no file or a complete file.
         runtime.shutdown_background();
         ended
     }
@@ -211,7 +216,7 @@ impl Server {
                     }
                 },
                 Err(error) => {
-                    tracing::warn!(%error, "not accepted");
+                    tracing::warn!(%error, "could not accept a connection");
                     sleep(PAUSE).await;
                 }
             }
@@ -220,7 +225,7 @@ impl Server {
         tracing::info!(connections = running.len(), "stopping");
         let all = async { while running.join_next().await.is_some() {} };
         if timeout(limits.grace_time, all).await.is_err() {
-            tracing::warn!("responses ended early: the grace time is over");
+            tracing::warn!("grace time is over: ended running responses early");
         }
         Ok(())
     }
@@ -234,7 +239,7 @@ fn open_workshop(options: &PackingOptions, metrics: &Arc<ServerMetrics>) -> Resu
     Workshop::new(options, cache, Arc::clone(metrics))
 }
 
-/// Stops the server at an interrupt or SIGTERM, and ends it at the second one.
+/// Stops the server at the first interrupt or SIGTERM, and ends it immediately at the second one.
 fn watch_signals(stop: StopHandle, second: oneshot::Sender<()>) -> Result<(), Error> {
     #[cfg(unix)]
     let mut terminate =
@@ -256,7 +261,7 @@ fn watch_signals(stop: StopHandle, second: oneshot::Sender<()>) -> Result<(), Er
         if signal().await {
             stop.stop();
             if signal().await {
-                // The server may have ended.
+                // The server may already have ended.
                 second.send(()).unwrap_or_default();
             }
         }
@@ -264,7 +269,8 @@ fn watch_signals(stop: StopHandle, second: oneshot::Sender<()>) -> Result<(), Er
     Ok(())
 }
 
-/// Lets the process have as many open files as connections need, if the system allows it: one each, and one for what it sends.
+/// Raises the limit of open files of the process as far as the system allows. Each connection needs
+/// two: the socket and the file that it sends.
 fn raise_file_limit(connections: u64) {
     #[cfg(unix)]
     {
@@ -274,7 +280,7 @@ fn raise_file_limit(connections: u64) {
         if limit.current.is_some_and(|current| current < wanted) {
             limit.current = Some(limit.maximum.map_or(wanted, |maximum| maximum.min(wanted)));
             if let Err(error) = setrlimit(Resource::Nofile, limit) {
-                tracing::debug!(%error, "limit of open files not raised");
+                tracing::debug!(%error, "could not raise the limit of open files");
             }
         }
     }

@@ -1,13 +1,13 @@
-//! The answers of a server: files, packed files, pictures, the list of models, health and figures, by their routes.
+//! The routes of a server: files, packed files, thumbnails, the list of models, health and metrics.
 //!
 //! | route | answer |
 //! |---|---|
 //! | `/` and the paths of the viewer's files | the viewer |
 //! | `/models.json` | the list of models |
-//! | `/files/PATH` | a file as it is |
-//! | `/packed/PATH.glb` | a file as progressive GLB, packed now or before |
-//! | `/thumbnails/PATH.png` | a picture of a file |
-//! | `/healthz`, `/metrics` | `ok`; figures for Prometheus |
+//! | `/files/PATH` | an unchanged file |
+//! | `/packed/PATH.glb` | a file as progressive GLB, packed on request |
+//! | `/thumbnails/PATH.png` | the thumbnail of a file |
+//! | `/healthz`, `/metrics` | `ok`; metrics for Prometheus |
 
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -39,20 +39,20 @@ use crate::replies::{Resource, text};
 use crate::thumbnails;
 use crate::workshop::{JobKey, JobKind, Refusal, Workshop};
 
-/// How long a list of models is answered without another scan.
+/// The time for which a list of models is reused without another scan.
 const LIST_TIME: Duration = Duration::from_secs(2);
-/// How often a list is asked for that does not come.
+/// The maximum number of attempts to get a list.
 const MAX_LISTINGS: usize = 3;
-/// The folders whose files are looked at for packings at once.
+/// The maximum number of simultaneous searches for source files.
 const MAX_FINDS: usize = 4;
 /// Smaller files are not compressed.
 const FEWEST_COMPRESSED_BYTES: u64 = 1024;
 
-/// What all requests share.
+/// The state that all requests share.
 #[derive(Debug)]
 pub(crate) struct Site {
     store: Store,
-    /// `None` where nothing is packed and no picture is kept: files in memory.
+    /// `None` for files in memory, which need no packing and no cache.
     workshop: Option<Arc<Workshop>>,
     packing: PackingOptions,
     metrics: Arc<ServerMetrics>,
@@ -60,11 +60,11 @@ pub(crate) struct Site {
     scanner: Scanner,
     list: Mutex<Option<Listing>>,
     finds: Arc<Semaphore>,
-    /// The pictures of files in memory that are drawn now.
+    /// The permits to draw thumbnails of files in memory.
     drawings: Arc<Semaphore>,
 }
 
-/// The list of models, and when it was made; `None` as long as it is.
+/// The list of models and the time of its scan; `None` while the scan runs.
 type Listing = watch::Receiver<Option<(Instant, Resource)>>;
 
 impl Site {
@@ -87,14 +87,15 @@ impl Site {
         }
     }
 
-    /// Returns the list that was made lately, the one that is being made, or a new one. It is made in a task of its own for all clients, so that there are never two scans. Once the
-    /// last client has left, the scan ends early, and its list never comes.
+    /// Returns the cached list or the list in progress, or starts a new scan. The scan runs in its
+    /// own task for all clients, so there are never two scans. If no client waits for it any more,
+    /// the scan is cancelled and its list is never sent.
     fn listing(self: &Arc<Self>) -> Listing {
         let mut list = self.list.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = &*list {
             let is_usable = match &*known.borrow() {
                 Some((since, _)) => since.elapsed() < LIST_TIME,
-                // Without its sender, the scan has failed.
+                // If the sender is gone, the scan has failed.
                 None => known.has_changed().is_ok(),
             };
             if is_usable {
@@ -105,9 +106,9 @@ impl Site {
         *list = Some(watch.clone());
         let site = Arc::clone(self);
         tokio::task::spawn_blocking(move || {
-            // The site itself keeps one receiver.
+            // One receiver belongs to the site itself.
             let is_wanted = || sender.receiver_count() > 1;
-            // The sender ends here; without a list if the scan has failed or was not wanted.
+            // The sender is dropped here. It has sent no list if the scan failed or was cancelled.
             if let Some(resource) = site.scan(&is_wanted) {
                 sender.send_replace(Some((Instant::now(), resource)));
             }
@@ -115,7 +116,7 @@ impl Site {
         watch
     }
 
-    /// Lists the models. It may block.
+    /// Lists the models. May block.
     fn scan(&self, is_wanted: &dyn Fn() -> bool) -> Option<Resource> {
         let catalogue = match &self.store {
             Store::Memory(store) => list(store),
@@ -144,7 +145,7 @@ pub(crate) fn router(site: Arc<Site>) -> Router {
         .with_state(site)
 }
 
-/// Returns the name of a route for the figures.
+/// Returns the name of a route for the metrics.
 pub(crate) fn route_name(path: &str) -> &'static str {
     match path.split('/').nth(1).unwrap_or_default() {
         "files" => "files",
@@ -158,7 +159,8 @@ pub(crate) fn route_name(path: &str) -> &'static str {
     }
 }
 
-/// Checks whether a response is worth compressing: whole, of a type that shrinks, and not small.
+/// Checks whether a response is worth compressing: it is complete, not small, and of a compressible
+/// type.
 fn pays(status: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions) -> bool {
     let length = headers.get(CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse::<u64>().ok());
     let media_type = headers.get(CONTENT_TYPE).and_then(|value| value.to_str().ok());
@@ -167,7 +169,7 @@ fn pays(status: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions) -> 
         && media_type.is_some_and(is_compressible)
 }
 
-/// Makes the tag of a response weak that is compressed on its way: its bytes may differ from one time to the next.
+/// Makes the tag of a compressed response weak: the compressed bytes can differ between responses.
 async fn weaken(mut response: Response) -> Response {
     if response.headers().contains_key(CONTENT_ENCODING)
         && let Some(tag) = response.headers().get(ETAG).and_then(|tag| tag.to_str().ok())
@@ -195,7 +197,7 @@ async fn metrics(State(site): State<Arc<Site>>) -> Response {
 }
 
 async fn models(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response {
-    // A scan may have been given up just before this client came.
+    // A scan may have been cancelled just before this request.
     for _ in 0..MAX_LISTINGS {
         let mut listing = site.listing();
         if let Ok(Some((_, resource))) = listing.wait_for(Option::is_some).await.as_deref() {
@@ -262,7 +264,7 @@ async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) 
     made(&site, path, JobKind::Thumbnail, &key, "image/png", &headers, work).await
 }
 
-/// Answers with what is made of a file, now or before.
+/// Answers with the result of a job, new or from the cache.
 async fn made(
     site: &Site,
     path: SitePath,
@@ -277,7 +279,7 @@ async fn made(
         let Ok(permit) = Arc::clone(&site.finds).acquire_owned().await else { return failed() };
         let (folder, path) = (Arc::clone(folder), path.clone());
         tokio::task::spawn_blocking(move || {
-            // Held to the end, also if the client leaves.
+            // Held until the search ends, even if the client leaves.
             let _permit = permit;
             Source::find(&folder, &path)
         })
@@ -289,11 +291,11 @@ async fn made(
     let folder = Arc::clone(folder);
     let work = move |deadline| {
         let made = work(&source, &folder, deadline)?;
-        // What was read may be parts of two versions, and the key is that of the first.
+        // The bytes read may come from two versions of the file, but the key belongs to the first.
         if source.is_current(&folder) {
             Ok(made)
         } else {
-            Err("the file changed while it was read: ask again".into())
+            Err("the file changed while it was read; request it again".into())
         }
     };
     match workshop.get(job, work).await {
@@ -301,20 +303,24 @@ async fn made(
             let tag = format!("{}-{checksum:08x}", &key[..16]);
             Resource { source, media_type, tag, modified: None }.reply(headers)
         }
-        Err(Refusal::Busy) => text(StatusCode::SERVICE_UNAVAILABLE, "too many files are being packed"),
+        Err(Refusal::Busy) => {
+            text(StatusCode::SERVICE_UNAVAILABLE, "too many jobs are waiting; try again later")
+        }
         Err(Refusal::NotYet) => {
-            text(StatusCode::SERVICE_UNAVAILABLE, "not finished yet: the work goes on, ask again")
+            text(StatusCode::SERVICE_UNAVAILABLE, "not finished yet; the job continues, try again later")
         }
         Err(Refusal::Failed(message)) => text(StatusCode::UNPROCESSABLE_ENTITY, &message),
     }
 }
 
-/// Returns the path behind a route.
+/// Returns the path after the prefix of a route.
 fn site_path(uri: &Uri, route: &str) -> Result<SitePath, Box<Response>> {
     let raw = uri.path().strip_prefix(route).unwrap_or_default();
     SitePath::decode(raw).map_err(|bad| {
         Box::new(match bad {
-            BadPath::Malformed => text(StatusCode::BAD_REQUEST, "not a path of a file"),
+            BadPath::Malformed => {
+                text(StatusCode::BAD_REQUEST, "found a malformed path, expected the path of a file")
+            }
             BadPath::Hidden => not_found(),
         })
     })
@@ -325,10 +331,11 @@ fn not_found() -> Response {
 }
 
 fn failed() -> Response {
-    text(StatusCode::INTERNAL_SERVER_ERROR, "an error in the program ended the request")
+    text(StatusCode::INTERNAL_SERVER_ERROR, "internal error")
 }
 
-/// Answers for a file that is not opened: it is missing, leads out of the folder, or is none; or the server has too many open files.
+/// Answers a request for a file that cannot be opened. The file is missing, outside the directory
+/// or not a regular file, or the server has too many open files.
 fn not_opened(error: &io::Error) -> Response {
     #[cfg(unix)]
     if let Some(code) = error.raw_os_error()
@@ -338,7 +345,7 @@ fn not_opened(error: &io::Error) -> Response {
     {
         return text(StatusCode::SERVICE_UNAVAILABLE, "too many open files");
     }
-    tracing::debug!(%error, "not opened");
+    tracing::debug!(%error, "could not open a file");
     not_found()
 }
 
@@ -358,7 +365,7 @@ mod tests {
         let store = Store::open(Content::Folder(dir.path().to_path_buf())).unwrap();
         let packing = PackingOptions::default().with_on_demand(true);
         let site = Arc::new(Site::new(store, None, packing, Arc::new(ServerMetrics::new())));
-        // One thread for all that blocks: nothing is scanned before the gate opens.
+        // One thread for all blocking work: nothing is scanned before the gate opens.
         let runtime = Builder::new_current_thread().max_blocking_threads(1).enable_time().build().unwrap();
         runtime.block_on(async {
             let (open, gate) = mpsc::channel::<()>();
@@ -370,7 +377,7 @@ mod tests {
             drop((shared, stored));
             open.send(()).unwrap();
             gate.await.unwrap().unwrap();
-            // The scan that was given up, or a new one: a client never fails by it.
+            // The cancelled scan or a new one: a request never fails because of it.
             let response = models(State(Arc::clone(&site)), HeaderMap::new()).await;
             assert_eq!(response.status(), 200);
             let (open, gate) = mpsc::channel::<()>();
@@ -379,7 +386,7 @@ mod tests {
             drop(site.listing());
             open.send(()).unwrap();
             gate.await.unwrap().unwrap();
-            // The one thread has ended the scan when it has done this.
+            // When the single thread has done this, it has ended the scan.
             tokio::task::spawn_blocking(|| ()).await.unwrap();
             let known = site.list.lock().unwrap().clone().unwrap();
             assert!(known.borrow().is_none() && known.has_changed().is_err());

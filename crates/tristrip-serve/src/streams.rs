@@ -1,8 +1,10 @@
-//! Streams of HTTP/2 that can be ended alone.
+//! HTTP/2 streams that can be ended individually.
 //!
-//! hyper asks a body for bytes only while the client takes some, so that a body cannot end its stream by an error when its client has stopped reading. But hyper runs each stream
-//! as a task of an executor that the server chooses. This one can drop the task: with it go the body, its file, and the stream, which tells the client by `RST_STREAM`. The other
-//! streams of the connection do not notice.
+//! hyper polls a body only while the client reads. A body whose client has stopped reading
+//! therefore cannot end its stream with an error. But hyper runs each stream as a task of an
+//! executor that the server provides. This executor can drop the task, which drops the body with
+//! its file and ends the stream with `RST_STREAM`. The other streams of the connection are not
+//! affected.
 
 use std::sync::Arc;
 
@@ -10,21 +12,22 @@ use hyper::rt::Executor;
 use tokio::sync::Notify;
 
 tokio::task_local! {
-    /// The end of the stream whose task this is.
+    /// The handle that ends the stream of this task.
     static END: StreamEnd;
 }
 
-/// Ends a stream.
+/// A handle that ends a stream.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct StreamEnd(Arc<Notify>);
 
 impl StreamEnd {
-    /// Returns the end of the stream in whose task this is called; `None` outside of streams, as for HTTP/1.1.
+    /// Returns the handle of the stream whose task calls this function. Returns `None` outside
+    /// streams, for example for HTTP/1.1.
     pub(crate) fn of_task() -> Option<Self> {
         END.try_with(Clone::clone).ok()
     }
 
-    /// Ends the stream as soon as its task runs.
+    /// Ends the stream the next time its task runs.
     pub(crate) fn end(&self) {
         self.0.notify_one();
     }

@@ -1,7 +1,9 @@
-//! Pictures of models for the gallery, drawn by the rasterizer of `tristrip-render`: PNG with a transparent background.
+//! Thumbnails of models for the gallery: PNG with a transparent background, drawn by the rasterizer
+//! of `tristrip-render`.
 //!
-//! A progressive file is drawn at a level with few triangles, so that a large model takes no longer than a small one. Another model that is too large is shown as a cube: one with too many triangles,
-//! counted in each place where the scene shows them, or whose triangles hide one another too often.
+//! A progressive file is drawn at a level with few triangles, so a large model takes no longer than
+//! a small one. Other models that are too large are shown as a cube: models with too many
+//! triangles, counted once per instance in the scene, and models with too much overdraw.
 
 use tristrip::Layout;
 use tristrip_io::gltf::ProgressiveGlb;
@@ -15,16 +17,18 @@ use crate::packing::Source;
 
 /// The width and height in pixels.
 const SIZE: [u32; 2] = [320, 240];
-/// The triangles of a level of a progressive file, and the most of another model: enough that an edge is shorter than a pixel.
+/// The number of triangles of the level of a progressive file, and the maximum for other models.
+/// With this level, edges are shorter than a pixel.
 const LEVEL_TRIANGLES: usize = 200_000;
 const MAX_TRIANGLES: usize = 4_000_000;
-/// The most samples that are tested for a picture, about 800 times all of them: a few seconds.
+/// The maximum number of samples that are tested for a thumbnail: about 800 per sample of the
+/// image, a few seconds.
 const MAX_SAMPLES: u64 = 1 << 30;
 
-/// The options that a picture depends on, for keys.
+/// The options that a thumbnail depends on, for cache keys.
 pub(crate) const OPTIONS: &str = "thumbnail 3 320x240";
 
-/// Draws a file of a folder.
+/// Draws a file of a directory.
 pub(crate) fn of_source(
     source: &Source,
     folder: &Folder,
@@ -52,7 +56,7 @@ pub(crate) fn of_glb(bytes: &[u8]) -> Result<Vec<u8>, String> {
     of_model(&tristrip_io::read(bytes, Format::Glb).map_err(|error| error.to_string())?)
 }
 
-/// Reads a level of a progressive file; `None` for another file.
+/// Reads a level of a progressive file; returns `None` for other files.
 fn level(bytes: Vec<u8>) -> Result<Option<Model>, String> {
     let opened = ProgressiveGlb::open(bytes).map_err(|error| error.to_string())?;
     let Some(glb) = opened else { return Ok(None) };
@@ -75,12 +79,12 @@ fn of_model(model: &Model) -> Result<Vec<u8>, String> {
         };
         draw().map_err(|error: tristrip_render::Error| error.to_string())
     };
-    // The materials of an OBJ are drawn as those of the glTF that they become.
+    // The materials of an OBJ are drawn as glTF materials.
     if model.scene.is_none() && model.materials.as_ref().is_some_and(|materials| !materials.is_empty()) {
         let faces = vec![Drawing::Faces; model.parts.len()];
         let glb = tristrip_io::write(model, &faces, Format::Glb, Layout::List)
             .and_then(|glb| tristrip_io::read(&glb, Format::Glb));
-        // Images that cannot be drawn leave the plain model.
+        // If images cannot be drawn, the plain model is drawn.
         if let Some(drawn) = glb.ok().and_then(|glb| picture(&glb).ok()) {
             return drawn.map_or_else(cube, Ok);
         }
@@ -88,10 +92,10 @@ fn of_model(model: &Model) -> Result<Vec<u8>, String> {
     picture(model)?.map_or_else(cube, Ok)
 }
 
-/// Counts the triangles of a model, in each place where its scene shows them.
+/// Counts the triangles of a model, once per instance in its scene.
 fn drawn_triangles(model: &Model) -> Result<usize, String> {
     let counts = model.parts.iter().map(|part| part.mesh.faces().triangle_count());
-    // The triangles of the parts before each one, and of all.
+    // The number of triangles of the parts before each part, then of all parts.
     let mut before = vec![0_usize];
     before.extend(counts.scan(0, |sum: &mut usize, count| {
         *sum += count;
@@ -106,7 +110,8 @@ fn drawn_triangles(model: &Model) -> Result<usize, String> {
     Ok(placements.iter().map(of_place).fold(0, usize::saturating_add))
 }
 
-/// Checks whether a scene has colours: of textures, materials or vertices. White alone is drawn grey, so that it shows on white.
+/// Checks whether a scene has colours: of textures, materials or vertices. A white model is drawn
+/// in grey, so it is visible on a white page.
 fn is_coloured(model: &Model) -> bool {
     let Some(appearance) = model.scene.as_ref().and_then(|scene| scene.appearance().ok()) else {
         return false;

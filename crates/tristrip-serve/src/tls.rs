@@ -1,4 +1,4 @@
-//! HTTPS with a given certificate: HTTP/2 and HTTP/1.1, chosen by the client.
+//! HTTPS with a given certificate. The client chooses between HTTP/2 and HTTP/1.1.
 
 use std::fmt;
 use std::io;
@@ -26,7 +26,7 @@ impl fmt::Debug for Tls {
 }
 
 impl Tls {
-    /// Reads the certificate that the options name, if there is one.
+    /// Reads the certificate that the options name, if any.
     pub(crate) fn from_options(options: &ServerOptions) -> Result<Option<Self>, Error> {
         options.tls.as_ref().map(|files| acceptor(files).map(Self)).transpose()
     }

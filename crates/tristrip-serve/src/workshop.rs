@@ -1,17 +1,20 @@
-//! Jobs that take time: each is done once however many clients ask for it, few are done at once, and results are cached.
+//! Jobs that take time. Each job runs once, however many clients request it. The number of running
+//! jobs is limited, and results are cached.
 //!
 //! ```text
 //! request ─▶ cache? ─ yes ─▶ result
-//!              └ no ─▶ running already? ─ yes ─▶ wait for it
-//!                           └ no ─▶ failed lately? too many waiting? ─ no ─▶ a task of its own: permit ─▶ work ─▶ cache ─▶ all who wait
+//!              └ no ─▶ already running? ─ yes ─▶ wait for it
+//!                           └ no ─▶ failed recently? queue full? ─ no ─▶ new task: permit ─▶ work ─▶ cache ─▶ all waiting clients
 //! ```
-//! A job goes on when its clients leave, so that its result is there when they come back. It holds a permit only while it works: not while a client
-//! reads the result.
+//! A job continues when its clients leave; its result is available to later requests. A job holds a
+//! permit only while it works, not while a client reads the result.
 //!
-//! Thumbnails have permits and threads of their own, so that a gallery does not wait for long packings.
+//! Thumbnails have separate permits and threads, so a gallery does not wait for long packing jobs.
 //!
-//! Two limits of time: a request waits for a job so long, and is then told to come back; a job that takes much longer is given up, at the next place where its work asks
-//! ([`Deadline`]): between stages, and between the meshes of a scene. A single large mesh is simplified to its end.
+//! There are two time limits. A request that has waited too long for a job gets 503 with
+//! `Retry-After`. A job that takes much longer is cancelled at its next check of the [`Deadline`]:
+//! between stages, and between the meshes of a scene. The simplification of a single mesh is not
+//! interrupted.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -28,14 +31,14 @@ use crate::error::Error;
 use crate::metrics::ServerMetrics;
 use crate::options::PackingOptions;
 
-/// The stack of each thread that packs, as that of the command's threads.
+/// The stack size of each packing thread, the same as for the threads of the command.
 const STACK_BYTES: usize = 8 << 20;
-/// The files of the cache that are looked at at once.
+/// The maximum number of simultaneous cache lookups.
 const MAX_LOOKUPS: usize = 8;
-/// The failures that are remembered.
+/// The maximum number of remembered failures.
 const MAX_FAILURES: usize = 1024;
 
-/// What jobs make.
+/// The kind of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum JobKind {
     Packing,
@@ -51,12 +54,12 @@ impl JobKind {
     }
 }
 
-/// Why there is no result.
+/// Why a request gets no result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    /// Too many jobs wait: later there may be room.
+    /// Too many jobs are waiting. A later request may succeed.
     Busy,
-    /// The job takes longer than a request waits. It goes on.
+    /// The job takes longer than a request waits. The job continues.
     NotYet,
     /// The job failed, with this message.
     Failed(Arc<str>),
@@ -65,16 +68,16 @@ pub(crate) enum Refusal {
 type Outcome = Result<Made, Refusal>;
 type Watch = watch::Receiver<Option<Outcome>>;
 
-/// What is to be made: the key of its result, and what it is for the figures.
+/// The identity of a job: its kind, the key of its result, and its name.
 #[derive(Debug, Clone)]
 pub(crate) struct JobKey {
     pub(crate) kind: JobKind,
     pub(crate) key: String,
-    /// The name in the log.
+    /// The name for the log.
     pub(crate) name: String,
 }
 
-/// Runs jobs and keeps their results.
+/// Runs jobs and caches their results.
 #[derive(Debug)]
 pub(crate) struct Workshop {
     cache: Cache,
@@ -84,25 +87,26 @@ pub(crate) struct Workshop {
     wait_time: Duration,
     job_time: Duration,
     failure_time: Duration,
-    /// The files of the cache that are looked at now: a large one is read as a whole the first time.
+    /// The permits for cache lookups. The first lookup of a large file reads all of it.
     lookups: Arc<Semaphore>,
     running: Mutex<HashMap<String, Watch>>,
     failures: Mutex<HashMap<String, (Instant, Arc<str>)>>,
     metrics: Arc<ServerMetrics>,
 }
 
-/// What jobs of one kind share.
+/// The threads and permits of one kind of job.
 #[derive(Debug)]
 struct Lane {
     pool: ThreadPool,
     permits: Semaphore,
     at_once: usize,
-    /// Jobs that wait or run.
+    /// The number of waiting and running jobs.
     unfinished: AtomicUsize,
 }
 
 impl Lane {
-    /// Makes so many jobs at once, on so many threads together; 0 for one per core.
+    /// Creates a lane for `at_once` simultaneous jobs that share `threads` threads; 0 threads mean
+    /// one per core.
     fn new(at_once: usize, threads: usize) -> Result<Self, Error> {
         let at_once = at_once.clamp(1, Semaphore::MAX_PERMITS);
         let builder = ThreadPoolBuilder::new().stack_size(STACK_BYTES).num_threads(threads);
@@ -143,7 +147,7 @@ impl Workshop {
         }
     }
 
-    /// Returns the result of a job: from the cache, from a job that runs already, or from `work`.
+    /// Returns the result of a job: from the cache, from a running job, or from `work`.
     pub(crate) async fn get(
         self: &Arc<Self>,
         job: JobKey,
@@ -156,7 +160,7 @@ impl Workshop {
         let mut watch = self.watch(job, work)?;
         match timeout(self.wait_time, watch.wait_for(Option::is_some)).await {
             Ok(Ok(outcome)) => outcome.clone().unwrap_or(Err(Refusal::NotYet)),
-            Ok(Err(_)) => Err(Refusal::Failed("the job was stopped".into())),
+            Ok(Err(_)) => Err(Refusal::Failed("the job was cancelled".into())),
             Err(_) => Err(Refusal::NotYet),
         }
     }
@@ -165,14 +169,14 @@ impl Workshop {
         let permit = Arc::clone(&self.lookups).acquire_owned().await.ok()?;
         let (this, key) = (Arc::clone(self), key.to_owned());
         let lookup = tokio::task::spawn_blocking(move || {
-            // Held to the end, also if the client leaves.
+            // Held until the lookup ends, even if the client leaves.
             let _permit = permit;
             this.cache.get(&key)
         });
         lookup.await.ok().flatten()
     }
 
-    /// Joins a job that runs, or starts it.
+    /// Joins a running job or starts a new one.
     fn watch(
         self: &Arc<Self>,
         job: JobKey,
@@ -205,7 +209,7 @@ impl Workshop {
             }
             lock(&this.running).remove(&job.key);
             this.lane(job.kind).unfinished.fetch_sub(1, Ordering::Relaxed);
-            // Nobody may wait any more.
+            // No client may be waiting any more.
             sender.send_replace(Some(outcome));
         });
         Ok(watch)
@@ -216,7 +220,7 @@ impl Workshop {
         job: &JobKey,
         work: impl FnOnce(Deadline) -> Result<Vec<u8>, String> + Send + 'static,
     ) -> Outcome {
-        // A job of the same key may have ended since the cache was asked.
+        // A job with the same key may have ended since the first cache lookup.
         if let Some(made) = self.cached(&job.key).await {
             self.metrics.cache_hits.inc();
             return Ok(made);
@@ -232,33 +236,37 @@ impl Workshop {
         let done = tokio::task::spawn_blocking(move || {
             let deadline = Deadline::after(this.job_time);
             let late = |message| {
-                if deadline.is_over() { format!("it takes longer than {:?}", this.job_time) } else { message }
+                if deadline.is_over() {
+                    format!("the job takes longer than {:?}", this.job_time)
+                } else {
+                    message
+                }
             };
             let bytes = this.lane(kind).pool.install(|| work(deadline)).map_err(late)?;
             let made = this.cache.put(&key, bytes);
             this.metrics.cache_bytes.set(this.cache.used_bytes());
             Ok::<_, String>(made)
         });
-        let outcome = done.await.unwrap_or_else(|_| Err("an error in the program ended the job".into()));
+        let outcome = done.await.unwrap_or_else(|_| Err("internal error".into()));
         self.metrics.running.dec();
         let milliseconds = started.elapsed().as_millis() as u64;
         let (kind, name) = (kind.name(), &job.name);
         match outcome {
             Ok(made) => {
                 self.metrics.count_job(kind, "done");
-                tracing::info!(kind, name, bytes = made.source.len(), milliseconds, "made");
+                tracing::info!(kind, name, bytes = made.source.len(), milliseconds, "job done");
                 Ok(made)
             }
             Err(message) => {
                 self.metrics.count_job(kind, "failed");
-                // Quoted: parts of the file may be in it.
-                tracing::warn!(kind, name, error = ?message, milliseconds, "failed");
+                // Quoted: the message may contain text from the file.
+                tracing::warn!(kind, name, error = ?message, milliseconds, "job failed");
                 Err(Refusal::Failed(message.into()))
             }
         }
     }
 
-    /// Remembers a failure for a while; with too many of them, the old ones are forgotten.
+    /// Remembers a failure for a while. If there are too many, the expired ones are forgotten.
     fn remember(&self, key: &str, message: &Arc<str>) {
         let mut failures = lock(&self.failures);
         if failures.len() >= MAX_FAILURES {
@@ -270,7 +278,7 @@ impl Workshop {
     }
 }
 
-/// Locks a map; that a thread panicked while it held the lock leaves no map half changed.
+/// Locks a map. A poisoned lock is safe to use: no panic can leave a map half changed.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -325,7 +333,7 @@ mod tests {
         tokio::time::sleep(Duration::from_millis(120)).await;
         assert!(workshop.get(job("a"), |_| Ok(vec![1])).await.is_ok());
         let panicked = workshop.get(job("b"), |_| panic!("as a test")).await;
-        assert_eq!(panicked.err(), failed("an error in the program ended the job"));
+        assert_eq!(panicked.err(), failed("internal error"));
     }
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -353,7 +361,7 @@ mod tests {
             tokio::time::sleep(Duration::from_millis(1)).await;
         }
         assert_eq!(workshop.get(job("c"), |_| Ok(vec![3])).await.err(), Some(Refusal::Busy));
-        // A client that leaves does not stop its job.
+        // A client that leaves does not stop the job.
         second.abort();
         go.send(()).unwrap();
         assert!(first.await.unwrap().is_ok());
@@ -417,8 +425,8 @@ mod tests {
             std::thread::sleep(Duration::from_millis(1));
         };
         let given_up = workshop.get(job("a"), endless).await.err();
-        assert_eq!(given_up, Some(Refusal::Failed("it takes longer than 50ms".into())));
-        // What is done is kept, also if it is late.
+        assert_eq!(given_up, Some(Refusal::Failed("the job takes longer than 50ms".into())));
+        // A finished result is kept, even if it is late.
         let late = |_| {
             std::thread::sleep(Duration::from_millis(60));
             Ok(vec![1])

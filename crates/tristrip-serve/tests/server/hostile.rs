@@ -1,4 +1,5 @@
-//! Clients that want what they should not get: 200 paths and more, names of other sites, links, heads without end.
+//! Clients that want what they should not get: 200 paths and more, names of other sites, links,
+//! heads without end.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -102,7 +102,8 @@ fn slow_heads_and_idle_connections_are_closed_and_hold_up_nobody() {
     wait_for_close(idle);
 }
 
-/// Requests a file that is larger than the buffers of both sockets on connections that read nothing.
+/// Requests a file that is larger than the buffers of both sockets on connections that read
+/// nothing.
 fn stall(server: &Running, count: usize) -> Vec<std::net::TcpStream> {
     let mut stalled: Vec<_> = (0..count).map(|_| connect(server.address)).collect();
     for socket in &mut stalled {
