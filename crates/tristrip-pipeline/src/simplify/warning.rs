@@ -43,9 +43,10 @@ pub(crate) fn warning(collapses: &Collapses, limit: Deviation, locks_borders: bo
         (stopped.fold_over, "would turn triangles over".into(), "a larger error limit does not help"),
     ];
     let (held, why, hint) = reasons.into_iter().rev().max_by_key(|(held, ..)| *held)?;
+    let remain = if collapses.triangles_after == 1 { "remains" } else { "remain" };
     let kept = counted(collapses.triangles_after, "triangle");
     let left = counted(held, "vertex");
-    Some(format!("{kept} remain, {} were asked for: {left} {why}; {hint}", count(target)))
+    Some(format!("{kept} {remain}, {} were asked for: {left} {why}; {hint}", count(target)))
 }
 
 #[cfg(test)]
@@ -68,6 +69,8 @@ mod tests {
             "1,380 triangles remain, 292 were asked for: 1,200 vertices would exceed the error limit of 1 % of the diagonal; a larger \
              limit allows fewer triangles"
         );
+        collapses.triangles_after = 1;
+        assert!(warn(&collapses, false).unwrap().starts_with("1 triangle remains, 292 were asked for: "));
         stopped.seam = 1201;
         collapses.vertices_kept = Some(stopped);
         assert!(warn(&collapses, false).unwrap().contains("1,201 vertices lie on seams"));

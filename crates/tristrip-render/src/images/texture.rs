@@ -5,6 +5,7 @@
 
 use std::io::Cursor;
 
+use tristrip::text::counted;
 use tristrip_io::gltf::{Image, Wrap};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -53,7 +54,8 @@ impl Texture {
             .map(|pixel| if channels < 3 { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] })
             .collect();
         if width == 0 || pixels.len() != width * height {
-            return Err(format!("found {} pixels, expected {width} × {height}", pixels.len()));
+            let found = counted(pixels.len(), "pixel");
+            return Err(format!("found {found}, expected {width} × {height}"));
         }
         Ok(Self { width, height, pixels })
     }

@@ -76,6 +76,7 @@ use crate::lod::level::level_mesh::LevelMesh;
 use crate::lod::level::level_model::LevelCursor;
 use crate::lod::level::level_table::LevelTable;
 use crate::strip::{Cost, Strips};
+use crate::text::counted;
 use options::{SEARCH_AMOUNTS, SearchAmount};
 use pairing::{Pairing, TwinChanges};
 use strip_order::{StripTriangle, check_size, order_of};
@@ -171,7 +172,7 @@ impl Repair {
         if level > sequence.len() {
             return Err(Error::Parameter {
                 name: "level",
-                found: format!("{level} of {} levels", sequence.len()),
+                found: format!("{level} of {}", counted(sequence.len(), "level")),
                 expected: "a level of the sequence",
             });
         }

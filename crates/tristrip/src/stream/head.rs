@@ -76,7 +76,7 @@ impl Head {
         let byte = |reader: &mut ChunkReader<'_>| reader.byte().ok_or_else(|| short.clone());
         let [position_bits, unknown_bits] = [u32::from(byte(reader)?), u32::from(byte(reader)?)];
         if position_bits == 0 || position_bits > MAX_BITS || unknown_bits >= position_bits {
-            let found = format!("{position_bits} bits, {unknown_bits} of them unknown");
+            let found = format!("{}, {unknown_bits} of them unknown", counted(position_bits, "bit"));
             return fault(found, "1 to 16 bits per coordinate, and fewer unknown ones");
         }
         let mut floats = [0.0; 4];
