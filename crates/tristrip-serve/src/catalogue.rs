@@ -138,9 +138,7 @@ impl Scanner {
         let Walk { left, mut files, .. } = walk;
         let mut notes = Vec::new();
         if left == 0 {
-            notes.push(format!(
-                "found more than {MAX_ENTRIES} files and directories; the others are not listed"
-            ));
+            notes.push(format!("scanned only the first {MAX_ENTRIES} files and directories"));
         }
         files.sort_by(|(a, ..), (b, ..)| a.cmp(b));
         let mut bytes_left = self.most_bytes;

@@ -23,7 +23,7 @@ impl Deadline {
     /// Returns an error after the deadline. The caller replaces its message by one that names the
     /// limit.
     pub(crate) fn check(self) -> Result<(), String> {
-        if self.is_over() { Err("the deadline is over".into()) } else { Ok(()) }
+        if self.is_over() { Err("the deadline has passed".into()) } else { Ok(()) }
     }
 }
 

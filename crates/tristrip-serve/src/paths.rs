@@ -16,7 +16,8 @@ use std::fmt;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 
-/// The maximum length of a path in bytes, of its components in number, and of a component in bytes.
+/// The maximum length of a path in bytes, the maximum number of its components, and the maximum
+/// length of a component in bytes.
 const MAX_BYTES: usize = 2048;
 const MAX_COMPONENTS: usize = 32;
 const MAX_COMPONENT_BYTES: usize = 255;

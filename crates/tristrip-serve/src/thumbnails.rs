@@ -17,8 +17,8 @@ use crate::packing::Source;
 
 /// The width and height in pixels.
 const SIZE: [u32; 2] = [320, 240];
-/// The number of triangles of the level of a progressive file, and the maximum for other models.
-/// With this level, edges are shorter than a pixel.
+/// The number of triangles of the level of a progressive file, and the maximum for other models. At
+/// this level, edges are shorter than a pixel.
 const LEVEL_TRIANGLES: usize = 200_000;
 const MAX_TRIANGLES: usize = 4_000_000;
 /// The maximum number of samples that are tested for a thumbnail: about 800 per sample of the

@@ -209,7 +209,7 @@ impl Workshop {
             }
             lock(&this.running).remove(&job.key);
             this.lane(job.kind).unfinished.fetch_sub(1, Ordering::Relaxed);
-            // No client may be waiting any more.
+            // There may be no waiting client any more.
             sender.send_replace(Some(outcome));
         });
         Ok(watch)
