@@ -1,4 +1,4 @@
-//! `tristrip build-lod`: the model of view-dependent detail in one file.
+//! `tristrip build-lod`: a view-dependent LOD model in one file.
 
 use std::fs;
 
@@ -59,7 +59,7 @@ fn the_file_holds_the_mesh_its_strips_and_its_collapses() {
     ];
     assert_eq!(counts, found.map(|count| Some(count as u64)));
     assert_eq!((read.mesh.vertex_count(), read.mesh.faces().face_count()), (112, 220));
-    // The same input gives the same bytes; another order other collapses.
+    // The same input gives the same bytes; another order gives other collapses.
     let bytes = fs::read(&path).unwrap();
     build("quadric");
     assert!(fs::read(&path).unwrap() == bytes);

@@ -1,4 +1,4 @@
-//! `tristrip camera-level`: what one camera sees.
+//! `tristrip camera-level`: the view of one camera.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -30,7 +30,7 @@ fn a_camera_draws_one_view() {
     let far = view("0,0,3000", &["--field-of-view", "30", "--image", "640x480"]);
     assert!(number(&far["triangles"]) < number(&near["triangles"]));
     assert_eq!(view("0,0,3000", &["--fov", "30", "--image", "640x480"])["triangles"], far["triangles"]);
-    // Each of the criteria changes what is drawn.
+    // Each criterion changes what is drawn.
     let close = |more: &[&str]| view("0,0,2", &[&["--fov", "12", "--pixels", "0.5"], more].concat());
     let usual = close(&[]);
     for more in [
@@ -95,7 +95,7 @@ fn a_part_that_a_node_scales_has_the_detail_of_its_size() {
         command.args(["camera-level", "--json", "-m", "stripe", "--look-at", "0,0,0", "--eye"]);
         json(command.arg(camera).args(more).arg(&path))["triangles"].clone()
     };
-    // The picture is the same, and so is everything that a power of two scales.
+    // A power of two scales everything exactly, so the view is the same.
     for more in [&["--pixels", "2"][..], &["--pixels", "0.5", "--triangles", "1000"]] {
         let one = seen_at(1.0, more);
         assert!(number(&one) > 100, "{one}");

@@ -61,7 +61,7 @@ fn one_glb_has_all_levels() {
     assert!(numbers(&report, "screen_coverage").is_sorted_by(|a, b| a > b));
     let text = String::from_utf8_lossy(&fs::read(&path).unwrap()).into_owned();
     assert!(text.contains("\"MSFT_lod\":{\"ids\":[") && text.contains("MSFT_screencoverage"));
-    // A scene with levels has no place for others.
+    // A scene that already has levels cannot get more.
     let mut again = tristrip();
     again.args(["chain", "--ratios", FOUR]).arg(&path).arg("-o").arg(dir.path().join("again.glb"));
     again.assert().code(1).stderr(contains("already has levels of detail"));

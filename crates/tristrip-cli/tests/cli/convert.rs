@@ -107,7 +107,7 @@ fn strips_stay_strips_without_a_layout() {
     tristrip().arg("verify").arg(model("wingnut.ply")).arg(path("f.ply")).assert().success();
 }
 
-/// A triangle in a `.gltf` whose texture is a file beside it, and another one that does not exist.
+/// A triangle in a `.gltf` with two textures in separate files, one of which does not exist.
 const TEXTURED: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
     "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
     "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],

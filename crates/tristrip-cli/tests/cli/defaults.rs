@@ -53,7 +53,7 @@ fn of_python(function: &str, parameter: &str) -> String {
     let (_, rest) = signature
         .split_once(&format!("{parameter}: "))
         .unwrap_or_else(|| panic!("{function} has no {parameter}"));
-    // The type may have commas and brackets; the default is behind the first ` = `.
+    // The type may contain commas and brackets; the default follows the first ` = `.
     let rest = rest.split_once(" = ").unwrap_or_else(|| panic!("{function}: {parameter} has no default")).1;
     let end = match rest.chars().next() {
         Some('(') => rest.find(')').unwrap() + 1,

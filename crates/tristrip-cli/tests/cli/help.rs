@@ -11,7 +11,7 @@ use predicates::str::contains;
 /// The maximum number of lines of `-h` and of `--help`, at 100 columns.
 const MAX_SHORT: usize = 30;
 const MAX_LONG: usize = 130;
-/// The subcommands that print texts about the command.
+/// The subcommands that print text about the command itself.
 const TEXTS: [&str; 3] = ["help", "completions", "man"];
 
 /// Returns the standard output of a command that succeeds, at the default width of 100 columns.

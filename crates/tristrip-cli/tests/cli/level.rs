@@ -60,7 +60,7 @@ fn a_level_is_selected_by_what_it_has_to_reach() {
     let full = number(&lod("hand.ply", &["--level", "100%"]), "triangles");
     let of_count = lod("hand.ply", &["--triangles", "1000"]);
     assert_eq!((number(&of_count, "triangles"), &of_count["pixels"]), (1000, &Value::Null));
-    // Goals have no base mesh but the coarsest, unless one is asked for; they are met as far as it
+    // Goals use the coarsest base mesh unless --base is given. They are met as far as the base mesh
     // allows.
     let few = lod("hand.ply", &["--triangles", "200"]);
     assert_eq!((number(&few, "triangles"), number(&few, "level") > 0), (200, true));
@@ -75,7 +75,7 @@ fn a_level_is_selected_by_what_it_has_to_reach() {
         of_error["surface_error_percent"].as_f64().unwrap() <= 0.2
             && number(&of_error, "triangles") < full / 4
     );
-    // Twice as far away, twice the error has as many pixels.
+    // At twice the distance, twice the error covers as many pixels.
     let at =
         |distance: &str| lod("hand.ply", &["--model", "blocks", "--pixels", "1.5", "--distance", distance]);
     let diagonal = of_error["diagonal"].as_f64().unwrap();
@@ -86,7 +86,7 @@ fn a_level_is_selected_by_what_it_has_to_reach() {
         assert_eq!(report["proven"], true);
     }
     assert!(error(&far) > 1.6 * error(&near) && number(&far, "triangles") < number(&near, "triangles"));
-    // Half of the angle shows the hand about twice as large.
+    // With half the field of view, the hand looks about twice as large.
     let zoomed =
         json(tristrip().args(["level", "--json", "-m", "stripe", "--pixels", "1.5", "--distance"]).args([
             &(4.0 * diagonal).to_string(),

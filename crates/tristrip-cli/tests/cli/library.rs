@@ -1,5 +1,4 @@
-//! The command as a function of other programs: several runs in one process, and under another
-//! name.
+//! The command as a library: several runs in one process, and runs under another name.
 
 use std::ffi::OsString;
 use std::fs;

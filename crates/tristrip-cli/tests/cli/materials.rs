@@ -1,5 +1,5 @@
-//! Materials of OBJ: libraries and images beside the file travel with every result that can hold
-//! them.
+//! Materials of OBJ: libraries and images next to the file are written with every result that can
+//! store them.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -88,7 +88,7 @@ fn an_obj_takes_its_library_and_images_along() {
     let glb = to.path().join("again.glb");
     tristrip().args(["convert", "-q"]).arg(&out).arg("-o").arg(&glb).assert().success().stderr("");
     assert_eq!(document(&glb)["images"].as_array().map(Vec::len), Some(1));
-    // A file of other content stays.
+    // A file with other content is not replaced.
     fs::write(to.path().join("mats/box.mtl"), "mine").unwrap();
     let kept = "box.mtl exists with other content and was not replaced";
     run().assert().success().stderr(contains(kept));
@@ -133,7 +133,7 @@ fn what_cannot_travel_gives_one_warning_also_in_quiet_mode() {
     to("a.glb").stderr(contains("bump map in 1 material").and(contains("b.png")));
     fs::remove_file(dir.path().join("mats/box.mtl")).unwrap();
     to("a.glb").stderr(contains("box.mtl: "));
-    // A name that leads out of the folder is not followed.
+    // A name that leads out of the directory is not followed.
     fs::write(&obj, OBJ.replace("mats/box.mtl", "../box.mtl")).unwrap();
     to("a.glb").stderr(contains("../box.mtl: not a file in the directory of the OBJ"));
 }

@@ -8,7 +8,7 @@ use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
 
-/// Packs a test model into a folder.
+/// Packs a test model into a directory.
 fn packed(name: &str, dir: &Path) -> PathBuf {
     let path = dir.join(name).with_extension("glb");
     tristrip().args(["pack", "--quiet"]).arg(model(name)).arg("-o").arg(&path).assert().success();
@@ -134,7 +134,7 @@ fn a_file_that_is_cut_off_gives_a_warning() {
         .assert()
         .success()
         .stderr(contains("the file ends within its stream"));
-    // The reader of other subcommands wants whole files.
+    // The reader of other subcommands needs complete files.
     tristrip().arg("strip").arg(&path).assert().code(1);
     fs::write(&path, &bytes[..100]).unwrap();
     tristrip().arg("unpack").arg(&path).assert().code(1).stderr(contains("the file"));

@@ -89,7 +89,7 @@ fn long_search(arguments: &[&std::ffi::OsStr]) -> Child {
         .unwrap()
 }
 
-/// Sends Ctrl-C to a process once it handles the signal: its search has started then.
+/// Sends Ctrl-C to a process once it handles the signal, which means that its search has started.
 #[cfg(target_os = "linux")]
 fn interrupt(child: &mut Child) {
     while !handles_interrupts(child.id()) {

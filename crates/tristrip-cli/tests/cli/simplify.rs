@@ -153,7 +153,7 @@ fn one_percent_of_the_diagonal_is_the_default_limit() {
     );
     let free = run(&["--ratio", "0.1%", "--error", "100%"]);
     assert!(free["reached"] == true && number(&free, "triangles_after") <= 16, "{free}");
-    // What is reported was measured on the result.
+    // The reported values were measured on the result.
     assert!(free["largest_deviation_percent"].as_f64() > held["largest_deviation_percent"].as_f64());
     assert!(held["largest_deviation"].as_f64() > held["rms_deviation"].as_f64());
     assert!(held["normal_deviation_degrees"].as_f64() > Some(1.0) && held["uv_deviation_percent"].is_null());
@@ -240,7 +240,7 @@ fn the_sides_of_a_narrow_gap_collapse_together() {
     };
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("small.obj");
-    // Where along the border vertices stay, on both sides.
+    // The positions along the border where vertices remain, on both sides.
     let sides = |materials: bool, rules: &[&str]| {
         let mut small = tristrip();
         small.args(["simplify", "--quiet", "--error", "0.2", "-", "-o"]).arg(&path).args(rules);
@@ -261,7 +261,7 @@ fn the_sides_of_a_narrow_gap_collapse_together() {
     };
     for materials in [false, true] {
         let (left, right) = sides(materials, &["--weld-distance", "0.002"]);
-        // The border may go as a whole, unless materials meet there.
+        // The complete border may disappear, unless materials meet there.
         assert!(left == right && left.len() < 20 && left.is_empty() != materials, "{left:?} {right:?}");
         let (left, right) = sides(materials, &[]);
         assert!(left != right, "apart: {left:?}");
@@ -322,7 +322,7 @@ fn bad_inputs_and_outputs_are_reported_and_the_others_processed() {
     tristrip().args(["simplify", "missing.ply", "--ratio", "5%"]).assert().code(1);
 }
 
-/// A triangle that a rotation of 32 keyframes turns to and fro, in a folder.
+/// A triangle that an animation of 32 keyframes rotates back and forth, in a directory.
 fn turning_triangle(folder: &Path) -> std::io::Result<std::path::PathBuf> {
     let floats = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].into_iter();
     let times = (0..32_u8).map(f32::from);

@@ -1,10 +1,10 @@
-//! A client of HTTP/1.1 that sends what a test wants, also what no client should.
+//! An HTTP/1.1 client that sends arbitrary requests, including invalid ones.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
-/// A response with its body, chunks put together.
+/// A response with its complete body.
 #[derive(Debug)]
 pub(crate) struct Response {
     pub(crate) status: u16,
@@ -13,7 +13,7 @@ pub(crate) struct Response {
 }
 
 impl Response {
-    /// Returns a header; empty text if it is not there.
+    /// Returns a header, or an empty text if it is missing.
     pub(crate) fn header(&self, name: &str) -> &str {
         let found = self.headers.iter().find(|(found, _)| found.eq_ignore_ascii_case(name));
         found.map_or("", |(_, value)| value)
@@ -24,14 +24,14 @@ impl Response {
     }
 }
 
-/// Connects, with a time after which reading fails.
+/// Connects with a read timeout.
 pub(crate) fn connect(address: SocketAddr) -> TcpStream {
     let socket = TcpStream::connect(address).unwrap();
     socket.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     socket
 }
 
-/// Sends the lines of a request, and reads the response; the connection is closed after it.
+/// Sends the lines of a request and reads the response, after which the connection is closed.
 pub(crate) fn request(address: SocketAddr, lines: &str) -> Response {
     let mut socket = connect(address);
     socket.write_all(format!("{lines}Connection: close\r\n\r\n").as_bytes()).unwrap();
@@ -41,12 +41,12 @@ pub(crate) fn request(address: SocketAddr, lines: &str) -> Response {
 /// Reads a response to the end of the connection.
 pub(crate) fn read(socket: &mut impl Read) -> Response {
     let mut bytes = Vec::new();
-    // A connection that was reset has sent what there is.
+    // After a reset, the bytes received so far are the response.
     socket.read_to_end(&mut bytes).unwrap_or_default();
     parse(&bytes).unwrap_or_else(|| panic!("no response: {:?}", String::from_utf8_lossy(&bytes)))
 }
 
-/// Returns a response, or none if its head is not there.
+/// Parses a response; returns `None` if its head is missing.
 pub(crate) fn parse(bytes: &[u8]) -> Option<Response> {
     let end = bytes.windows(4).position(|window| window == b"\r\n\r\n")?;
     let head = std::str::from_utf8(&bytes[..end]).ok()?;

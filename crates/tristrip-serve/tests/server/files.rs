@@ -52,7 +52,7 @@ fn heads_are_those_of_gets_without_bodies() {
             assert_eq!(head.header(name), get.header(name), "{path}: {name}");
         }
     }
-    // Ranges are defined for GET alone.
+    // Ranges are defined for GET only.
     for range in ["bytes=0-9", "bytes=9000-"] {
         let lines = format!("HEAD /files/a.stl HTTP/1.1\r\nHost: localhost\r\nRange: {range}\r\n");
         let whole = request(server.address, &lines);
@@ -94,7 +94,7 @@ fn text_is_compressed_and_models_are_not() {
     assert_eq!(gzip.header("etag"), format!("W/{}", plain.header("etag")));
     let known = format!("Accept-Encoding: gzip\r\nIf-None-Match: {}\r\n", gzip.header("etag"));
     assert_eq!(server.get_with("/files/a.obj", &known).status, 304);
-    // A range of compressed bytes would be of no use.
+    // A range of compressed bytes would be useless.
     let part = server.get_with("/files/a.obj", "Accept-Encoding: gzip\r\nRange: bytes=0-1999\r\n");
     assert_eq!((part.status, part.header("content-encoding"), part.body.len()), (206, "", 2000));
     for path in ["/files/a.glb", "/files/small.obj"] {
@@ -237,7 +237,7 @@ fn files_in_memory_are_served_and_drawn() {
 
 #[test]
 fn a_file_in_memory_that_is_read_late_arrives_as_a_whole() {
-    // More than the buffers of both sockets take.
+    // More than the buffers of both sockets can hold.
     let bytes: Vec<u8> = (0..=250).cycle().take(20_000_000).collect();
     let file = MemoryFile { name: "a.glb".into(), bytes: bytes.clone() };
     let limits = Limits::default().with_idle_time(Duration::from_millis(200));

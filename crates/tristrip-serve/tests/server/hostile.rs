@@ -1,5 +1,5 @@
-//! Clients that want what they should not get: 200 paths and more, names of other sites, links,
-//! heads without end.
+//! Hostile clients: more than 200 bad paths, host names of other sites, links, and endless request
+//! heads.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -10,10 +10,10 @@ use tristrip_serve::ServerOptions;
 use super::Running;
 use super::client::{connect, parse, read, request};
 
-/// What no response may have in it.
+/// Text that no response may contain.
 const SECRET: &str = "the secret outside the folder";
 
-/// Returns more than 200 paths that lead outside the folder, or nowhere, on some system.
+/// Returns more than 200 paths that lead outside the directory, or to no file, on some system.
 fn paths() -> BTreeSet<String> {
     let ups = [
         "..",

@@ -1,4 +1,4 @@
-//! Limits: connections, slow heads, clients that read nothing, bandwidth, and the end of a server.
+//! Limits: connections, slow heads, clients that read nothing, bandwidth, and stopping a server.
 
 use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ use super::Running;
 use super::client::{connect, parse, read};
 
 const MILLION: usize = 1_000_000;
-/// How long a test waits for the server to notice something.
+/// The maximum time that a test waits for the server to react.
 const PATIENCE: Duration = Duration::from_mins(1);
 
 fn with(limits: Limits) -> ServerOptions {
@@ -29,7 +29,7 @@ fn wait_for_close(mut socket: impl Read) -> Vec<u8> {
 fn connections_over_a_limit_are_refused() {
     let server = Running::new(with(Limits::default().with_connections(10, 3)));
     let mut open: Vec<_> = (0..3).map(|_| connect(server.address)).collect();
-    // They count once they are accepted.
+    // Connections count once they are accepted.
     for socket in &mut open {
         socket.write_all(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
         assert!(socket.read(&mut [0; 512]).unwrap() > 0);
@@ -40,7 +40,7 @@ fn connections_over_a_limit_are_refused() {
     let response = parse(&bytes).unwrap();
     assert_eq!((response.status, response.header("retry-after")), (503, "1"));
     drop(open.pop());
-    // The server notices that it is closed a moment later.
+    // The server notices the closed connection a moment later.
     let start = Instant::now();
     while parse(&attempt(&server)).is_none_or(|response| response.status != 200) {
         assert!(start.elapsed() < PATIENCE);
@@ -115,7 +115,7 @@ fn stall(server: &Running, count: usize) -> Vec<std::net::TcpStream> {
 #[test]
 fn clients_that_read_nothing_hold_up_nobody() {
     let large = vec![5; 20 * MILLION];
-    // Nobody is closed during the test.
+    // No connection is closed during the test.
     let limits = Limits::default().with_stall_time(Duration::from_hours(1));
     let server = Running::with_files(with(limits), &[("large.glb", &large), ("small.glb", b"a")]);
     let stalled = stall(&server, 20);
@@ -140,7 +140,8 @@ fn a_client_that_reads_nothing_is_closed() {
 
 #[test]
 fn every_response_has_the_bandwidth_of_its_own() {
-    // A byte per second: 64 bytes at once, and the next after a minute, when the server has ended.
+    // One byte per second: 64 bytes immediately, and the next ones after a minute, when the server
+    // has ended.
     let limits = Limits::default().with_grace_time(Duration::ZERO);
     let mut server = Running::with_files(with(limits).with_bandwidth(Some(8)), &[("a.glb", &vec![3; 1000])]);
     let mut sockets = [(); 2].map(|()| connect(server.address));

@@ -21,7 +21,7 @@ use tristrip_serve::{Content, Error, PackingOptions, Server, ServerOptions, Stop
 
 use client::Response;
 
-/// A server of a folder of its own, which ends with the test.
+/// A server with its own directory, which ends with the test.
 struct Running {
     address: SocketAddr,
     stop: StopHandle,
@@ -57,12 +57,12 @@ impl Running {
         self.get_with(path, "")
     }
 
-    /// Sends a GET with more lines in its head, each with its end.
+    /// Sends a GET with additional header lines, each with its line ending.
     fn get_with(&self, path: &str, lines: &str) -> Response {
         client::request(self.address, &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n{lines}"))
     }
 
-    /// Returns a figure of `/metrics`; 0 if it is not there.
+    /// Returns a value of `/metrics`, or 0 if it is missing.
     fn metric(&self, name: &str) -> u64 {
         let text = self.get("/metrics").text();
         let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
@@ -85,12 +85,12 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) {
     fs::write(path, bytes).unwrap();
 }
 
-/// Returns options under which files are packed.
+/// Returns options with packing on demand.
 fn packs() -> ServerOptions {
     ServerOptions::default().with_packing(PackingOptions::default().with_on_demand(true))
 }
 
-/// Returns a grid of so many squares along each side, as OBJ.
+/// Returns a grid with this many squares along each side, as OBJ.
 fn grid(side: usize) -> Vec<u8> {
     let row = |y: usize| (0..=side).map(move |x| format!("v {x} {y} {}\n", x * y % 3));
     let n = side + 1;

@@ -1,4 +1,5 @@
-//! Packing on demand: once for all who ask, again when a file has changed, failures, the cache.
+//! Packing on demand: once for all requests, again after a file has changed, failures, and the
+//! cache.
 
 use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,7 +35,7 @@ fn many_clients_share_one_packing() {
     assert!(bodies.iter().all(|body| *body == bodies[0]));
     assert!(ProgressiveGlb::open(bodies[0].clone()).unwrap().is_some_and(|glb| glb.is_complete()));
     assert_eq!(server.metric(DONE), 1);
-    // The same bytes as those of `pack`.
+    // The same bytes as from `pack`.
     let model = tristrip_io::read(&grid(60), tristrip_io::Format::Obj).unwrap();
     let packed =
         tristrip_pipeline::pack::run(&model, &tristrip_pipeline::pack::Options::default(), &()).unwrap();
@@ -57,7 +58,7 @@ fn a_packed_file_has_ranges_and_is_made_again_when_its_source_changes() {
     write(server.folder.path(), "a/grid.obj", &grid(41));
     let second = server.get("/packed/a/grid.obj.glb");
     assert!(second.body != first.body && second.header("etag") != first.header("etag"));
-    // A library that an OBJ may name belongs to it.
+    // A material library that an OBJ may refer to is part of its key.
     write(server.folder.path(), "a/grid.mtl", b"newmtl a\n");
     server.get("/packed/a/grid.obj.glb");
     assert_eq!(server.metric(DONE), 3);
@@ -83,7 +84,7 @@ fn results_are_kept_and_damage_is_found() {
     assert_eq!(server.metric(DONE), 1);
 }
 
-/// Ends a server, and returns its folders.
+/// Ends a server and returns its directories.
 fn ended(mut server: Running) -> (TempDir, TempDir) {
     server.stop.stop();
     server.thread.take().unwrap().join().unwrap().unwrap();

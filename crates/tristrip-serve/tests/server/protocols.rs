@@ -1,4 +1,4 @@
-//! HTTP/2 without TLS, and options that cannot be used.
+//! HTTP/2 without TLS, and invalid options.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use tristrip_serve::{Content, Error, Limits, Server, ServerOptions};
 
 use super::Running;
 
-/// Asks for a file 20 times at once over one connection of HTTP/2.
+/// Requests a file 20 times at once over one HTTP/2 connection.
 pub(super) async fn ask_together(
     io: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
     authority: &str,
@@ -48,7 +48,7 @@ async fn http2_without_tls_on_the_same_port() {
     let request = Request::get("http://evil.example/files/a.glb").body(Body::empty()).unwrap();
     assert_eq!(sender.send_request(request).await.unwrap().status().as_u16(), 403);
     drop(sender);
-    // The end of the server waits for its connections on another thread.
+    // The server waits for its connections to end on another thread.
     tokio::task::spawn_blocking(move || drop(server)).await.unwrap();
 }
 
@@ -85,7 +85,7 @@ async fn a_stream_that_is_not_read_is_ended_and_others_go_on() {
         sender.clone().send_request(request).await.unwrap().into_body()
     };
     let (unread, slow) = (get().await, get().await);
-    // Slower than the limit in all, but never without a byte for so long.
+    // In total this takes longer than the limit, but no pause between bytes does.
     let slow = tokio::spawn(async move {
         let (mut slow, mut received) = (slow, 0);
         while let Some(frame) = slow.frame().await {
@@ -98,7 +98,7 @@ async fn a_stream_that_is_not_read_is_ended_and_others_go_on() {
     while tokio::task::block_in_place(ended) == 0 {
         assert!(get().await.collect().await.unwrap().to_bytes() == bytes);
     }
-    // What was in the window of the client is there, and then the stream ends.
+    // The bytes within the client's window arrive; then the stream ends.
     let ended = unread.collect().await;
     assert!(
         ended.is_err_and(
