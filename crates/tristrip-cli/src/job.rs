@@ -47,7 +47,7 @@ impl Input {
 }
 
 impl Output {
-    /// Creates an output in a format that can be written.
+    /// Creates an output for a file, or for standard output if there is no path.
     fn new(path: Option<PathBuf>, in_directory: bool, format: Format, layout: Layout) -> Self {
         let Target { format, separate, .. } = Target::new(None, format);
         Self { path, in_directory, format, separate, layout }

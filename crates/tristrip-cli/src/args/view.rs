@@ -9,7 +9,7 @@ use crate::values::{ImagePoint, ImageSize, VectorArg};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct LensArgs {
-    /// Set the vertical field of view in degrees [default: 45]
+    /// Set the vertical view angle in degrees [default: 45]
     #[arg(long, visible_alias = "fov", value_name = "DEGREES", hide_default_value = true, default_value_t = View::FIELD_OF_VIEW, allow_negative_numbers = true)]
     pub(crate) field_of_view: f32,
     /// Set the image width and height in pixels [default: 1920x1080]
