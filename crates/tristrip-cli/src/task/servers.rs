@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use tristrip::text::counted;
 use tristrip_io::Format;
-use tristrip_pipeline::text::counted;
 use tristrip_serve::{Limits, PackingOptions, ServerOptions};
 
 use crate::args::{LogFormat, ServeArgs, ViewArgs};
