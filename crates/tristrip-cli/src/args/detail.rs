@@ -142,7 +142,7 @@ pub(crate) struct LevelArgs {
         allow_negative_numbers = true
     )]
     pub(crate) base: Option<Ratio>,
-    /// What a collapse costs: distance, planes or quadric [default: distance]
+    /// Set the cost of a collapse: distance, planes or quadric [default: distance]
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_default_value = true, hide_possible_values = true, help_heading = "Level", hide_short_help = true)]
     pub(crate) price: Price,
     /// Remove degenerate triangles by repair, linked, dtfs, stss or none [default: repair]
@@ -208,7 +208,7 @@ pub(crate) struct CameraLevelArgs {
         hide_short_help = true
     )]
     pub(crate) base: Option<Ratio>,
-    /// What a collapse costs: distance, planes or quadric [default: distance]
+    /// Set the cost of a collapse: distance, planes or quadric [default: distance]
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_default_value = true, hide_possible_values = true, help_heading = "Detail", hide_short_help = true)]
     pub(crate) price: Price,
     #[command(flatten)]

@@ -16,7 +16,7 @@ macro_rules! examples {
   tristrip serve models/                            http://127.0.0.1:8080/
   tristrip serve models/ --pack-on-demand           also OBJ, PLY, STL, OFF and glTF
   tristrip serve models/ --bandwidth 5M             simulate a slow network
-  curl -H 'Range: bytes=0-9999' http://127.0.0.1:8080/files/bunny.glb | tristrip unpack - -o first.ply"
+  curl -H 'Range: bytes=0-9999' http://127.0.0.1:8080/files/bunny.glb | tristrip unpack - -o a.ply"
     };
 }
 
@@ -56,13 +56,13 @@ pub(crate) struct ServeArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Address")]
 pub(crate) struct ListenArgs {
-    /// Listen on this address; 0.0.0.0 or :: for all interfaces
+    /// Listen on this address; 0.0.0.0 or :: for all
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
     pub(crate) address: IpAddr,
     /// Listen on this port; 0 for any free port
     #[arg(long, value_name = "PORT", default_value_t = 8080)]
     pub(crate) port: u16,
-    /// Also answer requests for this host name, such as behind a proxy; repeatable
+    /// Also answer to this host name, such as behind a proxy; repeatable
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<String>,
     /// Allow pages from this origin, or *, to read the files; repeatable
@@ -101,7 +101,7 @@ pub(crate) struct PackingArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Limits")]
 pub(crate) struct LimitArgs {
-    /// Limit responses to these bits per second, such as 5M, to simulate a slow network
+    /// Limit each response to this bit rate, such as 5M, to simulate a slow network
     #[arg(long, value_name = "RATE")]
     pub(crate) bandwidth: Option<BitRate>,
     /// Accept at most this many connections
@@ -161,7 +161,7 @@ pub(crate) struct ViewArgs {
     /// Listen on this port [default: any free port]
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
     pub(crate) port: u16,
-    /// Limit responses to these bits per second, such as 5M, to simulate a slow network
+    /// Limit each response to this bit rate, such as 5M, to simulate a slow network
     #[arg(long, value_name = "RATE")]
     pub(crate) bandwidth: Option<BitRate>,
 }
