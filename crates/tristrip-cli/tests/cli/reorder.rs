@@ -235,7 +235,10 @@ fn empty_and_small_models_are_accepted() {
         .args(["strip", "-", "--reorder-vertices", "-o"])
         .arg(dir.path().join("b.ply"))
         .write_stdin(SQUARE);
-    command.assert().success().stderr(contains("reorder ").and(contains("of 4 vertices into the order of first use")));
+    command
+        .assert()
+        .success()
+        .stderr(contains("reorder ").and(contains("of 4 vertices into the order of first use")));
 }
 
 #[test]
