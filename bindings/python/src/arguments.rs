@@ -1,4 +1,4 @@
-//! Keyword arguments of functions that have many: each is taken once, and those that are left are unknown.
+//! Keyword arguments of functions that have many. Each is taken once; any left over is unknown.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -6,10 +6,10 @@ use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::work::Watching;
 
-/// The keyword arguments of a call.
+/// The keyword arguments of a call, as PyO3 passes them.
 pub(crate) type Keywords<'a, 'py> = &'a Bound<'py, PyDict>;
 
-/// Keyword arguments.
+/// The keyword arguments that have not been taken yet.
 pub(crate) struct Arguments<'py> {
     given: Bound<'py, PyDict>,
 }
@@ -25,14 +25,14 @@ impl<'py> Arguments<'py> {
         self.given.py()
     }
 
-    /// Takes an argument; one that is `None` counts as missing.
+    /// Takes an argument; `None` counts as missing.
     pub(crate) fn take(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(found) = self.given.get_item(name)? else { return Ok(None) };
         self.given.del_item(name)?;
         Ok((!found.is_none()).then_some(found))
     }
 
-    /// Takes an argument of a type.
+    /// Takes an argument and converts it to `T`.
     pub(crate) fn extract<T: for<'a> FromPyObject<'a, 'py>>(&self, name: &str) -> PyResult<Option<T>> {
         let Some(found) = self.take(name)? else { return Ok(None) };
         match found.extract::<T>() {
@@ -47,27 +47,27 @@ impl<'py> Arguments<'py> {
         }
     }
 
-    /// Takes a flag that is false unless it is set.
+    /// Takes a flag that defaults to false.
     pub(crate) fn flag(&self, name: &str) -> PyResult<bool> {
         Ok(self.extract(name)?.unwrap_or(false))
     }
 
-    /// Takes how a computation is watched that has no result before its end: `progress`.
+    /// Takes `progress`, for a computation without an intermediate result.
     pub(crate) fn watching(&self) -> PyResult<Watching> {
         self.watched(None, None)
     }
 
-    /// Likewise where searches are a part of it: also their `budget`.
+    /// Takes `progress` and `budget`, for a computation that contains searches.
     pub(crate) fn watching_searches(&self) -> PyResult<Watching> {
         self.watched(self.extract("budget")?, None)
     }
 
-    /// Takes how a computation is watched whose result so far is kept: `progress`, and what Ctrl-C does, `on_interrupt`.
+    /// Takes `progress` and `on_interrupt`, for a computation with an intermediate result.
     pub(crate) fn interruptible(&self) -> PyResult<Watching> {
         Ok(self.watched(None, self.extract("on_interrupt")?)?.keeping_best())
     }
 
-    /// Likewise for a search: also its `budget`.
+    /// Takes `progress`, `on_interrupt` and `budget`, for a search.
     pub(crate) fn interruptible_search(&self) -> PyResult<Watching> {
         Ok(self.watched(self.extract("budget")?, self.extract("on_interrupt")?)?.keeping_best())
     }
@@ -77,12 +77,12 @@ impl<'py> Arguments<'py> {
         Ok(Watching::new(self.py(), self.take("progress")?, budget, on_interrupt)?)
     }
 
-    /// Returns the arguments that are left.
+    /// Returns the arguments that have not been taken.
     pub(crate) fn rest(&self) -> PyResult<Bound<'py, PyDict>> {
         self.given.copy()
     }
 
-    /// Checks that no argument is left.
+    /// Checks that every argument was taken.
     pub(crate) fn finish(&self, function: &str) -> PyResult<()> {
         match self.given.keys().get_item(0) {
             Err(_) => Ok(()),

@@ -1,7 +1,9 @@
-//! Arguments as meshes: faces of any integer type and shape, positions and attributes.
+//! Conversion of arguments to meshes: faces of any integer dtype and shape, positions and
+//! attributes.
 //!
-//! An array of `uint32` that is C-contiguous is borrowed; all others are converted once. Values are checked before they are converted, so
-//! that no negative or large number becomes another vertex.
+//! A C-contiguous `uint32` array is borrowed; every other array is converted once. Values are
+//! checked before the conversion, because a negative or large index would wrap around to another
+//! vertex.
 
 use numpy::{
     PyArray1, PyArray2, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
@@ -14,10 +16,10 @@ use tristrip::{Faces, Layout, MAX_COUNT, Strips};
 
 use crate::errors::Failure;
 
-/// The most items of an array that repeats some of them.
+/// The maximum length of an array that repeats items (stride 0).
 const MAX_REPEATED: usize = 1 << 20;
 
-/// Faces as given by a user.
+/// Faces passed by the user.
 pub(crate) enum GivenFaces<'py> {
     /// Three corners per face.
     Triangles(PyReadonlyArray1<'py, u32>),
@@ -26,8 +28,9 @@ pub(crate) enum GivenFaces<'py> {
 }
 
 impl<'py> GivenFaces<'py> {
-    /// Reads faces: an array of shape (n, 3), of shape (n, k) for polygons of k corners, a flat one of three indices per triangle, or a
-    /// sequence of sequences for polygons of several sizes.
+    /// Reads faces: an array of shape (n, 3), an array of shape (n, k) for polygons with k corners,
+    /// a flat array with three indices per triangle, or a sequence of sequences for polygons of
+    /// different sizes.
     pub(crate) fn of(name: &str, given: &Bound<'py, PyAny>) -> Result<Self, Failure> {
         if is_ragged(given)? {
             return Ok(Self::Polygons(polygons(name, given)?));
@@ -70,14 +73,13 @@ impl<'py> GivenFaces<'py> {
     /// Returns the corners of all faces.
     pub(crate) fn corners(&self) -> &[u32] {
         match self {
-            // A slice, as `indices` checks.
             Self::Triangles(array) => array.as_slice().unwrap_or_default(),
             Self::Polygons(faces) => faces.corners(),
         }
     }
 }
 
-/// Checks whether an argument is a list or tuple of sequences of different lengths, which is no array.
+/// Checks whether an argument is a list or tuple of sequences of different lengths.
 fn is_ragged(given: &Bound<'_, PyAny>) -> PyResult<bool> {
     if !given.is_instance_of::<PyList>() && !given.is_instance_of::<PyTuple>() {
         return Ok(false);
@@ -92,7 +94,7 @@ fn is_ragged(given: &Bound<'_, PyAny>) -> PyResult<bool> {
     Ok(false)
 }
 
-/// Reads polygons of several sizes.
+/// Reads polygons of different sizes.
 fn polygons(name: &str, given: &Bound<'_, PyAny>) -> Result<Faces, Failure> {
     let (mut offsets, mut corners) = (vec![0], Vec::new());
     for (number, face) in given.try_iter()?.enumerate() {
@@ -112,7 +114,8 @@ fn polygons(name: &str, given: &Bound<'_, PyAny>) -> Result<Faces, Failure> {
     Ok(Faces::from_offsets(offsets, corners)?)
 }
 
-/// Converts an argument into an array of any type. Values that a mask hides cannot be kept out of it, so that none may be.
+/// Converts an argument to an array of any dtype. Rejects arrays with masked values: the conversion
+/// would expose them.
 pub(crate) fn as_array<'py>(
     name: &str,
     given: &Bound<'py, PyAny>,
@@ -123,7 +126,7 @@ pub(crate) fn as_array<'py>(
     if given.is_instance(&masked.getattr("MaskedArray")?)?
         && masked.call_method1("is_masked", (given,))?.extract()?
     {
-        return Err(Failure::mesh(name, "masked values", "an array without any"));
+        return Err(Failure::mesh(name, "masked values", "an array without masked values"));
     }
     let array = numpy.call_method1("asarray", (given,)).map_err(|error| {
         if error.is_instance_of::<pyo3::exceptions::PyValueError>(py)
@@ -140,7 +143,7 @@ pub(crate) fn as_array<'py>(
     })?;
     let array = array.cast_into::<PyUntypedArray>();
     let array = array.map_err(|_| Failure::Type(format!("{name}: expected an array")))?;
-    // What NumPy does not know becomes one item, an object.
+    // NumPy wraps an unknown object in a 0-dimensional object array.
     if array.ndim() == 0 && !given.is_instance_of::<PyUntypedArray>() {
         return Err(Failure::Type(format!("{name}: found {}, expected an array", type_name(given))));
     }
@@ -148,7 +151,8 @@ pub(crate) fn as_array<'py>(
     Ok(array)
 }
 
-/// Checks that a large array has memory of its own for its items: a view that repeats a few would be copied into as much as it claims.
+/// Rejects a large view with repeated items (stride 0), because a copy would allocate its full
+/// size.
 fn check_memory(name: &str, array: &Bound<'_, PyUntypedArray>) -> Result<(), Failure> {
     let repeats = array.shape().iter().zip(array.strides()).any(|(&size, &stride)| size > 1 && stride == 0);
     if repeats && array.len() > MAX_REPEATED {
@@ -162,7 +166,7 @@ pub(crate) fn type_name(given: &Bound<'_, PyAny>) -> String {
     given.get_type().name().map_or_else(|_| "an object".into(), |name| name.to_string())
 }
 
-/// Returns the indices of an array as one contiguous array of `uint32`: the same memory where that is possible.
+/// Returns the indices as one contiguous `uint32` array, without a copy where possible.
 fn indices<'py>(
     name: &str,
     array: &Bound<'py, PyUntypedArray>,
@@ -200,7 +204,7 @@ fn indices_up_to<'py>(
         }
         let highest = array.call_method0("max")?;
         if highest.gt(limit)? {
-            let expected = "an index of 32 bits";
+            let expected = "a 32-bit index";
             return Err(Failure::mesh(
                 name,
                 format!("index {highest}{}", first_at(array, &highest)?),
@@ -216,12 +220,13 @@ fn indices_up_to<'py>(
     Ok(flat)
 }
 
-/// Converts an array into one whose items are a slice. Copies only where the type, the byte order, the layout or the alignment requires it.
+/// Returns an array whose items form a slice. Copies only if the dtype, byte order, layout or
+/// alignment requires it.
 fn contiguous<'py>(array: &Bound<'py, PyAny>, dtype: &str) -> PyResult<Bound<'py, PyAny>> {
     array.py().import("numpy")?.call_method1("require", (array, dtype, ["C_CONTIGUOUS", "ALIGNED"]))
 }
 
-/// Reads an index buffer. Of one with restarts, the largest value of its type becomes the restart value of `u32`.
+/// Reads an index buffer. With restarts, the maximum of its dtype becomes the `u32` restart value.
 pub(crate) fn indices_of(
     name: &str,
     given: &Bound<'_, PyAny>,
@@ -242,7 +247,7 @@ pub(crate) fn indices_of(
     Ok(flat.as_slice().unwrap_or_default().iter().map(widen).collect())
 }
 
-/// Names the place of a value, for errors.
+/// Returns the position of a value as text for an error.
 fn first_at(array: &Bound<'_, PyUntypedArray>, value: &Bound<'_, PyAny>) -> PyResult<String> {
     let numpy = array.py().import("numpy")?;
     let place = numpy.call_method1("equal", (array, value))?.call_method0("argmax")?;
@@ -261,7 +266,7 @@ pub(crate) fn shape_text(shape: &[usize]) -> String {
     }
 }
 
-/// Reads positions: an array of shape (n, 3) of any number type, as 32-bit floats, which are finite.
+/// Reads positions, an array of shape (n, 3) of any number dtype, as finite 32-bit floats.
 pub(crate) fn positions<'py>(
     name: &str,
     given: &Bound<'py, PyAny>,
@@ -274,12 +279,12 @@ pub(crate) fn positions<'py>(
     if let Some(at) = floats.as_slice().unwrap_or_default().iter().position(|x| !x.is_finite()) {
         let given = as_array(name, given)?.get_item((at / 3, at % 3))?;
         let found = format!("{given} at vertex {}, coordinate {}", at / 3, at % 3);
-        return Err(Failure::mesh(name, found, "a finite number of 32 bits"));
+        return Err(Failure::mesh(name, found, "a finite 32-bit float"));
     }
     Ok(floats)
 }
 
-/// Reads an array with two dimensions as contiguous 32-bit floats.
+/// Reads a two-dimensional array as contiguous 32-bit floats.
 pub(crate) fn floats<'py>(
     name: &str,
     given: &Bound<'py, PyAny>,
@@ -305,7 +310,7 @@ pub(crate) fn floats<'py>(
         return Err(Failure::mesh(name, format!("{} rows", array.shape()[0]), "at most 2^32 − 2"));
     }
     let numpy = py.import("numpy")?;
-    // What is too large for 32 bits becomes infinite, which is an error below and needs no warning.
+    // Values beyond the 32-bit range become infinite. That is an error below and needs no warning.
     let ignoring = PyDict::new(py);
     ignoring.set_item("all", "ignore")?;
     let state = numpy.call_method("errstate", (), Some(&ignoring))?;
@@ -319,7 +324,7 @@ pub(crate) fn floats<'py>(
     Ok(converted)
 }
 
-/// Returns the index buffer of strips with indices of 8, 16 or 32 bits.
+/// Returns the index buffer of strips with 8-, 16- or 32-bit indices.
 pub(crate) fn indices_to_array<'py>(
     py: Python<'py>,
     strips: &Strips,
@@ -333,7 +338,7 @@ pub(crate) fn indices_to_array<'py>(
     })
 }
 
-/// Returns the vertices of triangles, three each, as an array of shape (n, 3).
+/// Returns triangles, three vertices each, as an array of shape (n, 3).
 pub(crate) fn triangle_rows(py: Python<'_>, triangles: Vec<u32>) -> PyResult<Bound<'_, PyArray2<u32>>> {
     let rows = triangles.len() / 3;
     PyArray1::from_vec(py, triangles).reshape([rows, 3])

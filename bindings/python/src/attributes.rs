@@ -1,4 +1,4 @@
-//! Vertex attributes as arrays, and back: each type of the library is a dtype of its own.
+//! Conversion of vertex attributes to and from arrays. Each attribute type has its own dtype.
 
 use numpy::{Element, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -9,12 +9,12 @@ use tristrip::{Attribute, AttributeData, Mesh};
 use crate::arrays::{as_array, shape_text};
 use crate::errors::Failure;
 
-/// The names of glTF, which every format of the project uses.
+/// glTF attribute names; all formats use them.
 pub(crate) const NORMAL: &str = "NORMAL";
 pub(crate) const UV: &str = "TEXCOORD_0";
 pub(crate) const COLOUR: &str = "COLOR_0";
 
-/// The attributes as a user gives them: those with arguments of their own, and others by name.
+/// Attributes passed by the user: those with their own arguments, and others by name.
 #[derive(Default)]
 pub(crate) struct GivenAttributes<'a, 'py> {
     pub(crate) normals: Option<&'a Bound<'py, PyAny>>,
@@ -47,10 +47,10 @@ impl GivenAttributes<'_, '_> {
         }
         for (name, given) in self.others.into_iter().flat_map(PyDictMethods::iter) {
             let name: String =
-                name.extract().map_err(|_| Failure::option("attributes", name, "names as str"))?;
+                name.extract().map_err(|_| Failure::option("attributes", name, "strings as names"))?;
             let argument = format!("attributes[{name:?}]");
             if mesh.attributes().iter().any(|known| known.name == name) || name == "POSITION" {
-                return Err(Failure::Parameter(format!("{argument}: is given twice")));
+                return Err(Failure::Parameter(format!("{argument}: given twice")));
             }
             mesh = with(mesh, &argument, attribute(&argument, &name, &given)?)?;
         }
@@ -70,13 +70,14 @@ fn with(mesh: Mesh, argument: &str, attribute: Attribute) -> Result<Mesh, Failur
     Ok(mesh.with_attribute(attribute)?)
 }
 
-/// How the names of attributes begin that have 32-bit floats in the library, or integers that are fractions of their largest value.
+/// Prefixes of glTF attribute names. These attributes are 32-bit floats or normalized integers.
 const OF_GLTF: [&str; 5] = [NORMAL, "TANGENT", "TEXCOORD_", "COLOR_", "WEIGHTS_"];
 
-/// Reads an attribute: an array of shape (n,) or (n, k). Colours of 8 and 16 bits, as others that glTF knows, are fractions of their largest value.
+/// Reads an attribute: an array of shape (n,) or (n, k). 8- and 16-bit integers of a glTF
+/// attribute, such as colours, are normalized.
 fn attribute(argument: &str, name: &str, given: &Bound<'_, PyAny>) -> Result<Attribute, Failure> {
     let array = as_array(argument, given)?;
-    // Lists of whole numbers are no fractions.
+    // Lists of Python integers have 64 bits; these are not normalized.
     let is_whole = matches!(array.dtype().kind(), b'i' | b'u') && array.dtype().itemsize() == 8;
     let is_float = [NORMAL, "TANGENT", "TEXCOORD_"].iter().any(|start| name.starts_with(start));
     let floats = (is_whole && is_float).then(|| array.call_method1("astype", ("float32",))).transpose()?;
@@ -91,7 +92,7 @@ fn attribute(argument: &str, name: &str, given: &Bound<'_, PyAny>) -> Result<Att
     Ok(attribute)
 }
 
-/// Reads an attribute with the type of its values; integers are no fractions.
+/// Reads an attribute with its dtype; integers are not normalized.
 pub(crate) fn stored_attribute(
     argument: &str,
     name: &str,
@@ -119,7 +120,7 @@ pub(crate) fn stored_attribute(
         (b'i', 4) => AttributeData::I32(values(&array, "int32")?),
         _ => {
             let found = array.getattr("dtype")?;
-            let expected = "floats of 16, 32 or 64 bits, or integers of 8, 16 or 32 bits";
+            let expected = "16-, 32- or 64-bit floats, or 8-, 16- or 32-bit integers";
             return Err(Failure::Type(format!("{argument}: found dtype {found}, expected {expected}")));
         }
     };
@@ -134,15 +135,14 @@ fn check_finite(argument: &str, data: &AttributeData, columns: usize) -> Result<
     };
     match wrong {
         Some(at) => {
-            let found =
-                format!("a number that is not finite at vertex {}, column {}", at / columns, at % columns);
+            let found = format!("a non-finite number at vertex {}, column {}", at / columns, at % columns);
             Err(Failure::mesh(argument, found, "finite numbers"))
         }
         None => Ok(()),
     }
 }
 
-/// Copies the values of an array, row by row.
+/// Copies the values of an array in row order.
 fn values<T: Element + Copy>(array: &Bound<'_, PyAny>, dtype: &str) -> Result<Vec<T>, Failure> {
     let flat = array.call_method1("astype", (dtype,))?.call_method1("reshape", (-1,))?;
     let flat = flat
@@ -151,7 +151,7 @@ fn values<T: Element + Copy>(array: &Bound<'_, PyAny>, dtype: &str) -> Result<Ve
     Ok(flat.to_vec().map_err(PyErr::from)?)
 }
 
-/// Returns the values of an attribute: shape (n, k), or (n,) for one component.
+/// Returns the values of an attribute with shape (n, k), or (n,) for one component.
 pub(crate) fn to_array<'py>(py: Python<'py>, attribute: &Attribute) -> PyResult<Bound<'py, PyAny>> {
     fn rows<'py, T: Element + Copy>(
         py: Python<'py>,
@@ -177,7 +177,7 @@ pub(crate) fn to_array<'py>(py: Python<'py>, attribute: &Attribute) -> PyResult<
     }
 }
 
-/// Returns the attribute of a mesh with a name; `None` if it has none.
+/// Returns the attribute with a name, or `None`.
 pub(crate) fn named<'py>(py: Python<'py>, mesh: &Mesh, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
     mesh.attributes()
         .iter()
@@ -186,7 +186,7 @@ pub(crate) fn named<'py>(py: Python<'py>, mesh: &Mesh, name: &str) -> PyResult<O
         .transpose()
 }
 
-/// Returns all attributes of a mesh by their names.
+/// Returns all attributes of a mesh by name.
 pub(crate) fn all<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
     for attribute in mesh.attributes() {
@@ -195,13 +195,13 @@ pub(crate) fn all<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyDi
     Ok(all)
 }
 
-/// Returns the positions of a mesh: float32 of shape (n, 3).
+/// Returns the positions of a mesh as a float32 array of shape (n, 3).
 pub(crate) fn positions_of<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let rows = mesh.vertex_count();
     PyArray1::from_slice(py, mesh.positions().as_flattened()).reshape([rows, 3])
 }
 
-/// Returns the triangles of a mesh, polygons as fans: uint32 of shape (n, 3).
+/// Returns the triangles of a mesh as a uint32 array of shape (n, 3). Polygons are split into fans.
 pub(crate) fn triangles_of<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyArray2<u32>>> {
     let corners = mesh.faces().fans();
     let rows = corners.len() / 3;

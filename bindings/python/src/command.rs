@@ -1,10 +1,17 @@
-//! The command, for the program `tristrip` that is installed with the package.
+//! The command-line program `tristrip` that is installed with the package.
 
 use pyo3::prelude::*;
 
-/// Run the command with these arguments, of which the first is the name of the program, and return its exit code: 0 done, 1 not proven or bad
-/// input, 2 wrong usage. It prints to the standard streams of the process, and from its first search on Ctrl-C is handled by the command: in a
-/// program of your own, use the functions of the package instead.
+/// Run the command-line program and return its exit code.
+///
+/// The program prints to the standard streams of the process. From its first search on, it handles
+/// Ctrl-C itself. In your own programs, use the functions of the package instead.
+///
+/// Args:
+///     arguments: the command line, starting with the program name.
+///
+/// Returns:
+///     0 for success, 1 for bad input or a failed proof, 2 for wrong usage.
 ///
 /// >>> import tristrip
 /// >>> tristrip.run_command(["tristrip", "verify", "--quiet", "missing.ply", "missing.ply"])

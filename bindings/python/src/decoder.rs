@@ -1,4 +1,4 @@
-//! Progressive GLB while its bytes arrive: the classes `Decoder` and `StreamedPart`.
+//! Incremental decoding of a progressive GLB: the classes `Decoder` and `StreamedPart`.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -18,24 +18,29 @@ use crate::scene::class::Scene;
 use crate::scene::data::SceneData;
 use crate::strips::Strips;
 
-/// How many bytes are decoded between two checks for signals.
+/// Bytes decoded between two checks for signals.
 const PIECE_BYTES: usize = 1 << 16;
 
-/// What a decoder and its parts share.
+/// State shared by a decoder and its parts.
 type Shared = Arc<Mutex<ArrivingGlb>>;
 
 fn lock(state: &Shared) -> MutexGuard<'_, ArrivingGlb> {
     state.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Decodes a progressive GLB, or any GLB, while its bytes arrive in pieces of any size. What has arrived can be drawn at any time.
+/// Incremental decoder of a progressive GLB, or of any GLB.
 ///
-/// Several threads may use a decoder. `copy.copy` makes a decoder that goes on by itself.
+/// The bytes come in pieces of any size. The part received so far can be drawn at any time.
+///
+/// Several threads may use one decoder. `copy.copy` makes an independent copy.
 ///
 /// Args:
-///     strips: whether strips of the meshes are kept up while they are refined, for `StreamedPart.strips`. Decoding takes five times as long then.
-///     max_bytes: the most bytes before the first chunk, or of a file without a stream, all of which are kept: by default 2^30.
-///     max_triangles: the most triangles of all meshes: by default 2^26. A stream may never have more than 2^18, plus 32 for each byte that arrived.
+///     strips: whether to maintain triangle strips during refinement, for `StreamedPart.strips`.
+///         Decoding is then about five times slower.
+///     max_bytes: the maximum number of bytes before the first chunk, or of a whole file without a
+///         stream; all of them are kept in memory. The default is 2^30.
+///     max_triangles: the maximum number of triangles of all meshes. The default, 2^26, is also the
+///         upper limit. A stream is also limited to 2^18 triangles plus 32 per byte received.
 ///
 /// >>> import numpy, tristrip
 /// >>> x, y = numpy.meshgrid(numpy.arange(30), numpy.arange(30))
@@ -54,7 +59,7 @@ pub(crate) struct Decoder {
 }
 
 impl Decoder {
-    /// Looks at the state. Waits for other threads without the lock of the interpreter.
+    /// Reads the state. Releases the GIL while it waits for other threads.
     fn with<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&ArrivingGlb) -> T + Send) -> T {
         py.detach(|| look(&lock(&self.state)))
     }
@@ -82,19 +87,22 @@ impl Decoder {
         Self { state: Arc::new(Mutex::new(glb)) }
     }
 
-    /// Take the next bytes of the file, and decode the chunks that are complete.
+    /// Decode the next bytes of the file.
+    ///
+    /// Complete chunks are decoded at once; an incomplete chunk is buffered.
     ///
     /// Args:
-    ///     data: bytes, or an object that has some, such as a bytearray or a memoryview.
+    ///     data: bytes, or an object with the buffer protocol such as a bytearray or memoryview.
     ///
     /// Returns:
     ///     The number of chunks decoded.
     ///
     /// Raises:
-    ///     FormatError: the bytes are not those of a GLB, or a chunk is damaged. What came before stays; all further bytes are refused.
-    ///     LimitError: the file asks for more than the limits allow.
-    ///     ArrayTypeError: the argument has no bytes.
-    ///     KeyboardInterrupt: Ctrl-C; `offset` tells how many bytes were taken.
+    ///     FormatError: the bytes are not a GLB, or a chunk is damaged. The part decoded before the
+    ///         error remains; later bytes are rejected.
+    ///     LimitError: the file exceeds the limits.
+    ///     ArrayTypeError: the argument has no buffer of bytes.
+    ///     KeyboardInterrupt: Ctrl-C was pressed; `offset` is the number of bytes decoded.
     ///
     /// >>> import tristrip
     /// >>> decoder = tristrip.Decoder()
@@ -108,7 +116,7 @@ impl Decoder {
         };
         let bytes = bytes.as_bytes();
         if bytes.is_empty() {
-            // Tells of an earlier fault.
+            // Returns the error of an earlier call.
             return py.detach(|| lock(&self.state).update(&[])).map_err(|error| Failure::from(error).into());
         }
         let mut decoded = 0;
@@ -119,10 +127,10 @@ impl Decoder {
         Ok(decoded)
     }
 
-    /// Check that the file is complete: to be called when no more bytes come.
+    /// Check that the file is complete. Call this after the last bytes.
     ///
     /// Raises:
-    ///     FormatError: it is cut off, or was damaged.
+    ///     FormatError: the file is truncated or was damaged.
     ///
     /// >>> import tristrip
     /// >>> tristrip.Decoder().finish()
@@ -132,13 +140,14 @@ impl Decoder {
         self.with(py, ArrivingGlb::finish).map_err(|error| Failure::from(error).into())
     }
 
-    /// The number of bytes taken so far: the byte of the file that is expected next, for example by an HTTP range request.
+    /// The number of bytes received so far, which is the file offset of the next byte: the start of
+    /// an HTTP range request.
     #[getter]
     fn offset(&self, py: Python<'_>) -> u64 {
         self.with(py, ArrivingGlb::offset)
     }
 
-    /// Whether all that is drawn has arrived: all chunks, or all bytes of a file without a stream.
+    /// Whether everything has arrived: all chunks, or all bytes of a file without a stream.
     #[getter]
     fn is_complete(&self, py: Python<'_>) -> bool {
         self.with(py, ArrivingGlb::is_complete)
@@ -150,25 +159,27 @@ impl Decoder {
         self.with(py, ArrivingGlb::has_base)
     }
 
-    /// The first byte of the chunks in the file; None before the JSON has arrived, and for a file without a stream.
+    /// The file offset of the first chunk. None before the JSON has arrived, and for a file without
+    /// a stream.
     #[getter]
     fn chunk_start(&self, py: Python<'_>) -> Option<u64> {
         self.with(py, |glb| glb.chunk_range().map(|range| range.bytes().start))
     }
 
-    /// The byte behind the last chunk in the file; None before the JSON has arrived, and for a file without a stream.
+    /// The file offset after the last chunk. None before the JSON has arrived, and for a file
+    /// without a stream.
     #[getter]
     fn chunk_end(&self, py: Python<'_>) -> Option<u64> {
         self.with(py, |glb| glb.chunk_range().map(|range| range.bytes().end))
     }
 
-    /// The number of chunks decoded.
+    /// The number of chunks decoded so far.
     #[getter]
     fn chunk_count(&self, py: Python<'_>) -> usize {
         self.with(py, |glb| glb.decoder().map_or(0, tristrip::stream::Decoder::chunk_count))
     }
 
-    /// The meshes whose first chunk has arrived, in the order of their numbers. They go on showing what has arrived.
+    /// The meshes whose first chunk has arrived, ordered by index. Each object follows the decoder.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let numbers: Vec<u32> = self.with(py, |glb| glb.parts().map(|(number, _)| number).collect());
@@ -177,41 +188,44 @@ impl Decoder {
         PyList::new(py, parts.collect::<PyResult<Vec<_>>>()?)
     }
 
-    /// The level so far: the collapses that are undone in all meshes.
+    /// The current level: the number of collapses undone in all meshes.
     #[getter]
     fn level(&self, py: Python<'_>) -> usize {
         self.sum(py, StreamPart::level)
     }
 
-    /// The level of the full meshes, of those whose first chunk has arrived.
+    /// The level of the full meshes, counting the meshes whose first chunk has arrived.
     #[getter]
     fn full_level(&self, py: Python<'_>) -> usize {
         self.sum(py, StreamPart::full_level)
     }
 
-    /// The triangles of all meshes so far.
+    /// The current number of triangles of all meshes.
     #[getter]
     fn triangle_count(&self, py: Python<'_>) -> usize {
         self.sum(py, StreamPart::triangle_count)
     }
 
-    /// The triangles of the full meshes, of those whose first chunk has arrived, as the stream says.
+    /// The number of triangles of the full meshes, as declared by the stream. Counts the meshes
+    /// whose first chunk has arrived.
     #[getter]
     fn full_triangle_count(&self, py: Python<'_>) -> usize {
         self.sum(py, StreamPart::full_triangle_count)
     }
 
-    /// The largest error of a mesh, in its own units; None before the first chunk.
+    /// The maximum error over all meshes, each in its own units. None before the first chunk.
     #[getter]
     fn error(&self, py: Python<'_>) -> Option<f32> {
         self.with(py, |glb| glb.parts().map(|(_, part)| part.error()).reduce(f32::max))
     }
 
-    /// Return the scene as far as it has arrived: base meshes where no chunk has refined them, with materials, textures and nodes. None before the base meshes
+    /// Return the scene as received so far, with materials, textures and nodes.
+    ///
+    /// Meshes without a decoded chunk are base meshes. The result is None before the base meshes
     /// have arrived.
     ///
     /// Raises:
-    ///     FormatError: the document is not valid.
+    ///     FormatError: the glTF document is invalid.
     fn scene(&self, py: Python<'_>) -> PyResult<Option<Scene>> {
         let model = self.with(py, |glb| glb.model(None)).map_err(Failure::from)?;
         Ok(model.map(|model| Scene::new(SceneData::of_model(model))))
@@ -237,7 +251,7 @@ impl Decoder {
     }
 }
 
-/// A mesh of a `Decoder`, as far as it has arrived. All values change with the next chunk.
+/// A mesh of a `Decoder` as received so far. Its values change when a chunk is decoded.
 #[pyclass(frozen, module = "tristrip")]
 #[derive(Debug)]
 pub(crate) struct StreamedPart {
@@ -246,7 +260,7 @@ pub(crate) struct StreamedPart {
 }
 
 impl StreamedPart {
-    /// Looks at the mesh. It never goes away.
+    /// Reads the mesh. A decoder never removes a mesh.
     fn with<T: Send>(
         &self,
         py: Python<'_>,
@@ -263,61 +277,61 @@ impl StreamedPart {
 
 #[pymethods]
 impl StreamedPart {
-    /// The number of the mesh in the stream.
+    /// The index of the mesh in the stream.
     #[getter]
     fn number(&self) -> u32 {
         self.number
     }
 
-    /// The level so far: the number of collapses that are undone.
+    /// The current level: the number of collapses undone.
     #[getter]
     fn level(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.with(py, StreamPart::level)?)
     }
 
-    /// The level of the full mesh, as the stream says.
+    /// The level of the full mesh, as declared by the stream.
     #[getter]
     fn full_level(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.with(py, StreamPart::full_level)?)
     }
 
-    /// The triangles so far.
+    /// The current number of triangles.
     #[getter]
     fn triangle_count(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.with(py, StreamPart::triangle_count)?)
     }
 
-    /// The triangles of the full mesh, as the stream says.
+    /// The number of triangles of the full mesh, as declared by the stream.
     #[getter]
     fn full_triangle_count(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.with(py, StreamPart::full_triangle_count)?)
     }
 
-    /// The vertices so far.
+    /// The current number of vertices.
     #[getter]
     fn vertex_count(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.with(py, StreamPart::vertex_count)?)
     }
 
-    /// The vertices of the full mesh, as the stream says.
+    /// The number of vertices of the full mesh, as declared by the stream.
     #[getter]
     fn full_vertex_count(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.with(py, StreamPart::full_vertex_count)?)
     }
 
-    /// The error of the level in mesh units, that of the rounded positions included.
+    /// The error of the current level in mesh units, including the rounding of positions.
     #[getter]
     fn error(&self, py: Python<'_>) -> PyResult<f32> {
         Ok(self.with(py, StreamPart::error)?)
     }
 
-    /// The bits of a coordinate that are known so far.
+    /// The number of bits per coordinate received so far.
     #[getter]
     fn position_bits(&self, py: Python<'_>) -> PyResult<u32> {
         Ok(self.with(py, |part| part.position_bits()[0])?)
     }
 
-    /// The positions so far: float32 of shape (n, 3), in the space of the mesh.
+    /// The current positions, in mesh space: float32 of shape (n, 3).
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let positions = self.with(py, StreamPart::positions)?;
@@ -325,26 +339,27 @@ impl StreamedPart {
         PyArray1::from_vec(py, positions.into_flattened()).reshape([rows, 3])
     }
 
-    /// The triangles so far: uint32 of shape (m, 3).
+    /// The current triangles: uint32 of shape (m, 3).
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         triangle_rows(py, self.with(py, StreamPart::triangles)?)
     }
 
-    /// The attributes so far by their names: "NORMAL", "TEXCOORD_0", … Where a mesh is that of several primitives, "part" has the number of each vertex's.
+    /// The current attributes by name: "NORMAL", "TEXCOORD_0", … If the mesh combines several
+    /// primitives, "part" has the primitive index of each vertex.
     #[getter]
     fn attributes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let mesh = self.with(py, StreamPart::mesh)?.map_err(Failure::from)?;
         attributes::all(py, &mesh)
     }
 
-    /// Return strips of the triangles so far, each triangle once, with its winding.
+    /// Return strips that draw every current triangle exactly once, with its original winding.
     ///
     /// Raises:
-    ///     ParameterError: the decoder does not keep strips.
+    ///     ParameterError: the decoder was created without `strips=True`.
     fn strips(&self, py: Python<'_>) -> PyResult<Strips> {
         let strips = self.with(py, StreamPart::strips)?;
-        let strips = strips.ok_or_else(|| Failure::option("strips", "False", "True, of the decoder"))?;
+        let strips = strips.ok_or_else(|| Failure::option("strips", "False", "True in the decoder"))?;
         Ok(Strips::new(strips, None, None))
     }
 

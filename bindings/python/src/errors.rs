@@ -1,36 +1,37 @@
-//! Errors as exceptions, by who must act. The classes stand in `tristrip._errors`, so that they have several bases and can be pickled.
+//! Conversion of errors to Python exceptions. The classes are defined in `tristrip._errors`, which
+//! allows several base classes and pickling.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// A problem found by this crate, or by those below.
+/// An error of this crate or of a crate it uses.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// An option, or an argument that is no array.
+    /// An invalid option.
     Parameter(String),
-    /// Arrays that are no mesh.
+    /// Arrays that do not form a mesh.
     Mesh(String),
-    /// An array, or an item of one, has a type that cannot be used.
+    /// An unsupported type of an array or item.
     Type(String),
-    /// The library's own error.
+    /// An error of the crate `tristrip`.
     Core(tristrip::Error),
-    /// An error of reading or writing.
+    /// A read or write error.
     File(tristrip_io::Error),
-    /// A result could not be proven.
+    /// A result failed its proof.
     Unproven(String),
-    /// The code below panicked: a defect, or an array was changed while it was in use.
+    /// A panic: a bug, or an array was modified while it was in use.
     Panic(String),
-    /// Python raised, as a callback or a signal handler.
+    /// An exception of a callback or signal handler.
     Python(PyErr),
 }
 
 impl Failure {
-    /// Describes an option with a wrong value.
+    /// Describes an option with an invalid value.
     pub(crate) fn option(name: &str, found: impl std::fmt::Display, expected: &str) -> Self {
         Self::Parameter(format!("{name}: found {found}, expected {expected}"))
     }
 
-    /// Describes an array with wrong values or of a wrong shape.
+    /// Describes an array with invalid values or an invalid shape.
     pub(crate) fn mesh(name: &str, found: impl std::fmt::Display, expected: &str) -> Self {
         Self::Mesh(format!("{name}: found {found}, expected {expected}"))
     }
@@ -98,7 +99,7 @@ fn of_core(py: Python<'_>, error: &tristrip::Error) -> PyErr {
     match error {
         Error::Parameter { name: "flag", found, .. } => {
             let name = found.trim_start_matches('-').replace('-', "_");
-            raise(py, "ParameterError", &format!("{name}: no option of this method"))
+            raise(py, "ParameterError", &format!("{name}: not an option of this method"))
         }
         Error::Parameter { name, found, expected } => {
             let name = name.trim_start_matches('-').replace('-', "_");
@@ -121,7 +122,7 @@ fn of_file(py: Python<'_>, error: tristrip_io::Error) -> PyErr {
     }
 }
 
-/// Builds an exception of the operating system with its number, text and file.
+/// Builds an `OSError` with errno, message and file name.
 pub(crate) fn raise_file(py: Python<'_>, path: &str, source: &std::io::Error) -> PyErr {
     let Some(number) = system_number(py, source) else {
         return raise(py, "FileError", &format!("{path}: {source}"));
@@ -137,7 +138,7 @@ pub(crate) fn raise_file(py: Python<'_>, path: &str, source: &std::io::Error) ->
     }
 }
 
-/// Returns the number of a system error, also of one of which only the kind is known.
+/// Returns the errno of a system error, derived from its kind if it has none.
 fn system_number(py: Python<'_>, source: &std::io::Error) -> Option<i32> {
     use std::io::ErrorKind;
     let name = match (source.raw_os_error(), source.kind()) {
@@ -165,7 +166,8 @@ fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("tristrip._errors")?.getattr(name)
 }
 
-/// Puts the best result so far into an interrupt, as `tristrip.Interrupted`, a `KeyboardInterrupt`. Other exceptions only get the attribute.
+/// Attaches the best result so far. Turns `KeyboardInterrupt` into `tristrip.Interrupted`; other
+/// exceptions get the attribute `best`.
 pub(crate) fn with_best(py: Python<'_>, error: PyErr, best: Py<PyAny>) -> PyErr {
     if error.get_type(py).is(py.get_type::<pyo3::exceptions::PyKeyboardInterrupt>()) {
         let arguments = PyDict::new(py);
@@ -178,7 +180,7 @@ pub(crate) fn with_best(py: Python<'_>, error: PyErr, best: Py<PyAny>) -> PyErr 
             Err(error) => error,
         };
     }
-    // An exception without attributes cannot take it.
+    // Exceptions without a `__dict__` cannot have the attribute.
     let _ = error.value(py).setattr("best", best);
     error
 }

@@ -1,4 +1,4 @@
-//! Inputs of functions that take a file: its path, its bytes, or a scene that was read.
+//! Inputs of functions that accept a path, the bytes of a file, or a scene.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::scene::class::Scene;
 use crate::scene::data::SceneData;
 use crate::scene::output;
 
-/// A file as given by a user.
+/// A file passed by the user.
 pub(crate) enum Input<'py> {
     Path(PathBuf),
     Bytes(Bound<'py, PyBytes>),
@@ -21,7 +21,7 @@ pub(crate) enum Input<'py> {
 }
 
 impl<'py> Input<'py> {
-    /// Reads a path (`str` or `os.PathLike`), an object with bytes, or a scene.
+    /// Reads a path (`str` or `os.PathLike`), an object with a buffer of bytes, or a scene.
     pub(crate) fn of(given: &Bound<'py, PyAny>) -> Result<Self, Failure> {
         if let Ok(scene) = given.cast::<Scene>() {
             return Ok(Self::Scene(Arc::clone(&scene.get().data)));
@@ -32,7 +32,7 @@ impl<'py> Input<'py> {
         })
     }
 
-    /// Reads a path or an object with bytes.
+    /// Reads a path or an object with a buffer of bytes.
     pub(crate) fn file(given: &Bound<'py, PyAny>) -> Result<Self, Failure> {
         if let Some(bytes) = bytes_of(given)? {
             return Ok(Self::Bytes(bytes));
@@ -43,7 +43,7 @@ impl<'py> Input<'py> {
         Err(Failure::Type(format!("input: found {}, expected a path or bytes", type_name(given))))
     }
 
-    /// Returns what does not need the interpreter.
+    /// Returns a borrowed form that does not need the GIL.
     pub(crate) fn source(&self) -> Source<'_> {
         match self {
             Self::Path(path) => Source::Path(path),
@@ -53,7 +53,7 @@ impl<'py> Input<'py> {
     }
 }
 
-/// A file as the code below needs it.
+/// An input that can be used without the GIL.
 #[derive(Clone, Copy)]
 pub(crate) enum Source<'a> {
     Path(&'a Path),
@@ -71,7 +71,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Reads all bytes; those of a scene are a file from which it can be read again.
+    /// Reads all bytes. A scene is encoded to a file from which it can be read again.
     pub(crate) fn bytes(self) -> Result<Vec<u8>, Failure> {
         match self {
             Self::Path(path) => std::fs::read(path)
@@ -81,7 +81,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Reads a scene, in a format or else in that of the extension or of the content.
+    /// Reads a scene. Without a format, the extension or the content selects it.
     pub(crate) fn scene(self, format: Option<Format>) -> Result<Arc<SceneData>, Failure> {
         match self {
             Self::Path(path) => Ok(Arc::new(SceneData::read(path, format)?)),
@@ -91,7 +91,8 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Returns the bytes of an object that has some: those of `bytes` itself, or a copy of the others. Text has none.
+/// Returns the bytes of an object with the buffer protocol; copies unless it is `bytes`. Returns
+/// `None` for other objects, including `str`.
 pub(crate) fn bytes_of<'py>(given: &Bound<'py, PyAny>) -> Result<Option<Bound<'py, PyBytes>>, Failure> {
     if let Ok(bytes) = given.cast::<PyBytes>() {
         return Ok(Some(bytes.clone()));
@@ -106,7 +107,7 @@ pub(crate) fn bytes_of<'py>(given: &Bound<'py, PyAny>) -> Result<Option<Bound<'p
     Ok(Some(copy.cast_into::<PyBytes>().map_err(PyErr::from)?))
 }
 
-/// Reads the name of a format, if there is one.
+/// Parses the name of a format, if there is one.
 pub(crate) fn format_of(name: Option<&str>) -> Result<Option<Format>, Failure> {
     name.map(output::format_of).transpose()
 }

@@ -26,31 +26,40 @@ use crate::scene::data::SceneData;
 use crate::simplify::deviation;
 use crate::strips::{Strips, index_bits, layout_of};
 
-/// A mesh at any level of detail: the strips of the full mesh, with vertices renamed by half-edge collapses, as a level model stores them. Level 0 is
-/// the base mesh, and the last level the full mesh. The vertices are the same at all levels; an object stands at one level at a time. `Scene.levels`
-/// makes one of all parts of a scene.
+/// A mesh at any level of detail.
+///
+/// Levels share the strips of the full mesh, with vertices renamed by half-edge collapses; the
+/// level model determines how they are stored. Level 0 is the base mesh and the last level is the
+/// full mesh. All levels have the same vertices. An object is at one level at a time.
+/// `Scene.levels` builds the levels of all parts of a scene.
 ///
 /// Args:
 ///     vertices: positions of shape (n, 3).
-///     faces: as of `stripify`.
-///     model: "progressive-mesh", "naive", "progressive", "sets", "blocks" or "skip": how the levels are stored, as of the
-///         command's `level --model`. "blocks" has the fewest indices at coarse levels, and takes the least memory.
-///     base: the ratio of triangles of the base mesh; by default as few as possible.
-///     price: what a collapse costs, as of `simplify`.
-///     normals, uv, colors, attributes: values per vertex, as of `simplify`: their seams stay closed.
-///     method, effort, cost, **options: how the strips of the full mesh are built, as of `stripify`.
-///     verify: whether the strips are proven.
-///     progress: as of `stripify`.
+///     faces: see `stripify`.
+///     model: the level model: "progressive-mesh", "naive", "progressive", "sets", "blocks" or
+///         "skip"; see `tristrip level --model`. "blocks" has the fewest indices at coarse levels
+///         and uses the least memory.
+///     base: the ratio of triangles in the base mesh. By default as few as possible.
+///     price: the cost function of collapses; see `simplify`.
+///     normals, uv, colors, attributes: per-vertex values; see `simplify`. Their seams stay closed.
+///     method, effort, cost, **options: the method for the strips of the full mesh; see `stripify`.
+///     verify: whether to prove the strips.
+///     progress: see `stripify`.
 ///
 /// Raises:
-///     MeshError, ArrayTypeError: the arrays are no mesh.
-///     ParameterError: an option is unknown or has a wrong value.
+///     MeshError: the arrays do not form a mesh.
+///     ArrayTypeError: an array has an unsupported type.
+///     ParameterError: an option is unknown or has an invalid value.
 ///
 /// References:
-///     "naive" and "progressive": Kim, Park, Yang, Neelamkavil: A Rendering-Efficient Progressive Transmission of 3D Meshes, 2005. "sets": Belmonte,
-///     Aguado, Sancho: Triangle Strip Multiresolution Modelling Using Sorted Edges, 2006.
-///     "progressive-mesh": Hoppe: Progressive Meshes, 1996. "skip": El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli:
-///     Efficiently Computing and Updating Triangle Strips for Real-Time Rendering, 2000. "blocks" is of this project.
+///     "naive" and "progressive": Kim, Park, Yang, Neelamkavil: A Rendering-Efficient Progressive
+///     Transmission of 3D Meshes, 2005.
+///     "sets": Belmonte, Aguado, Sancho: Triangle Strip Multiresolution Modelling Using Sorted
+///     Edges, 2006.
+///     "progressive-mesh": Hoppe: Progressive Meshes, 1996.
+///     "skip": El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: Efficiently Computing and
+///     Updating Triangle Strips for Real-Time Rendering, 2000.
+///     "blocks": a model of this project.
 ///
 /// >>> import numpy, tristrip
 /// >>> angle = numpy.linspace(0, 2 * numpy.pi, 33)[:-1]
@@ -66,34 +75,34 @@ use crate::strips::{Strips, index_bits, layout_of};
 #[pyclass(frozen, module = "tristrip")]
 pub(crate) struct Levels {
     built: Arc<ModelLevels>,
-    /// Why the search for the strips was stopped, if it was.
+    /// Why the strip search was stopped, if it was.
     stopped: Option<SearchStop>,
     notes: Vec<String>,
     scene: Arc<SceneData>,
     kind: ModelKind,
-    /// The arguments of `Scene.levels`, from which a pickle builds it again.
+    /// The arguments of `Scene.levels`, from which unpickling rebuilds the levels.
     arguments: Py<PyDict>,
     state: Mutex<State>,
 }
 
-/// An index buffer, and the ranges in which it changed.
+/// An index buffer and its changed ranges.
 type Updated<'py> = (Bound<'py, PyAny>, Vec<(usize, usize)>);
 
-/// What moves.
+/// The mutable state.
 struct State {
     cursor: ModelCursor,
-    /// The index buffers of `update`, by part, layout and bits.
+    /// The index buffers of `update` by part, layout and index bits.
     buffers: HashMap<(usize, Layout, u8), Buffer>,
 }
 
-/// An index buffer that is brought up to date.
+/// An index buffer that is updated in place.
 enum Buffer {
     U8(Vec<u8>),
     U16(Vec<u16>),
     U32(Vec<u32>),
 }
 
-/// A level in a table.
+/// A row of `table`.
 #[derive(Serialize)]
 struct LevelRow {
     level: usize,
@@ -161,7 +170,7 @@ impl Levels {
         Ok(own.outward(cursor.strips())?)
     }
 
-    /// Returns the greatest error of the parts at a level.
+    /// Returns the maximum error of the parts at a level.
     fn error_at(&self, level: usize) -> Result<f32, Failure> {
         let of_parts = self.built.order.of_parts(level)?;
         let errors = self.built.parts.iter().zip(of_parts).map(|(part, level)| part.sequence().error(level));
@@ -235,13 +244,13 @@ impl Levels {
         py.detach(|| self.state().cursor.level())
     }
 
-    /// The last level, the full mesh: the number of collapses.
+    /// The last level, which is the full mesh: the number of collapses.
     #[getter]
     fn last_level(&self) -> usize {
         self.built.collapse_count()
     }
 
-    /// The number of parts, each of which has vertices and strips of its own: 1 for arrays.
+    /// The number of parts. Each part has its own vertices and strips. Arrays make one part.
     #[getter]
     fn part_count(&self) -> usize {
         self.built.parts.len()
@@ -259,34 +268,34 @@ impl Levels {
         Ok(self.built.triangle_count(self.level(py)).map_err(Failure::from)?)
     }
 
-    /// The greatest error of the collapses of the current level, in the units of the positions.
+    /// The maximum collapse error at the current level, in mesh units.
     #[getter]
     fn surface_error(&self, py: Python<'_>) -> PyResult<f32> {
         Ok(self.error_at(self.level(py))?)
     }
 
-    /// The length of the diagonal of the bounding box, of which the percentages of errors are.
+    /// The diagonal of the bounding box, in mesh units. Error percentages are relative to it.
     #[getter]
     fn diagonal(&self) -> f64 {
         self.built.collapses.diagonal
     }
 
-    /// Notes on what was dropped or is unusual.
+    /// Notes on dropped or unusual data.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
 
-    /// Why the search for the strips was stopped: "budget", "interrupt", or None.
+    /// Why the strip search was stopped: "budget", "interrupt", or None.
     #[getter]
     fn stopped(&self) -> Option<&'static str> {
         self.stopped.map(|stopped| if stopped == SearchStop::Budget { "budget" } else { "interrupt" })
     }
 
-    /// Return the positions of a part, which are the same at all levels: float32 of shape (n, 3).
+    /// Return the positions of a part: float32 of shape (n, 3). They are the same at all levels.
     ///
     /// Raises:
-    ///     ParameterError: there is no such part.
+    ///     ParameterError: the part does not exist.
     #[pyo3(signature = (part = Count(0)), text_signature = "($self, part=0)")]
     fn vertices<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let parts = &self.scene.as_read().parts;
@@ -295,25 +304,29 @@ impl Levels {
         positions_of(py, &found.mesh)
     }
 
-    /// Move to a level: a number, or a text such as "40%" of all levels. Return its number.
+    /// Move to a level and return its index.
+    ///
+    /// Args:
+    ///     level: an index from 0 (base mesh) to `last_level`, or a percentage such as "40%".
     ///
     /// Raises:
-    ///     ParameterError: there is no such level; the object stays where it is.
+    ///     ParameterError: the level does not exist; the current level is unchanged.
     fn set_level(&self, py: Python<'_>, level: &Bound<'_, PyAny>) -> PyResult<usize> {
         let text = level.str()?.to_string();
         let level = text.parse().map_err(|why| Failure::Parameter(format!("level: {why}")))?;
         self.set(py, LevelGoal::Level(level))
     }
 
-    /// Move to the finest level with at most this number of triangles, and return its number.
+    /// Move to the finest level with at most this many triangles, and return its index.
     fn set_triangles(&self, py: Python<'_>, triangles: Count) -> PyResult<usize> {
         self.set(py, LevelGoal::Triangles(triangles.0))
     }
 
-    /// Move to the coarsest level within an error, and return its number.
+    /// Move to the coarsest level within an error, and return its index.
     ///
     /// Args:
-    ///     error: in the units of the positions, or of the diagonal of the bounding box, as "0.1%".
+    ///     error: the maximum error in mesh units, or in percent of the bounding-box diagonal, such
+    ///         as "0.1%".
     ///
     /// Raises:
     ///     ParameterError: the error is negative or not a number.
@@ -321,13 +334,13 @@ impl Levels {
         self.set(py, LevelGoal::Error(deviation("error", error)?))
     }
 
-    /// Move to the coarsest level whose error appears no larger than some pixels, and return its number.
+    /// Move to the coarsest level within an error on screen, and return its index.
     ///
     /// Args:
-    ///     pixels: the largest error on the screen.
-    ///     distance: from the camera to the nearest point of the mesh, in the units of the positions.
-    ///     field_of_view: the vertical angle of the camera in degrees.
-    ///     rows: the height of the screen in pixels.
+    ///     pixels: the maximum error on screen, in pixels.
+    ///     distance: from the camera to the nearest point of the mesh, in mesh units.
+    ///     field_of_view: the vertical field of view, in degrees.
+    ///     rows: the height of the screen, in pixels.
     ///
     /// Raises:
     ///     ParameterError: a number is not positive.
@@ -353,7 +366,7 @@ impl Levels {
         Ok(Strips::new(self.strips_of(py, part.0)?, None, None))
     }
 
-    /// Return the index buffer of a part at the current level, as `Strips.indices` does.
+    /// Return the index buffer of a part at the current level; see `Strips.indices`.
     #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)), text_signature = "($self, layout='restart', dtype=None, *, part=0)")]
     fn indices<'py>(
         &self,
@@ -377,10 +390,12 @@ impl Levels {
         PyArray1::from_vec(py, list).reshape([rows, 3])
     }
 
-    /// Return the index buffer of a part at the current level, and the ranges in which it differs from that of the last call with this layout and
-    /// dtype: only these need to be uploaded to the GPU. They are (start, end) in indices.
+    /// Return the index buffer of a part at the current level, and its changed ranges.
     ///
-    /// The dtype is "uint8", "uint16" or "uint32"; by default "uint16" where all vertices fit.
+    /// Each range (start, end) is in indices, relative to the last call with the same layout and
+    /// dtype. Only these ranges need to be uploaded to the GPU.
+    ///
+    /// The dtype is "uint8", "uint16" or "uint32"; by default "uint16" if all vertices fit.
     #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)), text_signature = "($self, layout='restart', dtype=None, *, part=0)")]
     fn update<'py>(
         &self,
@@ -392,7 +407,7 @@ impl Levels {
         let layout = layout_of(layout)?;
         let vertex_count = self.built.parts.get(part.0).map_or(0, levels::LevelPart::vertex_count);
         let bits = index_bits(py, dtype, vertex_count)?;
-        // The state is not locked while Python runs, so that threads that wait for it do not wait for each other.
+        // Don't keep the state locked while Python runs: threads that wait for it would deadlock.
         let (buffer, changed) = py.detach(|| {
             let mut state = self.state();
             let strips = self.strips_in(&mut state, part.0)?;
@@ -424,7 +439,8 @@ impl Levels {
         Ok((array, changed.into_iter().map(|range| (range.start, range.end)).collect()))
     }
 
-    /// Return for each vertex of a part the vertex by which it is drawn at the current level: uint32 of shape (n,).
+    /// Return the vertex that replaces each vertex of a part at the current level: uint32 of shape
+    /// (n,).
     #[pyo3(signature = (part = Count(0)), text_signature = "($self, part=0)")]
     fn renaming<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let level = self.level(py);
@@ -440,10 +456,10 @@ impl Levels {
         Ok(PyArray1::from_vec(py, renamed))
     }
 
-    /// Prove that the strips of the current level draw exactly its triangles, in all parts.
+    /// Prove that the strips of all parts draw exactly the triangles of the current level.
     ///
     /// Raises:
-    ///     NotProvenError: they do not, which is a defect of this package.
+    ///     NotProvenError: they do not, which is a bug in this package.
     fn verify(&self, py: Python<'_>) -> PyResult<()> {
         let proven: Result<(), Failure> = py.detach(|| {
             let mut state = self.state();
@@ -457,7 +473,7 @@ impl Levels {
         Ok(proven?)
     }
 
-    /// Return another object at the full mesh, which shares the model: for another instance or view.
+    /// Return a second cursor at the full mesh, for another instance or view. It shares the model.
     fn another(&self, py: Python<'_>) -> PyResult<Self> {
         let cursor = py.detach(|| self.state().cursor.another()).map_err(Failure::from)?;
         let (built, scene) = (Arc::clone(&self.built), Arc::clone(&self.scene));
@@ -467,10 +483,14 @@ impl Levels {
         Ok(Self { built, stopped, notes, scene, kind: self.kind, arguments, state })
     }
 
-    /// Return the figures of levels from the base mesh to the full mesh: a list of dictionaries.
+    /// Return metrics of evenly spaced levels, from the base mesh to the full mesh.
     ///
     /// Args:
-    ///     steps: the number of equal steps.
+    ///     steps: the number of intervals between the levels.
+    ///
+    /// Returns:
+    ///     A list of dictionaries: "level", "triangles", "surface_error", "strips",
+    ///     "indices_restart" and "indices_restart_per_triangle".
     #[pyo3(signature = (steps = Count(20)), text_signature = "($self, steps=20)")]
     fn table<'py>(&self, py: Python<'py>, steps: Count) -> PyResult<Bound<'py, PyAny>> {
         let rows: Result<Vec<LevelRow>, Failure> = py.detach(|| {
@@ -481,7 +501,7 @@ impl Levels {
         report(py, &rows?)
     }
 
-    /// The memory of the model and of this object in bytes: a dictionary with "model" and "cursor".
+    /// The memory of the model and of this cursor in bytes: a dictionary with "model" and "cursor".
     #[getter]
     fn memory<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (model, cursor) = py.detach(|| {
@@ -505,7 +525,8 @@ impl Levels {
         slf.py().import("tristrip._notebook")?.call_method1("levels_html", (slf,))
     }
 
-    /// A pickle holds the meshes and the options: the levels, which are larger, are built again, which gives the same.
+    /// Pickles the meshes and the options. Unpickling rebuilds the levels, which are larger, with
+    /// the same result.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, this) = (slf.py(), slf.get());
         let scene = Scene { data: Arc::clone(&this.scene) };
@@ -527,7 +548,8 @@ impl Levels {
     }
 }
 
-/// Takes the options of levels from the arguments of `Scene.levels`; all that are left belong to the method.
+/// Takes the options of levels from the arguments of `Scene.levels`. All remaining arguments belong
+/// to the method.
 fn options_of(arguments: &Arguments<'_>) -> PyResult<levels::Options> {
     let mut options = levels::Options::default();
     if let Some(price) = arguments.extract::<String>("price")? {

@@ -1,20 +1,22 @@
-//! The native part of the Python package `tristrip`: functions and classes over NumPy arrays, and the command.
+//! The native module of the Python package `tristrip`: functions and classes over NumPy arrays, and
+//! the command.
 //!
 //! ```text
-//! NumPy arrays ─▶ arrays ─▶ strips │ mesh │ levels │ views │ stream ─▶ arrays, dictionaries with the keys of the command's JSON
+//! NumPy arrays ─▶ arrays ─▶ strips │ mesh │ levels │ views │ stream ─▶ arrays, dictionaries
 //!      files   ─▶ scene  ─▶ …
 //! ```
-//! Every long computation runs in `work`: without the lock of the interpreter, on the threads of one pool, while the calling thread
-//! handles signals and reports progress. Errors become the exceptions of `tristrip._errors` in the module `errors`. Types and
-//! defaults that a user sees stand in `python/tristrip/_native.pyi`.
+//! Long computations run in `work`, which releases the GIL. They run on one thread pool while the
+//! calling thread handles signals and reports progress. The module `errors` converts errors to the
+//! exceptions of `tristrip._errors`. `python/tristrip/_native.pyi` defines the public types and
+//! defaults. Dictionaries have the keys of the command's JSON reports.
 
 #![forbid(unsafe_code)]
 #![allow(
     clippy::doc_markdown,
-    reason = "documentation comments are docstrings of Python, which are no Markdown"
+    reason = "documentation comments are Python docstrings, which are not Markdown"
 )]
-#![allow(clippy::needless_pass_by_value, reason = "arguments of Python are extracted into values")]
-#![allow(clippy::doc_link_with_quotes, reason = "the examples are in Python")]
+#![allow(clippy::needless_pass_by_value, reason = "PyO3 extracts arguments into values")]
+#![allow(clippy::doc_link_with_quotes, reason = "the examples are Python code")]
 
 mod arguments;
 mod arrays;
@@ -38,7 +40,7 @@ mod work;
 
 use pyo3::prelude::*;
 
-/// The native module of the package `tristrip`, which has the documentation of its functions and classes.
+/// The native module. The package re-exports its functions and classes.
 #[pymodule]
 mod _native {
     #[pymodule_export]

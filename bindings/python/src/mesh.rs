@@ -1,4 +1,4 @@
-//! Meshes of arrays, and models of meshes.
+//! Meshes and one-part models built from arrays.
 
 use pyo3::prelude::*;
 use tristrip::Mesh;

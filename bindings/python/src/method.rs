@@ -1,4 +1,5 @@
-//! The method of strips and its options, by name or as the command has it, and from keyword arguments.
+//! Parses a strip method and its options, from a method text as in the command and from keyword
+//! arguments.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -8,7 +9,7 @@ use tristrip_pipeline::{parse_method, with_method_parameter};
 use crate::arguments::Arguments;
 use crate::errors::Failure;
 
-/// Joins the parameters that have arguments of their own with the others.
+/// Combines the parameters that have their own arguments with the others.
 pub(crate) fn parameters<'py>(
     py: Python<'py>,
     others: Option<&Bound<'py, PyDict>>,
@@ -21,7 +22,8 @@ pub(crate) fn parameters<'py>(
     Ok(parameters)
 }
 
-/// Reads a method such as `best` or `stripe-global:patches=full`, and its parameters; those that are `None` have the default of the method.
+/// Parses a method such as `best` or `stripe-global:patches=full`, and its parameters. Parameters
+/// that are `None` have the default of the method.
 pub(crate) fn options(
     method: &str,
     weld: bool,
@@ -36,7 +38,8 @@ pub(crate) fn options(
     Ok(options)
 }
 
-/// Takes a method and its options from keyword arguments, all of which that are left belong to the method.
+/// Takes a method and its options from keyword arguments. All remaining arguments belong to the
+/// method.
 pub(crate) fn taken(arguments: &Arguments<'_>, usual: &str) -> PyResult<StripifyOptions> {
     let name: Option<String> = arguments.extract("method")?;
     let weld = arguments.flag("weld")?;

@@ -1,10 +1,10 @@
-//! Numbers as arguments, whose errors name what was found and what was expected.
+//! Integer arguments with errors that report what was found and what was expected.
 
 use pyo3::prelude::*;
 
 use crate::errors::Failure;
 
-/// A count: an integer of 0 or more.
+/// A count: an integer of at least 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Count(pub(crate) usize);
 
@@ -12,7 +12,7 @@ impl<'py> FromPyObject<'_, 'py> for Count {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        // Integers of NumPy are accepted, numbers with a fraction and texts are not.
+        // Accepts NumPy integers; rejects floats and strings.
         let index = given.call_method0("__index__");
         match index.and_then(|index| index.extract::<usize>()) {
             Ok(count) => Ok(Self(count)),

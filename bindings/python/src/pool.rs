@@ -1,6 +1,6 @@
-//! The threads on which everything runs: one pool of this process, built when it is first used.
+//! The thread pool for all computations. There is one per process, built on first use.
 //!
-//! A process that was forked has the memory of its parent without its threads, so that it gets a pool of its own.
+//! A forked process has its parent's memory but not its threads, so it builds its own pool.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,9 +9,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::Failure;
 
-/// The stack of each thread: that of a main thread.
+/// The stack size per thread, the same as for a typical main thread.
 const STACK_BYTES: usize = 8 << 20;
-/// More threads than any machine has, and fewer than a system refuses.
+/// A limit above any core count that systems still accept.
 const MAX_THREADS: usize = 1024;
 
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
@@ -26,14 +26,14 @@ pub(crate) fn threads() -> Result<Arc<ThreadPool>, Failure> {
         return Ok(Arc::clone(pool));
     }
     let built = build(0)?;
-    // Threads of the parent do not exist here: its pool must not wait for them.
+    // Dropping the inherited pool would wait for threads that do not exist in this process.
     if let Some((_, inherited)) = slot.replace((process, Arc::clone(&built))) {
         std::mem::forget(inherited);
     }
     Ok(built)
 }
 
-/// Builds a pool; 0 threads are as many as the machine has cores, or as `RAYON_NUM_THREADS` says.
+/// Builds a pool. With 0, the number of threads is `RAYON_NUM_THREADS` or the number of cores.
 fn build(threads: usize) -> Result<Arc<ThreadPool>, Failure> {
     let built = ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -42,16 +42,17 @@ fn build(threads: usize) -> Result<Arc<ThreadPool>, Failure> {
         .build();
     built
         .map(Arc::new)
-        .map_err(|error| Failure::option("threads", error, "threads that the system can start"))
+        .map_err(|error| Failure::option("threads", error, "a number of threads that the system allows"))
 }
 
-/// Set the number of threads on which this process works. Results do not depend on it.
+/// Set the number of threads of this process. Results do not depend on it.
 ///
 /// Args:
-///     threads: from 1 to 1024; None for the number of cores, or the value of the environment variable RAYON_NUM_THREADS.
+///     threads: 1 to 1024, or None for the default: the environment variable RAYON_NUM_THREADS,
+///         else the number of cores.
 ///
 /// Raises:
-///     ParameterError: the number is out of range, or the system cannot start so many.
+///     ParameterError: the number is out of range, or the system cannot start that many threads.
 ///
 /// >>> import tristrip
 /// >>> tristrip.set_threads(2)

@@ -1,12 +1,12 @@
-//! Scenes: whole files, and what the command does with them.
+//! Scenes: whole files and the operations of the command on them.
 //!
 //! ```text
 //! file, bytes, arrays ─▶ data ─▶ class Scene ─┬▶ parts: arrays, materials
-//!                                             ├▶ strip, simplify, chain: results that are saved ─▶ output ─▶ file, bytes
+//!                                             ├▶ strip, simplify, chain: results ─▶ output ─▶ file, bytes
 //!                                             ├▶ checks: bound, analyze, compare, verify
 //!                                             └▶ picture
 //! ```
-//! Files are written by the rules of the command, which stand in `tristrip_pipeline::Target`.
+//! Files are written by the same rules as in the command; see `tristrip_pipeline::Target`.
 
 pub(crate) mod chain;
 mod checks;
@@ -54,11 +54,16 @@ impl Scene {
     /// Read a scene from the bytes of a file.
     ///
     /// Args:
-    ///     data: bytes, or another object with a buffer of bytes.
-    ///     format: as of `load`; by default that of the content.
+    ///     data: bytes, or another object with the buffer protocol. A glTF must contain its
+    ///         buffers.
+    ///     format: see `load`. By default the content determines the format.
     ///
     /// Raises:
-    ///     As `load`. A glTF must contain its buffers.
+    ///     FormatError: the bytes do not conform to the format, or a glTF refers to buffers in
+    ///         other files.
+    ///     LimitError: the bytes declare a size above the limits.
+    ///     MeshError: positions are not finite.
+    ///     ParameterError: the format is unknown, or the data require an unsupported extension.
     ///
     /// >>> import tristrip
     /// >>> tristrip.Scene.from_bytes(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
@@ -96,10 +101,10 @@ impl Scene {
         Ok(Self::new(parts::scene_of(&[part])?))
     }
 
-    /// Build a scene of parts, which may be those of other scenes.
+    /// Build a scene of parts. The parts can come from other scenes.
     ///
     /// Raises:
-    ///     ParameterError: two materials have the same name and look different.
+    ///     ParameterError: two different materials have the same name.
     ///
     /// >>> import tristrip
     /// >>> square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
@@ -112,21 +117,25 @@ impl Scene {
         Ok(Self::new(parts::scene_of(&parts)?))
     }
 
-    /// The parts, in the order of the file. A part of a glTF is one primitive, without the transformations of the nodes that place it.
+    /// The parts in file order. A part of a glTF file is one primitive, without the transforms of
+    /// the nodes that place it.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         PyList::new(py, parts::parts_of(&self.data)?)
     }
 
-    /// Where the nodes of a glTF place its parts: for each place the numbers of its parts, a `range`, and the transform from the part to the scene, float64 of
-    /// shape (4, 4), by which positions are multiplied as columns. Animations are not applied. Other scenes have all parts in one place.
+    /// The placements of the parts by the nodes of a glTF scene.
+    ///
+    /// A list of pairs: a `range` of part indices, and the transform from part to scene space,
+    /// float64 of shape (4, 4), for column vectors. Animations are not applied. Scenes of other
+    /// formats have one placement with all parts.
     ///
     /// >>> import tristrip
     /// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     /// >>> [(list(parts), transform.shape) for parts, transform in scene.placements]
     /// [([0], (4, 4))]
     #[getter]
-    #[allow(clippy::type_complexity, reason = "a pair per place")]
+    #[allow(clippy::type_complexity, reason = "a pair per placement")]
     fn placements<'py>(
         &self,
         py: Python<'py>,
@@ -134,31 +143,32 @@ impl Scene {
         placements::placements(py, &self.data)
     }
 
-    /// Notes of the reader: what was dropped or changed.
+    /// Notes of the reader on dropped or changed data.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.data.model().notes.clone()
     }
 
-    /// The format of the file that was read, as "glb"; None for a scene of arrays.
+    /// The format of the file, such as "glb"; None for a scene built from arrays.
     #[getter]
     fn format(&self) -> Option<&'static str> {
         self.data.format().map(tristrip_io::Format::extension)
     }
 
-    /// Find strips of all parts.
+    /// Compute triangle strips of all parts.
     ///
     /// Args:
-    ///     method, effort, cost, weld, **options: as of `stripify`.
+    ///     method, effort, cost, weld, **options: see `stripify`.
     ///     verify: whether to prove the strips.
-    ///     budget, progress, on_interrupt: as of `stripify`.
+    ///     budget, progress, on_interrupt: see `stripify`.
     ///
     /// Returns:
-    ///     The strips of each part, with metrics; they can be saved.
+    ///     The strips of each part with metrics, ready to save.
     ///
     /// Raises:
-    ///     ParameterError: an option is unknown or has a wrong value, or does not belong to the method.
-    ///     Interrupted: Ctrl-C during a search; `best` has the best strips so far.
+    ///     ParameterError: an option is unknown, has an invalid value, or does not belong to the
+    ///         method.
+    ///     Interrupted: Ctrl-C was pressed during a search; `best` has the best strips so far.
     #[pyo3(
         signature = (**given),
         text_signature = "($self, *, method='best', effort=None, cost=None, weld=False, verify=True, budget=None, progress=None, on_interrupt='raise', **options)"
@@ -178,26 +188,33 @@ impl Scene {
         found.object(py, |stripped| StrippedScene::new(Arc::clone(&self.data), stripped))
     }
 
-    /// Simplify all parts by half-edge collapses, the cheapest first. Parts that share borders are simplified as one surface.
+    /// Simplify all parts by half-edge collapses.
+    ///
+    /// Parts that share borders are simplified as one surface.
     ///
     /// Args:
-    ///     ratio: the ratio of all triangles to keep, from 0 to 1; the parts share the triangles.
+    ///     ratio: the ratio of triangles to keep, from 0 to 1, over all parts together.
     ///     triangles: the number of triangles to keep, instead of a ratio.
-    ///     error: the maximum error in mesh units, or of the diagonal as "0.1%". By default "1%"; "100%" allows any.
-    ///     weight, price, permissive, lock_borders, weld_distance: as of `simplify`.
-    ///     normals: "auto" (those of flat-shaded parts are rebuilt, others kept where they fit), "keep" or "rebuild".
-    ///     fit: whether the vertices that are left are moved closer to the original surface, as the command's `--fit` does. Those stay at open
-    ///         borders, where they touch parts in other places of the scene, and where a GLB cannot change them, which a note says.
-    ///     compact: whether joint weights are rounded to 8 bits and rotations of animations to 16 bits in a GLB.
-    ///     measure: whether the distance from the original is measured, which takes as long again.
-    ///     verify: whether the collapses are proven.
-    ///     progress, on_interrupt: as of `tristrip.simplify`.
+    ///     error: the maximum error in mesh units, or in percent of the bounding-box diagonal, such
+    ///         as "0.1%". The default is "1%"; "100%" disables the limit.
+    ///     weight, price, permissive, lock_borders, weld_distance: see `simplify`.
+    ///     normals: "auto" (rebuild those of flat-shaded parts, keep others where they still fit),
+    ///         "keep" or "rebuild".
+    ///     fit: whether to move the remaining vertices closer to the original surface, as `--fit`
+    ///         does. These vertices stay: those on open borders, those shared with parts placed
+    ///         elsewhere in the scene, and those that a GLB cannot change. A note reports the last
+    ///         kind.
+    ///     compact: whether to quantize joint weights to 8 bits and animation rotations to 16 bits
+    ///         in a GLB.
+    ///     measure: whether to measure the distance from the original. It doubles the time.
+    ///     verify: whether to prove the collapses.
+    ///     progress, on_interrupt: see `tristrip.simplify`.
     ///
     /// Returns:
-    ///     The result with its report; it can be saved.
+    ///     The result and its report, ready to save.
     ///
     /// Raises:
-    ///     ParameterError: an option has a wrong value.
+    ///     ParameterError: an option has an invalid value.
     ///
     /// >>> import tristrip
     /// >>> fan = tristrip.Scene.from_bytes(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
@@ -215,24 +232,27 @@ impl Scene {
         simplify::simplify(&self.data, &Arguments::of(py, given)?)
     }
 
-    /// Build several levels of detail over one list of vertices, as the command `chain` does.
+    /// Build a chain of levels of detail over one vertex buffer, as the command `chain` does.
     ///
     /// Args:
-    ///     ratios: the ratios of triangles that the levels keep, the finest first: [1, 0.5, 0.25], or "100%,50%,25%"; up to 16.
-    ///     error, weight, price, permissive, lock_borders, weld_distance: as of `Scene.simplify`.
-    ///     layout: of the files: "restart", "degenerate", "separate" or "list". By default "degenerate" for glTF and "restart" for PLY; a part is then drawn as a
-    ///         list where that takes fewer indices.
-    ///     method: the method of the strips, as of `stripify`; default "best", or "cache" for layout "list".
-    ///     effort, cost, weld, **options: as of `stripify`.
-    ///     verify: whether the collapses are proven.
-    ///     budget: the time in seconds after which each search for strips is stopped when files are written.
-    ///     progress: as of `stripify`.
+    ///     ratios: the ratios of triangles per level, finest first: [1, 0.5, 0.25] or
+    ///         "100%,50%,25%". At most 16.
+    ///     error, weight, price, permissive, lock_borders, weld_distance: see `Scene.simplify`.
+    ///     layout: the layout in files: "restart", "degenerate", "separate" or "list". The default
+    ///         is "degenerate" for glTF and "restart" for PLY; a part is then drawn as a list if
+    ///         that takes fewer indices.
+    ///     method: the strip method; see `stripify`. The default is "best", or "cache" for the
+    ///         layout "list".
+    ///     effort, cost, weld, **options: see `stripify`.
+    ///     verify: whether to prove the collapses.
+    ///     budget: the time limit of each strip search when files are written, in seconds.
+    ///     progress: see `stripify`.
     ///
     /// Returns:
-    ///     The levels, which can be saved.
+    ///     The levels, ready to save.
     ///
     /// Raises:
-    ///     ParameterError: an option is unknown or has a wrong value.
+    ///     ParameterError: an option is unknown or has an invalid value.
     ///
     /// >>> import tristrip
     /// >>> fan = tristrip.Scene.from_bytes(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
@@ -251,18 +271,19 @@ impl Scene {
         chain::chain(&self.data, ratios, &Arguments::of(py, given)?)
     }
 
-    /// Build all levels of detail of the scene: the strips of its parts, which go from level to level together.
+    /// Build all levels of detail of the scene. All parts change levels together.
     ///
     /// Args:
-    ///     model, base, price, verify: as of `Levels`.
-    ///     method, effort, cost, **options: how the strips of the full meshes are built, as of `stripify`.
-    ///     progress: as of `stripify`.
+    ///     model, base, price, verify: see `Levels`.
+    ///     method, effort, cost, **options: the method for the strips of the full meshes; see
+    ///         `stripify`.
+    ///     progress: see `stripify`.
     ///
     /// Returns:
     ///     The levels, at the full meshes.
     ///
     /// Raises:
-    ///     ParameterError: an option is unknown or has a wrong value.
+    ///     ParameterError: an option is unknown or has an invalid value.
     ///
     /// >>> import tristrip
     /// >>> fan = tristrip.Scene.from_bytes(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
@@ -277,7 +298,8 @@ impl Scene {
         Levels::build(Arc::clone(&self.data), &Arguments::of(py, given)?)
     }
 
-    /// Pack the scene as a progressive GLB, which is drawn after its first bytes and refined by the others. The arguments and the result are those of `pack`.
+    /// Pack the scene as a progressive GLB. It renders from the first bytes and refines as the rest
+    /// arrives. Arguments and result are those of `pack`.
     ///
     /// >>> import tristrip
     /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
@@ -299,14 +321,16 @@ impl Scene {
         pack_object(py, || Ok(Arc::clone(&self.data)), options, output.as_deref(), watching)
     }
 
-    /// Compute lower bounds on strips, vertices and indices, which hold for every method.
+    /// Compute lower bounds on strips, vertices and indices. They hold for every method.
     ///
     /// Args:
-    ///     weld: whether vertices with the same bits in position and all attributes are one.
+    ///     weld: whether to merge vertices that have bitwise equal positions and attributes.
     ///
     /// Returns:
-    ///     A dictionary with the keys of the command's JSON: "bound" ("strips", "vertices_sent", "gl_cost", "indices_restart", "indices_degenerate"), "mesh",
-    ///     "parts", "sequential" (for each part, whether one strip without swaps draws it), "components" (with "proof": how the bound was found), "notes".
+    ///     A dictionary with the keys of the command's JSON: "bound" ("strips", "vertices_sent",
+    ///     "gl_cost", "indices_restart", "indices_degenerate"), "mesh", "parts", "sequential" (per
+    ///     part: whether one strip without swaps can draw it), "components" (with "proof", the
+    ///     reason for the bound), "notes".
     ///
     /// >>> import tristrip
     /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
@@ -317,15 +341,20 @@ impl Scene {
         checks::bound(py, &self.data, weld)
     }
 
-    /// Report indices and vertex-cache statistics as the file has them; no strips are built. Each part starts with an empty cache.
+    /// Report the stored indices and their vertex-cache statistics. No strips are built.
+    ///
+    /// Each part starts with an empty cache.
     ///
     /// Args:
-    ///     vertex_caches: the caches to simulate: "fifo:16,lru:8..32" or a list of such texts. By default FIFO and LRU with 8, 16, 24, 32 and 64 entries.
-    ///     flush: whether caches are emptied between strips.
+    ///     vertex_caches: the caches to simulate, such as "fifo:16,lru:8..32" or a list of such
+    ///         strings. By default FIFO and LRU with 8, 16, 24, 32 and 64 entries.
+    ///     flush: whether to empty the cache between strips.
     ///
     /// Returns:
-    ///     A dictionary with the keys of the command's JSON: "drawn", "triangles", "indices", "indices_per_triangle", "restarts", "degenerate", "strips",
-    ///     "lengths" (a histogram), "vertex_caches" (with "misses", "acmr" per triangle and "atvr" per used vertex), "by_part", "notes", …
+    ///     A dictionary with the keys of the command's JSON: "drawn", "triangles", "indices",
+    ///     "indices_per_triangle", "restarts", "degenerate", "strips", "lengths" (a histogram),
+    ///     "vertex_caches" ("misses", "acmr" per triangle and "atvr" per used vertex), "by_part",
+    ///     "notes", …
     ///
     /// Raises:
     ///     ParameterError: a cache is unknown.
@@ -345,25 +374,28 @@ impl Scene {
         checks::statistics(py, &self.data, &options)
     }
 
-    /// Compare all methods. Each result is proven.
+    /// Compare all methods. Every result is proven.
     ///
     /// Args:
-    ///     all: whether all variants of published methods are compared.
-    ///     effort: 0 to 9, of the methods that search, or None for the default of each; "best" always runs at its default effort, too.
-    ///     cost: what "best" minimizes, as of `stripify`.
-    ///     seed: of the methods that break ties at random.
-    ///     weld: whether vertices with the same bits in position and all attributes are one.
-    ///     budget: the time in seconds after which each search is stopped.
-    ///     progress: as of `stripify`.
-    ///     on_interrupt: what Ctrl-C does: "raise" an `Interrupted` with the rows so far as `best`, or "return" them.
+    ///     all: whether to compare all variants of the published methods.
+    ///     effort: 0 to 9 for methods that search, or None for their defaults. "best" also runs at
+    ///         its default effort.
+    ///     cost: the cost that "best" minimizes; see `stripify`.
+    ///     seed: the seed of methods that break ties at random.
+    ///     weld: whether to merge vertices that have bitwise equal positions and attributes.
+    ///     budget: the time limit of each search, in seconds.
+    ///     progress: see `stripify`.
+    ///     on_interrupt: the effect of Ctrl-C: "raise" raises `Interrupted` with the rows so far as
+    ///         `best`; "return" returns them.
     ///
     /// Returns:
-    ///     A list of dictionaries, one per method, with the keys of the command's JSON: "method" and its options, "proven", "seconds" ("stripify", "verify"), "error",
-    ///     and the metrics, as of `Strips.metrics`. `pandas.DataFrame` takes it.
+    ///     A list of dictionaries, one per method, suitable for `pandas.DataFrame`. The keys are
+    ///     those of the command's JSON: "method" and its options, "proven", "seconds" ("stripify",
+    ///     "verify"), "error", and the metrics of `Strips.metrics`.
     ///
     /// Raises:
-    ///     ParameterError: an option has a wrong value.
-    ///     Interrupted: Ctrl-C; `best` has the rows so far.
+    ///     ParameterError: an option has an invalid value.
+    ///     Interrupted: Ctrl-C was pressed; `best` has the rows so far.
     ///
     /// >>> import tristrip
     /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
@@ -385,17 +417,22 @@ impl Scene {
         }
     }
 
-    /// Prove that another scene draws every face of this one exactly once, with its original winding. Vertices are compared by the bits of their positions;
-    /// attributes are not compared.
+    /// Prove that another scene draws every face of this one exactly once, with its original
+    /// winding.
+    ///
+    /// Vertices match if their positions are bitwise equal. Attributes are not compared.
     ///
     /// Args:
     ///     result: the other scene, or the path of a file.
     ///
     /// Returns:
-    ///     A dictionary with the keys of the command's JSON: "proven", "faces" (of this scene), "triangles" (of the other), "notes".
+    ///     A dictionary with the keys of the command's JSON: "proven", "faces" (of this scene),
+    ///     "triangles" (of the other scene), "notes".
     ///
     /// Raises:
-    ///     NotProvenError: the other scene draws other faces. `difference` is a dictionary with "kind", "missing", "extra", "flipped", "face" and "first" (positions).
+    ///     NotProvenError: the other scene draws different faces. Its attribute `difference` is a
+    ///         dictionary with "kind", "missing", "extra", "flipped", "face" and "first"
+    ///         (positions).
     ///
     /// >>> import tristrip
     /// >>> square = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
@@ -406,21 +443,27 @@ impl Scene {
         checks::prove(py, &self.data, &result)
     }
 
-    /// Write the scene without new strips, as the command `convert` does: polygons stay polygons where the format has them, and strips stay strips.
+    /// Write the scene without building strips, as the command `convert` does.
+    ///
+    /// Polygons remain polygons if the format supports them, and strips remain strips.
     ///
     /// Args:
-    ///     path: the file; one that exists is replaced once the new one is complete. A .gltf gets its buffer in a .bin beside it, and an OBJ its materials and
+    ///     path: the output file. An existing file is replaced after the new one is complete. A
+    ///         .gltf file comes with a .bin file for its buffer, an OBJ file with its materials and
     ///         images.
-    ///     format: "glb", "gltf", "ply" or "obj"; by default that of the extension.
-    ///     layout: "restart", "degenerate", "separate" or "list": all faces become strips in their stored order.
-    ///     verify: whether the bytes are read back and proven before the file is replaced.
+    ///     format: "glb", "gltf", "ply" or "obj". By default the extension determines it.
+    ///     layout: "restart", "degenerate", "separate" or "list". With a layout, all faces become
+    ///         strips in their stored order.
+    ///     verify: whether to read the bytes back and prove them before the file is replaced.
     ///
     /// Returns:
-    ///     A dictionary with keys of the command's JSON: "output", "layout", "faces", "triangles", "strips", "parts", "notes"; and "proven", "bytes", "beside".
+    ///     A dictionary with keys of the command's JSON: "output", "layout", "faces", "triangles",
+    ///     "strips", "parts", "notes", "proven", "bytes", "beside" (other files written).
     ///
     /// Raises:
     ///     FileError: the file cannot be written.
-    ///     ParameterError: the format or the layout is unknown, or do not fit.
+    ///     ParameterError: the format or layout is unknown, or the format does not support the
+    ///         layout.
     ///     NotProvenError: the bytes do not draw the scene; nothing was written.
     #[pyo3(
         signature = (path, **given),
@@ -434,11 +477,11 @@ impl Scene {
         saving::save(py, &self.data, &path, format?.as_deref(), layout?.as_deref(), verify)
     }
 
-    /// Return the bytes that `save` would write into one file.
+    /// Return the bytes that `save` would write to a single file.
     ///
     /// Args:
     ///     format: "glb", "ply" or "obj".
-    ///     layout, verify: as of `save`.
+    ///     layout, verify: see `save`.
     ///
     /// >>> import tristrip
     /// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -459,17 +502,17 @@ impl Scene {
         saving::to_bytes(py, &self.data, format, layout, verify)
     }
 
-    /// Draw the scene as its nodes place it, with base colours and textures, without animations.
+    /// Render the scene with node transforms, base colours and textures, without animations.
     ///
     /// Args:
-    ///     width, height: from 1 to 8192 pixels.
+    ///     width, height: the image size, 1 to 8192 pixels.
     ///     mode: "textured", "normals", "uv" or "shaded".
     ///
     /// Returns:
-    ///     The bytes of a PNG file, which `IPython.display.Image` shows.
+    ///     The bytes of a PNG file, for example for `IPython.display.Image`.
     ///
     /// Raises:
-    ///     ParameterError: the size or the mode is wrong, or an image of the scene cannot be decoded.
+    ///     ParameterError: the size or mode is invalid, or an image of the scene cannot be decoded.
     #[pyo3(signature = (width = 1200, height = 900, *, mode = "textured"))]
     fn picture<'py>(
         &self,

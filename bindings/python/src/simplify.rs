@@ -14,7 +14,7 @@ use crate::mesh::{mesh_of, one_part};
 use crate::scene::part::Part;
 use crate::work::Watching;
 
-/// A simplified mesh, over the vertices that it uses. It can be unpacked: `vertices, faces = simplified`.
+/// A simplified mesh, without unused vertices. It unpacks: `vertices, faces = simplified`.
 #[pyclass(frozen, module = "tristrip")]
 #[derive(Debug)]
 pub(crate) struct Simplified {
@@ -23,13 +23,13 @@ pub(crate) struct Simplified {
     figures: Figures,
 }
 
-/// What was reached; a dictionary in a pickle.
+/// The metrics of a result; a dictionary in a pickle.
 #[derive(Debug, Clone, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 struct Figures {
     triangles_before: usize,
     surface_error: f32,
-    /// The root mean square and the largest of the distances between the surfaces, if they were measured.
+    /// The root mean square and the maximum distance between the surfaces, if measured.
     deviations: Option<(f64, f64)>,
     diagonal: f64,
     warning: Option<String>,
@@ -51,73 +51,76 @@ impl Simplified {
         triangles_of(py, &self.mesh)
     }
 
-    /// The normals: float32 of shape (n, 3); None if none were given.
+    /// The normals: float32 of shape (n, 3). None if none were passed.
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         named(py, &self.mesh, NORMAL)
     }
 
-    /// The texture coordinates: float32 of shape (n, 2); None if none were given.
+    /// The texture coordinates: float32 of shape (n, 2). None if none were passed.
     #[getter]
     fn uv<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         named(py, &self.mesh, UV)
     }
 
-    /// The colours, of the dtype and shape given; None if none were given.
+    /// The colours, with the dtype and shape that were passed. None if none were passed.
     #[getter]
     fn colors<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         named(py, &self.mesh, COLOUR)
     }
 
-    /// All attributes by their names: "NORMAL", "TEXCOORD_0", "COLOR_0" and those of `attributes`.
+    /// All attributes by name: "NORMAL", "TEXCOORD_0", "COLOR_0" and those of `attributes`.
     #[getter]
     fn attributes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         all(py, &self.mesh)
     }
 
-    /// The vertex of the input that each vertex is, or is a copy of with another normal or position: uint32 of shape (n,).
+    /// The input vertex of each vertex: uint32 of shape (n,). A vertex can be a copy with a
+    /// different normal or position.
     #[getter]
     fn sources<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         PyArray1::from_slice(py, &self.sources)
     }
 
-    /// The greatest error of a collapse, in the units of the positions.
+    /// The maximum collapse error, in mesh units.
     #[getter]
     fn surface_error(&self) -> f32 {
         self.figures.surface_error
     }
 
-    /// The root mean square of the distances between the surfaces, in the units of the positions; None with `measure=False`.
+    /// The root mean square distance between the surfaces, in mesh units. None with
+    /// `measure=False`.
     #[getter]
     fn rms_deviation(&self) -> Option<f64> {
         self.figures.deviations.map(|(rms, _)| rms)
     }
 
-    /// The largest distance found between the surfaces, in the units of the positions; None with `measure=False`.
+    /// The maximum measured distance between the surfaces, in mesh units. None with
+    /// `measure=False`.
     #[getter]
     fn largest_deviation(&self) -> Option<f64> {
         self.figures.deviations.map(|(_, largest)| largest)
     }
 
-    /// The length of the diagonal of the bounding box, of which the percentages of errors are.
+    /// The diagonal of the bounding box, in mesh units. Error percentages are relative to it.
     #[getter]
     fn diagonal(&self) -> f64 {
         self.figures.diagonal
     }
 
-    /// A sentence on the goal, if it was not reached: what held it back, and what to try.
+    /// A message if the target was missed: the reason and what to try. None if it was reached.
     #[getter]
     fn warning(&self) -> Option<&str> {
         self.figures.warning.as_deref()
     }
 
-    /// Whether Ctrl-C ended it: before its goal, or before the fit or the measurement.
+    /// Whether Ctrl-C stopped the simplification early, or before the fit or measurement.
     #[getter]
     fn interrupted(&self) -> bool {
         self.figures.interrupted
     }
 
-    /// Notes on what was dropped or is unusual.
+    /// Notes on dropped or unusual data.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.figures.notes.clone()
@@ -170,43 +173,51 @@ impl Simplified {
     }
 }
 
-/// Simplify a mesh by half-edge collapses, the cheapest first.
+/// Simplify a mesh by half-edge collapses.
+///
+/// The cheapest collapses come first. Simplification ends when the triangle target or the error
+/// limit is reached.
 ///
 /// Args:
-///     vertices: positions of shape (n, 3); they are computed with as 32-bit floats.
-///     faces: as of `stripify`; polygons become triangles.
+///     vertices: positions of shape (n, 3). They are converted to 32-bit floats.
+///     faces: see `stripify`. Polygons are triangulated.
 ///     ratio: the ratio of triangles to keep, from 0 to 1.
 ///     triangles: the number of triangles to keep, instead of a ratio.
-///     error: the maximum error, in the units of the positions; or of the diagonal of the bounding box, as "0.1%". By default 1 % of the
-///         diagonal; "100%" allows any. Whichever goal is reached first ends the simplification.
-///     normals: of shape (n, 3), one per vertex.
+///     error: the maximum error in mesh units, or in percent of the bounding-box diagonal, such as
+///         "0.1%". The default is "1%"; "100%" disables the limit.
+///     normals: shape (n, 3), one per vertex.
 ///     uv: texture coordinates of shape (n, 2).
-///     colors: of shape (n, 3) or (n, 4): floats from 0 to 1, or uint8 or uint16.
-///     attributes: other values per vertex, by name: arrays of shape (n,) or (n, k). Those that differ at one position make a seam, which stays closed.
-///     weight: how much attributes count, as "normal=0.5,uv=2".
-///     price: "distance", "planes" (a third of the time, larger distances) or "quadric" (as published in 1997).
-///     permissive: whether holes may close, handles vanish, and seams move onto others.
-///     lock_borders: whether vertices at borders stay.
-///     weld_distance: how far the two sides of a border may be apart to collapse together; as `error`.
-///     normals_mode: what happens to normals: "auto", "keep" or "rebuild", as the command's `--normals`.
-///     fit: whether the remaining vertices are moved closer to the original surface. Those at borders stay. Without it, all vertices are
-///         vertices of the input.
-///     measure: whether the distances between the surfaces are measured, which takes as long again.
-///     verify: whether the collapses are proven.
-///     progress: as of `stripify`; the steps are the triangles removed.
-///     on_interrupt: what Ctrl-C does: "raise" an `Interrupted` with the mesh simplified so far as `best`, or "return" it. Stages that have
-///         not begun are left out: the fit and the measurement.
+///     colors: shape (n, 3) or (n, 4); floats from 0 to 1, uint8 or uint16.
+///     attributes: other per-vertex values by name, of shape (n,) or (n, k). Different values at
+///         one position form a seam, which stays closed.
+///     weight: the weights of attributes, such as "normal=0.5,uv=2".
+///     price: the cost function: "distance", "planes" (a third of the time, larger distances) or
+///         "quadric" (as published in 1997).
+///     permissive: whether holes may close, handles may vanish and seams may merge.
+///     lock_borders: whether to keep border vertices in place.
+///     weld_distance: the maximum gap between two borders that collapse together; same units as
+///         `error`.
+///     normals_mode: the treatment of normals: "auto", "keep" or "rebuild"; see `tristrip simplify
+///         --normals`.
+///     fit: whether to move the remaining vertices closer to the original surface, except at
+///         borders. Without it, every vertex keeps its input position.
+///     measure: whether to measure the distance between the surfaces. It doubles the time.
+///     verify: whether to prove the collapses.
+///     progress: see `stripify`. The steps are triangles removed.
+///     on_interrupt: the effect of Ctrl-C: "raise" raises `Interrupted` with the mesh so far as
+///         `best`; "return" returns that mesh. Pending stages (fit, measurement) are skipped.
 ///
 /// Returns:
 ///     The simplified mesh.
 ///
 /// Raises:
-///     MeshError: the arrays have wrong values or a wrong shape.
-///     ArrayTypeError: an array has a type that cannot be used.
-///     ParameterError: an option has a wrong value.
+///     MeshError: an array has invalid values or an invalid shape.
+///     ArrayTypeError: an array has an unsupported type.
+///     ParameterError: an option has an invalid value.
 ///
 /// References:
-///     Garland, Heckbert: Surface Simplification Using Quadric Error Metrics, 1997 (price "quadric"). The other prices are of this project.
+///     Garland, Heckbert: Surface Simplification Using Quadric Error Metrics, 1997 (price
+///         "quadric"). The other prices are of this project.
 ///
 /// >>> import numpy, tristrip
 /// >>> x, y = numpy.meshgrid(numpy.arange(20), numpy.arange(20))
@@ -286,7 +297,7 @@ pub(crate) fn simplify<'py>(
     ended?.object(py, |simplified| simplified)
 }
 
-/// Reads the goal of a simplification.
+/// Reads the target of a simplification.
 pub(crate) fn goal(
     ratio: Option<f64>,
     triangles: Option<i64>,
@@ -310,13 +321,13 @@ pub(crate) fn goal(
     Ok(Goal { amount, deviation })
 }
 
-/// Reads a distance: a number in the units of the positions, or a text in percent of the diagonal.
+/// Reads a distance: a number in mesh units, or a string in percent of the diagonal.
 pub(crate) fn deviation(name: &str, given: &Bound<'_, PyAny>) -> Result<Deviation, Failure> {
     if let Ok(text) = given.extract::<String>() {
         return text.parse().map_err(|why| Failure::Parameter(format!("{name}: {why}")));
     }
     match given.extract::<f64>() {
         Ok(units) if units.is_finite() && units >= 0.0 => Ok(Deviation::Units(units)),
-        _ => Err(Failure::option(name, given, "a distance of 0 or more, or a text such as \"0.1%\"")),
+        _ => Err(Failure::option(name, given, "a distance of 0 or more, or a string such as \"0.1%\"")),
     }
 }

@@ -26,11 +26,11 @@ use crate::scene::data::SceneData;
 use crate::scene::output::Destination;
 use crate::work::{Watcher, Watching};
 
-/// The bits of a coordinate that the encoder takes.
+/// Supported bits per coordinate.
 const POSITION_BITS: std::ops::RangeInclusive<u32> = 4..=16;
 const USUAL_POSITION_BITS: u32 = 14;
 
-/// Takes the options of a packing from keyword arguments with the names of the command's flags.
+/// Takes the options of `pack` from keyword arguments named like the command's flags.
 pub(crate) fn pack_options(arguments: &Arguments<'_>) -> PyResult<pack_scene::Options> {
     let (eye, bits): (Option<[f32; 3]>, Option<u32>) =
         (arguments.extract("eye")?, arguments.extract("position_bits")?);
@@ -47,7 +47,7 @@ pub(crate) fn pack_options(arguments: &Arguments<'_>) -> PyResult<pack_scene::Op
     Ok(pack_scene::Options::default().with_stream(stream).with_eye(eye).with_verify(verify))
 }
 
-/// The report of a packed model; the keys are those of the JSON report of `tristrip pack`.
+/// The report of `pack`, with the keys of the JSON report of `tristrip pack`.
 #[derive(Debug, Serialize)]
 struct PackedFile {
     #[serde(flatten)]
@@ -55,7 +55,7 @@ struct PackedFile {
     output: Option<String>,
 }
 
-/// Packs a scene, and writes the file if there is one.
+/// Packs a scene, and writes it if there is an output path.
 fn pack_model(
     scene: &SceneData,
     options: &pack_scene::Options,
@@ -70,7 +70,7 @@ fn pack_model(
     Ok(PackedFile { packed, output: output.map(|path| path.display().to_string()) })
 }
 
-/// Packs a scene; returns a `tristrip.Packed`.
+/// Packs a scene and returns a `tristrip.Packed`.
 pub(crate) fn pack_object<'py>(
     py: Python<'py>,
     load: impl FnOnce() -> Result<Arc<SceneData>, Failure> + Send,
@@ -90,36 +90,44 @@ pub(crate) fn pack_object<'py>(
     result_class(py, "Packed")?.call1((report(py, &packed)?, bytes))
 }
 
-/// Returns a class of results.
+/// Returns a result class of `tristrip._streams`.
 fn result_class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("tristrip._streams")?.getattr(name)
 }
 
-/// Pack a model as a progressive GLB, which is drawn after its first bytes and refined by the others.
+/// Pack a model as a progressive GLB: it renders from the first bytes and refines as the rest
+/// arrives.
 ///
-/// The file is a valid GLB: every viewer draws its base meshes. Behind them are chunks of vertex splits, which refine the base meshes to the full ones.
-/// Positions and attributes are rounded to a grid; triangles and their winding stay. A scene keeps all else: nodes, materials, textures, skins, animations.
+/// The file is a valid GLB, in which any viewer shows the base meshes. Chunks of vertex splits
+/// follow that refine the base meshes to the full meshes. Positions and attributes are quantized;
+/// triangles keep their winding. The rest of the scene is kept: nodes, materials, textures, skins
+/// and animations.
 ///
 /// Args:
-///     input: a file, the bytes of one, or a scene.
-///     output: the file to write, with the extension .glb. One that exists is replaced.
-///     format: the format of the input, by its extension ("ply", "glb", …); by default that of the name or of the content.
-///     eye: refine first what looks largest from this position in the scene, as (x, y, z); by default everywhere alike.
-///     position_bits: the bits of a coordinate, 4 to 16: the longest side of a mesh has two to this power steps, less one. By default 14.
-///     verify: whether the bytes are read back and proven to have exactly the triangles of the model.
-///     progress: as of `stripify`.
+///     input: a file, the bytes of a file, or a scene.
+///     output: the file to write, with the extension .glb. An existing file is replaced.
+///     format: the input format by extension ("ply", "glb", …). By default the file name or the
+///         content determines it.
+///     eye: a viewpoint (x, y, z) in the scene; what looks largest from there is refined first. The
+///         default is uniform refinement.
+///     position_bits: the bits per coordinate, 4 to 16. The longest side of a mesh has
+///         2**position_bits − 1 steps. The default is 14.
+///     verify: whether to read the bytes back and prove that they have exactly the triangles of the
+///         model.
+///     progress: see `stripify`.
 ///
 /// Returns:
-///     The report, and the bytes.
+///     The report and the bytes of the file.
 ///
 /// Raises:
 ///     FileError: the input cannot be read, or the output cannot be written.
-///     FormatError, LimitError: the input is not valid, or asks for too much.
-///     ParameterError: an option has a wrong value.
-///     NotProvenError: the bytes are not proven, which is a defect of this package.
+///     FormatError, LimitError: the input is invalid or exceeds the limits.
+///     ParameterError: an option has an invalid value.
+///     NotProvenError: the bytes failed their proof, which is a bug in this package.
 ///
 /// References:
-///     Hoppe: Progressive Meshes, 1996; Pajarola, Rossignac: Compressed Progressive Meshes, 2000. The compression is of this project.
+///     Hoppe: Progressive Meshes, 1996; Pajarola, Rossignac: Compressed Progressive Meshes, 2000.
+///         The compression is of this project.
 ///
 /// >>> import tristrip
 /// >>> square = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
@@ -146,7 +154,7 @@ pub(crate) fn pack<'py>(
     pack_object(py, || source.scene(format), options, output.as_deref(), watching)
 }
 
-/// The report of a level; the keys are those of the JSON report of `tristrip unpack`.
+/// The report of `unpack`, with the keys of the JSON report of `tristrip unpack`.
 #[derive(Debug, Serialize)]
 struct UnpackedLevel {
     proven: Option<bool>,
@@ -155,7 +163,7 @@ struct UnpackedLevel {
     output: Option<String>,
 }
 
-/// Decodes a level, and writes it if there is a file.
+/// Decodes a level, and writes it if there is an output path.
 fn unpack_source(
     source: Source<'_>,
     goal: StreamGoal,
@@ -181,39 +189,43 @@ fn unpack_source(
     Ok(UnpackedLevel { proven: verify.then_some(true), unpacked, output })
 }
 
-/// Opens a progressive GLB, which may be cut off.
+/// Opens a progressive GLB, which may be truncated.
 fn opened(bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
     let found = if bytes.starts_with(b"glTF") { "a GLB without a stream" } else { "another file" };
     let none = || FileError::Format {
         at: "file".into(),
         found: found.into(),
-        expected: "a progressive GLB; `pack` writes a plain one where a stream would not be smaller".into(),
+        expected: "a progressive GLB; `pack` writes a plain GLB if a stream would not be smaller".into(),
     };
     Ok(ProgressiveGlb::open(bytes)?.ok_or_else(none)?)
 }
 
 /// Read a level of detail from a progressive GLB.
 ///
-/// A file that is cut off or damaged gives what is complete before the end or the damage: `report["ended_early"]` is then True, and a note says why.
+/// A truncated or damaged file returns everything that is complete before the error.
+/// `report["ended_early"]` is then True, and a note has the reason.
 ///
 /// Args:
-///     input: a file, or the bytes of one.
-///     output: the file to write the level to. Progressive GLBs keep their scene in a GLB or .gltf.
-///     level: the number of collapses that are undone, or a percentage of all as "40%".
-///     triangles: instead, the finest level with at most this number of triangles in the refined meshes.
-///     bytes: instead, what so many first bytes of the file hold. Without any of the three, the full meshes.
-///     to: the format of the output: "glb", "gltf", "ply" or "obj"; by default that of its extension.
-///     verify: whether the written file is read back and proven.
-///     progress: as of `stripify`.
+///     input: a file, or the bytes of a file.
+///     output: the file to write the level to. GLB and .gltf files keep the scene.
+///     level: the number of collapses to undo, or a percentage such as "40%".
+///     triangles: alternatively, the finest level with at most this many triangles in the refined
+///         meshes.
+///     bytes: alternatively, the level contained in this many bytes of the file. The default is the
+///         full meshes.
+///     to: the output format: "glb", "gltf", "ply" or "obj". By default the extension determines
+///         it.
+///     verify: whether to read the written file back and prove it.
+///     progress: see `stripify`.
 ///
 /// Returns:
-///     The report, the arrays of the level with all parts in one mesh, and its scene.
+///     The report, the arrays of the level with all parts in one mesh, and the level as a scene.
 ///
 /// Raises:
 ///     FileError: a file cannot be read or written.
-///     FormatError: the input is no such file, or ends before its base meshes.
-///     LimitError: the stream asks for more than its bytes can be expected to build.
-///     ParameterError: the level does not exist, or several goals are given.
+///     FormatError: the input is not a progressive GLB, or ends before its base meshes.
+///     LimitError: the stream exceeds the decoder limits for its size.
+///     ParameterError: the level does not exist, or more than one target is passed.
 ///
 /// >>> import numpy, tristrip
 /// >>> x, y = numpy.meshgrid(numpy.arange(30), numpy.arange(30))
@@ -256,7 +268,7 @@ pub(crate) fn unpack<'py>(
     result_class(py, "Unpacked")?.call1((report(py, &unpacked)?, vertices, faces, attributes, scene))
 }
 
-/// Reads what selects a level.
+/// Reads the target level.
 fn goal(
     level: Option<&Bound<'_, PyAny>>,
     triangles: Option<Count>,
@@ -271,9 +283,9 @@ fn goal(
     }
 }
 
-/// Reads a level: a number of collapses, or a text with a percentage of all.
+/// Reads a level: a number of collapses, or a string with a percentage.
 fn level_of(given: &Bound<'_, PyAny>) -> Result<Level, Failure> {
-    let expected = "a number of collapses, or a percentage of all such as \"40%\"";
+    let expected = "a number of collapses, or a percentage such as \"40%\"";
     let wrong =
         || Failure::option("level", given.repr().map_or_else(|_| "?".into(), |x| x.to_string()), expected);
     if given.is_instance_of::<PyString>() {
@@ -282,19 +294,22 @@ fn level_of(given: &Bound<'_, PyAny>) -> Result<Level, Failure> {
     given.extract::<usize>().map(Level::Number).map_err(|_| wrong())
 }
 
-/// Return what a progressive GLB holds, and what its bits are spent on. A file that is cut off or damaged is shown as far as it is complete, with a note.
+/// Return the contents of a progressive GLB and how its bits are distributed.
+///
+/// A truncated or damaged file is reported up to its last complete chunk, with a note.
 ///
 /// Args:
-///     input: a file, or the bytes of one.
+///     input: a file, or the bytes of a file.
 ///
 /// Returns:
-///     A dictionary: "meshes", "vertices", "triangles" and "levels" of the full meshes, "position_bits", "base_bytes" before the first chunk,
-///     "chunk_bytes", "bits_per_vertex", "components" (a list of dictionaries: "name", "bits", "per_vertex"), "chunks" (a list: "mesh", "end" as byte of
-///     the file, "level", "triangles", "surface_error"), "notes".
+///     A dictionary: "meshes", "vertices", "triangles" and "levels" of the full meshes,
+///     "position_bits", "base_bytes" before the first chunk, "chunk_bytes", "bits_per_vertex",
+///     "components" (a list: "name", "bits", "per_vertex"), "chunks" (a list: "mesh", "end" as a
+///     file offset, "level", "triangles", "surface_error"), "notes".
 ///
 /// Raises:
 ///     FileError: the file cannot be read.
-///     FormatError: the input is no progressive GLB, or ends before its base meshes.
+///     FormatError: the input is not a progressive GLB, or ends before its base meshes.
 ///
 /// >>> import numpy, tristrip
 /// >>> x, y = numpy.meshgrid(numpy.arange(30), numpy.arange(30))

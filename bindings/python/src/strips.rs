@@ -20,10 +20,10 @@ use crate::method;
 use crate::reports::report;
 use crate::work::{Watcher, Watching};
 
-/// Triangle strips: the vertices of each, in the order in which they are drawn. Two strips in an index buffer are separated as its
-/// layout says. Built by `stripify`, or from an index buffer by `Strips.from_indices`.
+/// Triangle strips, a sequence of vertex arrays in draw order.
 ///
-/// A sequence of arrays: `len(strips)` strips, each of which is an array of vertices.
+/// `len(strips)` is the number of strips and `strips[i]` the vertices of one strip. Created by
+/// `stripify`, or from an index buffer by `Strips.from_indices`.
 ///
 /// >>> import tristrip
 /// >>> strips = tristrip.stripify([[0, 1, 2], [2, 1, 3], [2, 3, 4]])
@@ -41,7 +41,7 @@ pub(crate) struct Strips {
     is_proven: bool,
 }
 
-/// What a pickle holds.
+/// The contents of a pickle.
 #[derive(Serialize, Deserialize)]
 struct Pickled {
     strips: tristrip::Strips,
@@ -52,7 +52,7 @@ struct Pickled {
 }
 
 impl Strips {
-    /// Takes over strips of a method; the reason why its search was stopped becomes a note.
+    /// Wraps the strips of a method. If the search was stopped, a note has the reason.
     pub(crate) fn new(
         strips: tristrip::Strips,
         options: Option<StripifyOptions>,
@@ -62,12 +62,12 @@ impl Strips {
         Self { inner: Arc::new(strips), options, stopped, notes, is_proven: false }
     }
 
-    /// States that the strips are proven.
+    /// Sets whether the strips are proven.
     pub(crate) fn with_proof(self, is_proven: bool) -> Self {
         Self { is_proven, ..self }
     }
 
-    /// Adds a note.
+    /// Adds a note, if there is one.
     fn with_note(mut self, note: Option<String>) -> Self {
         self.notes.extend(note);
         self
@@ -77,7 +77,7 @@ impl Strips {
         &self.inner
     }
 
-    /// Counts the vertices up to the highest that is used.
+    /// Returns the highest vertex index plus one.
     fn vertex_count(&self) -> usize {
         self.inner.vertices().iter().max().map_or(0, |&highest| highest as usize + 1)
     }
@@ -94,12 +94,14 @@ impl Strips {
     ///
     /// Args:
     ///     indices: integers of shape (n,).
-    ///     layout: "restart" (the largest value of the dtype separates strips), "degenerate" (degenerate triangles join strips, which become strips
-    ///         of their own), "separate" (one strip), or "list" (each triangle becomes a strip). Strips that draw nothing are left out.
+    ///     layout: "restart" (the maximum of the dtype separates strips), "degenerate" (degenerate
+    ///         triangles join strips; they are split there), "separate" (one strip) or "list" (each
+    ///         triangle becomes a strip). Strips that draw nothing are dropped.
     ///
     /// Raises:
-    ///     MeshError: indices are negative or too large, or a list does not have three per triangle.
-    ///     ArrayTypeError: indices are no integers.
+    ///     MeshError: an index is negative or too large, or the length of a list is not a multiple
+    ///         of three.
+    ///     ArrayTypeError: the indices are not integers.
     ///     ParameterError: the layout is unknown.
     ///
     /// >>> import numpy, tristrip
@@ -115,13 +117,14 @@ impl Strips {
         Ok(Self::new(strips, None, None))
     }
 
-    /// The vertices of all strips, one after the other: uint32 of shape (vertices_sent,).
+    /// The vertices of all strips, concatenated: uint32 of shape (vertices_sent,).
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         PyArray1::from_slice(py, self.inner.vertices())
     }
 
-    /// The start of each strip in `vertices`, and the end of the last one: int64 of shape (strips + 1,).
+    /// The start of each strip in `vertices`, and the end of the last one: int64 of shape
+    /// (strips + 1,).
     #[getter]
     fn offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let mut end = 0_u32;
@@ -132,19 +135,20 @@ impl Strips {
         PyArray1::from_vec(py, std::iter::once(0).chain(ends).map(i64::from).collect())
     }
 
-    /// The method and its options, as the command prints them; None for strips that were not built here.
+    /// The method and its options, in the notation of the command. None for strips from an index
+    /// buffer.
     #[getter]
     fn method(&self) -> Option<String> {
         self.options.map(|options| MethodDescription::of(&options).description())
     }
 
-    /// Why the search was stopped before its end: "budget", "interrupt", or None.
+    /// Why the search was stopped early: "budget", "interrupt", or None.
     #[getter]
     fn stopped(&self) -> Option<&'static str> {
         self.stopped.map(|stopped| if stopped == SearchStop::Budget { "budget" } else { "interrupt" })
     }
 
-    /// Notes on what was dropped or is unusual.
+    /// Notes on dropped or unusual data.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
@@ -159,16 +163,18 @@ impl Strips {
     /// Return the index buffer.
     ///
     /// Args:
-    ///     layout: "restart" (the largest value of the dtype separates strips), "degenerate" (one strip joined by degenerate triangles, winding
-    ///         kept), "separate" (no separation; `offsets` has the ends), or "list" (triangles in the order of the strips).
-    ///     dtype: "uint8", "uint16" or "uint32"; by default "uint16" where all vertices fit, else "uint32".
+    ///     layout: "restart" (the maximum of the dtype separates strips), "degenerate" (degenerate
+    ///         triangles join the strips and preserve winding), "separate" (no separators; see
+    ///         `offsets`) or "list" (triangles in strip order).
+    ///     dtype: "uint8", "uint16" or "uint32". The default is "uint16" if all vertices fit, else
+    ///         "uint32".
     ///
     /// Returns:
     ///     An array of shape (n,).
     ///
     /// Raises:
-    ///     ParameterError: the layout or the dtype is unknown.
-    ///     LimitError: a vertex does not fit the dtype.
+    ///     ParameterError: the layout or dtype is unknown.
+    ///     LimitError: a vertex index does not fit the dtype.
     ///
     /// >>> import tristrip
     /// >>> strips = tristrip.stripify([[0, 1, 2], [3, 4, 5]])
@@ -186,7 +192,7 @@ impl Strips {
         Ok(indices_to_array(py, &self.inner, layout, bits)?)
     }
 
-    /// Return the triangles that are drawn, in their order, with their winding: uint32 of shape (triangles, 3).
+    /// Return the triangles in draw order, with their winding: uint32 of shape (triangles, 3).
     ///
     /// >>> import tristrip
     /// >>> tristrip.stripify([[0, 1, 2], [2, 1, 3]]).triangles().shape
@@ -198,18 +204,18 @@ impl Strips {
         PyArray1::from_vec(py, list).reshape([rows, 3])
     }
 
-    /// Prove that the strips draw every one of these faces exactly once, with its original winding.
+    /// Prove that the strips draw each of these faces exactly once, with its original winding.
     ///
     /// Args:
-    ///     faces: as of `stripify`.
-    ///     vertices: positions of shape (n, 3), which only strips of welded vertices need.
+    ///     faces: see `stripify`.
+    ///     vertices: positions of shape (n, 3). Required for strips with welded vertices.
     ///
     /// Returns:
-    ///     A dictionary: "faces" and "triangles" compared.
+    ///     A dictionary with the numbers of "faces" and "triangles" compared.
     ///
     /// Raises:
-    ///     NotProvenError: they do not; the text has the first difference.
-    ///     MeshError, ArrayTypeError: the faces are no faces.
+    ///     NotProvenError: the strips draw something else; the message has the first difference.
+    ///     MeshError, ArrayTypeError: the faces are invalid.
     ///
     /// >>> import tristrip
     /// >>> faces = [[0, 1, 2], [2, 1, 3]]
@@ -236,7 +242,7 @@ impl Strips {
                 verify(&mesh, &strips).map_err(|why| Failure::Unproven(why.to_string()))
             }
             None if !strips.welds().is_empty() => {
-                Err(Failure::option("vertices", "None", "the positions by which vertices were welded"))
+                Err(Failure::option("vertices", "None", "the positions used to weld vertices"))
             }
             None => {
                 let drawn: Vec<[u32; 3]> = strips.triangles().collect();
@@ -267,11 +273,11 @@ impl Strips {
     /// Simulate a vertex cache while the strips are drawn.
     ///
     /// Args:
-    ///     cache: the replacement policy and the number of entries, as "fifo:16" or "lru:32".
-    ///     flush: whether the cache is emptied between strips.
+    ///     cache: the replacement policy and the number of entries, such as "fifo:16" or "lru:32".
+    ///     flush: whether to empty the cache between strips.
     ///
     /// Returns:
-    ///     A dictionary: "misses", "acmr" (misses per triangle) and "atvr" (misses per vertex used).
+    ///     A dictionary: "misses", "acmr" (misses per triangle) and "atvr" (misses per used vertex).
     ///
     /// Raises:
     ///     ParameterError: the cache is unknown.
@@ -365,12 +371,13 @@ impl StripIterator {
     }
 }
 
-/// Reads the name of a layout.
+/// Parses the name of a layout.
 pub(crate) fn layout_of(name: &str) -> Result<Layout, Failure> {
     Ok(name.parse::<Layout>()?)
 }
 
-/// Returns the bits of an index type: those asked for, or the fewest of 16 and 32 that name all vertices beside the restart value.
+/// Returns the bits of an index type: those requested, or 16 if all vertices and the restart value
+/// fit, else 32.
 pub(crate) fn index_bits(
     py: Python<'_>,
     dtype: Option<&Bound<'_, PyAny>>,
@@ -390,34 +397,44 @@ pub(crate) fn index_bits(
 /// Compute triangle strips that draw every face exactly once, with its original winding.
 ///
 /// Args:
-///     faces: vertices of triangles as integers of any type, of shape (n, 3) or (3 n,); of polygons with k corners as shape (n, k); of
-///         polygons of several sizes as a list of lists. A C-contiguous array of uint32 is used without a copy. Faces with a repeated vertex draw
-///         nothing and are left out, with a note.
-///     vertices: positions of shape (m, 3). Polygons with more than three corners need them, and `weld` does.
-///     method: "best", "fewest", "cache", "sequential", "input", "stripe-local", "eta", …, or a method with parameters as the command's `--method` takes it:
-///         "stripe-global:patches=full,cutoff=10".
-///     effort: 0 to 9, of the methods that search; more finds fewer indices and takes longer.
-///     cost: what method "best" minimizes: "restart", "degenerate", "opengl" or "gl".
-///     weld: whether vertices with the same position are one.
+///     faces: integers of shape (n, 3) or (3 n,) for triangles, of shape (n, k) for polygons with k
+///         corners, or a list of lists for polygons of different sizes. A C-contiguous uint32 array
+///         is not copied. Faces with a repeated vertex draw nothing; they are dropped with a note.
+///     vertices: positions of shape (m, 3). Required for polygons with more than three corners and
+///         for `weld`.
+///     method: "best", "fewest", "cache", "sequential", "input", "stripe-local", "eta", …, or a
+///         method with parameters as for `--method`: "stripe-global:patches=full,cutoff=10".
+///     effort: 0 to 9, for methods that search. Higher values find fewer indices and take longer.
+///     cost: the cost that "best" minimizes: "restart", "degenerate", "opengl" or "gl".
+///     weld: whether to merge vertices with the same position.
 ///     verify: whether to prove the result.
-///     budget: the time in seconds after which a search is stopped with its best result. The result depends on the machine then.
-///     progress: True for a bar of tqdm, a bar, or a function that is called with a `Progress` some times per second.
-///     on_interrupt: what Ctrl-C during a search does: "raise" an `Interrupted` with the best strips so far as `best`, or "return" them.
-///     **options: other parameters of the method, such as `vertex_cache="fifo:24"` or `seed=1`; `tristrip help methods` lists them.
+///     budget: a time limit in seconds, after which the search returns its best result. The result
+///         then depends on the machine.
+///     progress: True for a tqdm progress bar, a progress bar, or a function that is called with a
+///         `Progress` several times per second.
+///     on_interrupt: the effect of Ctrl-C during a search: "raise" raises `Interrupted` with the
+///         best strips so far as `best`; "return" returns them.
+///     **options: other parameters of the method, such as `vertex_cache="fifo:24"` or `seed=1`.
+///         `tristrip help methods` lists them.
 ///
 /// Returns:
-///     The strips. They are the same for any number of threads.
+///     The strips. They do not depend on the number of threads.
 ///
 /// Raises:
-///     MeshError: the faces or vertices have wrong values or a wrong shape.
-///     ArrayTypeError: an array has a type that is not a number.
-///     ParameterError: an option is unknown or has a wrong value, or does not belong to the method.
-///     NotProvenError: a proof was asked for and failed, which is a defect of this package.
+///     MeshError: the faces or vertices have invalid values or an invalid shape.
+///     ArrayTypeError: an array has an unsupported type.
+///     ParameterError: an option is unknown, has an invalid value, or does not belong to the
+///         method.
+///     NotProvenError: the proof failed, which is a bug in this package.
 ///
 /// References:
-///     Evans, Skiena, Varshney: Optimizing Triangle Strips for Fast Rendering, 1996 ("stripe-local", "stripe-global"); Porcu, Scateni: An Iterative
-///     Stripification Algorithm Based on Dual Graph Operations, 2003 ("tunnel"); Porcu, Scateni: Partitioning Meshes into Strips using the Enhanced
-///     Tunnelling Algorithm, 2006 ("eta"). "best", "fewest", "cache", "sequential" and "guided-tunnels" are methods of this project.
+///     "stripe-local", "stripe-global": Evans, Skiena, Varshney: Optimizing Triangle Strips for
+///     Fast Rendering, 1996.
+///     "tunnel": Porcu, Scateni: An Iterative Stripification Algorithm Based on Dual Graph
+///     Operations, 2003.
+///     "eta": Porcu, Scateni: Partitioning Meshes into Strips using the Enhanced Tunnelling
+///     Algorithm, 2006.
+///     "best", "fewest", "cache", "sequential", "guided-tunnels": methods of this project.
 ///
 /// >>> import tristrip
 /// >>> strips = tristrip.stripify([[0, 1, 2], [2, 1, 3], [2, 3, 4]], method="cache", vertex_cache="fifo:24")
@@ -467,7 +484,7 @@ pub(crate) fn stripify<'py>(
     built?.object(py, |strips| strips)
 }
 
-/// Strips triangles without positions.
+/// Builds strips of triangles without positions.
 fn of_triangles(
     corners: &[u32],
     options: &StripifyOptions,
@@ -488,7 +505,7 @@ fn of_triangles(
         .with_proof(verify))
 }
 
-/// Strips faces with positions.
+/// Builds strips of faces with positions.
 fn of_mesh(
     mesh: &Mesh,
     options: &StripifyOptions,

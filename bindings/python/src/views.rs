@@ -35,12 +35,16 @@ const USUAL_IMAGE: [u32; 2] = [1920, 1080];
 const UPWARD: [f32; 3] = [0.0, 1.0, 0.0];
 const MIDDLE: [f32; 2] = [0.5, 0.5];
 
-/// A model of which each view has its own detail: a mesh, its strips, and collapses level by level (Skip Strips). Built by `ViewModel.build` from arrays and by
-/// `ViewModel.from_scene` from a scene or a file, or read by `ViewModel.load` from a `.tlod` file. It does not change; `view` starts a cursor over it.
+/// A view-dependent LOD model: a mesh, its strips and a merge tree of collapses (Skip Strips).
+///
+/// Created by `ViewModel.build` from arrays or `ViewModel.from_scene` from a scene or file, or read
+/// by `ViewModel.load` from a `.tlod` file. A model is immutable; `view` creates a cursor over it.
 ///
 /// References:
-///     El-Sana, Azanli, Varshney: Skip Strips: Maintaining Triangle Strips for View-Dependent Rendering, 1999; Xia, El-Sana, Varshney: Adaptive Real-Time
-///     Level-of-Detail-Based Rendering for Polygonal Models, 1997 (order "shortest-edge").
+///     El-Sana, Azanli, Varshney: Skip Strips: Maintaining Triangle Strips for View-Dependent
+///     Rendering, 1999.
+///     Xia, El-Sana, Varshney: Adaptive Real-Time Level-of-Detail-Based Rendering for Polygonal
+///     Models, 1997 (order "shortest-edge").
 ///
 /// >>> import numpy, tristrip
 /// >>> x, y = numpy.meshgrid(numpy.arange(40.0), numpy.arange(40.0))
@@ -60,7 +64,7 @@ pub(crate) struct ViewModel {
     built: Built,
 }
 
-/// How a model was built; nothing is known of one that was read.
+/// How a model was built. Empty for a model read from a file.
 #[derive(Debug, Clone, Default, Serialize)]
 struct Built {
     #[serde(flatten)]
@@ -74,7 +78,7 @@ struct Built {
     notes: Vec<String>,
 }
 
-/// The report of a model; the keys are those of the JSON report of `tristrip build-lod`.
+/// The report of a model, with the keys of the JSON report of `tristrip build-lod`.
 #[derive(Serialize)]
 struct DescribedModel<'a> {
     #[serde(flatten)]
@@ -84,12 +88,12 @@ struct DescribedModel<'a> {
     strips: usize,
     collapses: usize,
     height: u32,
-    /// The size of the file: none is written yet.
+    /// The file size; `None` because no file has been written yet.
     bytes: Option<usize>,
 }
 
 impl ViewModel {
-    /// Builds a model of all parts together.
+    /// Builds one model of all parts.
     pub(crate) fn of_model(
         py: Python<'_>,
         load: impl FnOnce() -> Result<Model, Failure> + Send,
@@ -123,7 +127,8 @@ impl ViewModel {
     }
 }
 
-/// Takes the options of a model from keyword arguments, all of which that are left belong to the method of the strips.
+/// Takes the options of a model from keyword arguments. All remaining arguments belong to the strip
+/// method.
 fn options(arguments: &Arguments<'_>) -> PyResult<view_model::Options> {
     let order: Option<String> = arguments.extract("order")?;
     let order: MergeOrder = order.as_deref().unwrap_or("quadric").parse().map_err(Failure::from)?;
@@ -141,18 +146,21 @@ impl ViewModel {
     ///
     /// Args:
     ///     vertices: positions of shape (n, 3).
-    ///     faces: as of `stripify`; polygons become triangles.
-    ///     method, **options: how the strips of the full mesh are built, as of `stripify`: `effort`, `cost`, …
-    ///     order: the collapses that come first in a level: "quadric" (the cheaper half first; vertices of features go last) or "shortest-edge" (as
-    ///         published).
-    ///     normals, uv, colors, attributes: values per vertex, as of `simplify`: their seams stay closed.
-    ///     verify: whether the strips are proven to draw exactly the faces.
-    ///     budget: the time in seconds after which the search for strips is stopped with its best result.
-    ///     progress: as of `stripify`.
+    ///     faces: see `stripify`. Polygons are triangulated.
+    ///     method, **options: the method for the strips of the full mesh; see `stripify`: `effort`,
+    ///         `cost`, …
+    ///     order: the collapses that come first in a level: "quadric" (the cheaper half first;
+    ///         vertices on features last) or "shortest-edge" (as published).
+    ///     normals, uv, colors, attributes: per-vertex values; see `simplify`. Their seams stay
+    ///         closed.
+    ///     verify: whether to prove that the strips draw exactly the faces.
+    ///     budget: the time limit of the strip search in seconds; the search then returns its best
+    ///         result.
+    ///     progress: see `stripify`.
     ///
     /// Raises:
-    ///     MeshError, ArrayTypeError: the arrays are no mesh.
-    ///     ParameterError: an option is unknown or has a wrong value.
+    ///     MeshError, ArrayTypeError: the arrays do not form a mesh.
+    ///     ParameterError: an option is unknown or has an invalid value.
     ///
     /// >>> import tristrip
     /// >>> tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -181,18 +189,21 @@ impl ViewModel {
         Self::of_model(py, || Ok(model), options, watching)
     }
 
-    /// Build a model of a scene, of a mesh file, or of the bytes of one. The parts become one mesh, without the transformations of their nodes; attributes that not
-    /// all parts have are dropped, with a note.
+    /// Build a model of a scene, a mesh file, or the bytes of a file.
+    ///
+    /// The parts become one mesh, without the transforms of their nodes. Attributes that some parts
+    /// lack are dropped, with a note.
     ///
     /// Args:
-    ///     input: a scene, a file, or the bytes of one.
-    ///     format: the format of a file, by its extension; by default that of the name or of the content.
-    ///     method, order, verify, budget, progress, **options: as of `ViewModel.build`.
+    ///     input: a scene, a file, or the bytes of a file.
+    ///     format: the format of a file by extension. By default the file name or the content
+    ///         determines it.
+    ///     method, order, verify, budget, progress, **options: see `ViewModel.build`.
     ///
     /// Raises:
     ///     FileError: the file cannot be read.
-    ///     FormatError, LimitError: it is not valid, or asks for too much.
-    ///     ParameterError: an option is unknown or has a wrong value.
+    ///     FormatError, LimitError: the file is invalid or exceeds the limits.
+    ///     ParameterError: an option is unknown or has an invalid value.
     ///
     /// >>> import tristrip
     /// >>> tristrip.ViewModel.from_scene(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", format="obj").triangle_count
@@ -217,11 +228,11 @@ impl ViewModel {
         Self::of_model(py, || Ok(source.scene(format)?.as_read().clone()), options, watching)
     }
 
-    /// Read a model from a `.tlod` file, or from the bytes of one.
+    /// Read a model from a `.tlod` file or its bytes.
     ///
     /// Raises:
     ///     FileError: the file cannot be read.
-    ///     FormatError, LimitError: it is not valid, or states more than a reader takes.
+    ///     FormatError, LimitError: the file is invalid or exceeds the limits.
     ///
     /// >>> import tristrip
     /// >>> tristrip.ViewModel.load(b"PK")
@@ -244,7 +255,7 @@ impl ViewModel {
         ended.object(py, |model| model)
     }
 
-    /// Return the bytes of a `.tlod` file, which are read back and compared.
+    /// Return the bytes of a `.tlod` file, after reading them back and comparing.
     ///
     /// >>> import tristrip
     /// >>> model = tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -254,11 +265,12 @@ impl ViewModel {
         Ok(PyBytes::new(py, &self.encoded(py)?))
     }
 
-    /// Write a `.tlod` file. One that exists is replaced.
+    /// Write a `.tlod` file. An existing file is replaced.
     ///
     /// Raises:
     ///     FileError: the file cannot be written.
-    ///     NotProvenError: the bytes, read back, hold another model, which is a defect of this package.
+    ///     NotProvenError: the bytes, read back, differ from the model, which is a bug in this
+    ///         package.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let bytes = self.encoded(py)?;
         Ok(py.detach(|| tristrip_io::replace_file(&path, &bytes)).map_err(Failure::from)?)
@@ -270,13 +282,13 @@ impl ViewModel {
         attributes::positions_of(py, &self.model.mesh)
     }
 
-    /// The triangles of the full mesh, in the order in which the strips draw them: uint32 of shape (m, 3).
+    /// The triangles of the full mesh, in strip order: uint32 of shape (m, 3).
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         triangle_rows(py, self.model.sequence.triangles().to_vec())
     }
 
-    /// The attributes by their names, as "NORMAL" and "TEXCOORD_0".
+    /// The attributes by name, such as "NORMAL" and "TEXCOORD_0".
     #[getter]
     fn attributes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         attributes::all(py, &self.model.mesh)
@@ -294,7 +306,7 @@ impl ViewModel {
         self.model.sequence.triangles().len() / 3
     }
 
-    /// The number of triangles of the base mesh, at which views begin.
+    /// The number of triangles of the base mesh, where views start.
     #[getter]
     fn base_triangle_count(&self) -> PyResult<usize> {
         Ok(self.tree.levels().triangle_count(0).map_err(Failure::from)?)
@@ -306,13 +318,14 @@ impl ViewModel {
         self.model.sequence.len()
     }
 
-    /// The height of the merge tree: the most collapses, one into a result of the one before, from a vertex to a root.
+    /// The height of the merge tree: the maximum number of collapses from a vertex to its root.
     #[getter]
     fn height(&self, py: Python<'_>) -> u32 {
         py.detach(|| self.tree.height())
     }
 
-    /// The memory of the strips of the full mesh and of everything else but the mesh, in bytes: a dictionary with "strips" and "tree".
+    /// The memory in bytes: a dictionary with "strips" (of the full mesh) and "tree" (everything
+    /// else except the mesh).
     #[getter]
     fn memory<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let [strips, tree] = self.tree.memory_by_part();
@@ -322,8 +335,11 @@ impl ViewModel {
         Ok(memory)
     }
 
-    /// A dictionary with the keys of the command's JSON: "method", "cost", … and "order" (of a model that was built), "proven", "parts", "vertices",
-    /// "triangles", "strips", "collapses", "levels" (of the merge tree), "height", "bytes" (None: the file is not written yet), "stopped", "notes".
+    /// The report: a dictionary with the keys of the command's JSON.
+    ///
+    /// "method", "cost", … and "order" (for a model that was built), "proven", "parts", "vertices",
+    /// "triangles", "strips", "collapses", "levels" (of the merge tree), "height", "bytes" (None,
+    /// as no file has been written), "stopped", "notes".
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let found = DescribedModel {
@@ -338,17 +354,19 @@ impl ViewModel {
         report(py, &found)
     }
 
-    /// Notes on what was dropped or is unusual.
+    /// Notes on dropped or unusual data.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.built.notes.clone()
     }
 
-    /// Start a view at the base mesh.
+    /// Create a view at the base mesh.
     ///
     /// Args:
-    ///     filter: how the strips of the full mesh become display strips: "none", "stss" (El-Sana et al.), "dtfs" (Kim et al.), "linked"; or "repair", which
-    ///         keeps strips of its own over the triangles of the view: the fewest indices, in time in proportion to the triangles.
+    ///     filter: how to derive display strips from the strips of the full mesh: "none", "stss"
+    ///         (El-Sana et al.), "dtfs" (Kim et al.) or "linked". "repair" instead maintains strips
+    ///         of the current triangles: the fewest indices, but the time is proportional to the
+    ///         triangle count.
     ///
     /// Raises:
     ///     ParameterError: the filter is unknown.
@@ -401,7 +419,7 @@ impl ViewModel {
     }
 }
 
-/// The detail that a camera needs: keyword arguments of a view.
+/// The detail criteria for a camera: keyword arguments of `View.set_view`.
 #[derive(Debug, Clone, Copy)]
 struct Detail {
     field_of_view: f32,
@@ -410,7 +428,7 @@ struct Detail {
 }
 
 impl Detail {
-    /// Takes the arguments.
+    /// Takes the criteria from keyword arguments.
     fn taken(arguments: &Arguments<'_>) -> PyResult<Self> {
         let field_of_view = arguments.extract("field_of_view")?.unwrap_or(tristrip::lod::View::FIELD_OF_VIEW);
         let image = arguments.extract("image")?.unwrap_or(USUAL_IMAGE);
@@ -425,7 +443,7 @@ impl Detail {
         }
         match arguments.extract("steps")? {
             Some(Count(0)) => {
-                return Err(Failure::option("steps", 0, "at least 1: a view would never change").into());
+                return Err(Failure::option("steps", 0, "at least 1: a view could not change").into());
             }
             Some(Count(steps)) => criteria = criteria.with_steps(steps),
             None => (),
@@ -444,8 +462,10 @@ impl Detail {
     }
 }
 
-/// The detail of a `ViewModel` for one camera: a cursor that moves from frame to frame. Started by `ViewModel.view`, at the base mesh. Several views of one
-/// model share it; `copy.copy` makes another one in the same state.
+/// A cursor over a `ViewModel` that follows one camera from frame to frame.
+///
+/// Created by `ViewModel.view` at the base mesh. Views share their model. `copy.copy` makes a
+/// second view in the same state.
 #[pyclass(frozen, module = "tristrip")]
 pub(crate) struct View {
     model: Arc<view_model::ViewModel>,
@@ -453,10 +473,10 @@ pub(crate) struct View {
     state: Mutex<State>,
 }
 
-/// An index buffer, and the ranges that changed: their starts and ends.
+/// An index buffer and its changed ranges as (start, end).
 type Changed<'py> = (Bound<'py, PyAny>, Vec<(usize, usize)>);
 
-/// What moves.
+/// The mutable state.
 #[derive(Clone)]
 struct State {
     cursor: Cursor,
@@ -470,10 +490,10 @@ enum Cursor {
     Repaired(Box<RepairedView>),
 }
 
-/// What changed since the index buffer was last asked for.
+/// The changes since the last call of `update`.
 #[derive(Clone, Default)]
 struct Pending {
-    /// The bits of an index then, and its indices for a filter that reports no changes.
+    /// The index bits at that time, and the indices if the filter reports no changes.
     last: Option<(u8, Vec<u32>)>,
     ranges: Vec<Range<usize>>,
 }
@@ -506,7 +526,7 @@ impl View {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Looks at the state. Waits for other threads without the lock of the interpreter.
+    /// Accesses the state. Releases the GIL while it waits for other threads.
     fn with<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&mut State) -> T + Send) -> T {
         py.detach(|| look(&mut self.state()))
     }
@@ -514,34 +534,42 @@ impl View {
 
 #[pymethods]
 impl View {
-    /// Move to the detail that a camera needs. The work is in proportion to what changes.
+    /// Move to the detail that a camera needs. The work is proportional to what changes.
     ///
     /// Args:
-    ///     eye: where the camera is, as (x, y, z) in mesh units.
-    ///     look_at: the point that it looks at.
-    ///     direction: instead, the direction in which it looks.
-    ///     up: the direction that is up in the image.
-    ///     field_of_view: the vertical angle of the image in degrees.
-    ///     image: the columns and rows of the image in pixels.
-    ///     pixels: the error that a collapse may have in the image.
-    ///     triangles: the most triangles of the view. If the error needs more, the largest errors in pixels are reduced first; the base mesh may have more.
-    ///     steps: the number of collapses and splits after which no more begin; what is left is done by the next call. By default no limit.
-    ///     frustum: whether everything outside of the image is as coarse as possible.
-    ///     back_faces: whether faces that look away may have four times the error.
-    ///     silhouettes: whether silhouettes may have only half of the error.
-    ///     light: the direction to a light: faces that look away from it may have twice the error.
-    ///     foveation: how much the allowed error grows per degree away from where somebody looks: at d degrees it is 1 + foveation × d times as large.
-    ///     attention: the point of the image at which somebody looks, in fractions of its width from the left and its height from the top.
+    ///     eye: the camera position (x, y, z), in mesh units.
+    ///     look_at: the point that the camera looks at.
+    ///     direction: the view direction, instead of `look_at`.
+    ///     up: the up direction of the image.
+    ///     field_of_view: the vertical field of view, in degrees.
+    ///     image: the width and height of the image, in pixels.
+    ///     pixels: the maximum error of a collapse in the image, in pixels.
+    ///     triangles: the maximum number of triangles. If the error needs more, the largest errors
+    ///         in pixels are reduced first. The base mesh may exceed it.
+    ///     steps: the maximum number of collapses and splits per call; the next call continues. By
+    ///         default unlimited.
+    ///     frustum: whether to use minimum detail outside the image.
+    ///     back_faces: whether back faces may have four times the error.
+    ///     silhouettes: whether silhouettes may have only half the error.
+    ///     light: the direction to a light. Faces turned away from it may have twice the error.
+    ///     foveation: the growth of the allowed error per degree from the gaze direction; at d
+    ///         degrees the factor is 1 + foveation × d.
+    ///     attention: the gaze point in the image, as fractions of its width from the left and of
+    ///         its height from the top.
     ///
     /// Returns:
-    ///     A dictionary: "triangles" and "active_vertices" of the view, "collapses" and "splits" done, "looked_at" (collapses whose error was
-    ///     computed), "segments" of strips scanned, "complete" (False if `steps` ended the work).
+    ///     A dictionary: "triangles" and "active_vertices" of the view, "collapses" and "splits"
+    ///     applied, "looked_at" (collapses whose error was computed), "segments" of strips scanned,
+    ///     "complete" (False if `steps` ended the work).
     ///
     /// Raises:
-    ///     ParameterError: the camera has no direction, or a number is out of range. The view stays as it is.
+    ///     ParameterError: the camera has no direction, or a number is out of range. The view is
+    ///         unchanged.
     ///
     /// References:
-    ///     El-Sana et al.: Efficiently Computing and Updating Triangle Strips for Real-Time Rendering, 2000, section 5; Guenter et al.: Foveated 3D Graphics, 2012.
+    ///     El-Sana et al.: Efficiently Computing and Updating Triangle Strips for Real-Time
+    ///     Rendering, 2000, section 5.
+    ///     Guenter et al.: Foveated 3D Graphics, 2012.
     ///
     /// >>> import tristrip
     /// >>> view = tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).view()
@@ -565,7 +593,7 @@ impl View {
         let look_at = match (look_at, direction) {
             (Some(look_at), None) => look_at,
             (None, Some(direction)) => ahead(eye, direction)?,
-            _ => return Err(Failure::Parameter("look_at, direction: expected one of both".into()).into()),
+            _ => return Err(Failure::Parameter("look_at, direction: expected exactly one".into()).into()),
         };
         let camera = Camera::new(eye, look_at)
             .and_then(|camera| camera.with_up(up))
@@ -598,13 +626,14 @@ impl View {
         self.with(py, |state| state.cursor.view().triangle_count())
     }
 
-    /// The number of vertices that have not collapsed.
+    /// The number of active vertices, those that have not collapsed.
     #[getter]
     fn active_vertex_count(&self, py: Python<'_>) -> usize {
         self.with(py, |state| state.cursor.view().active_vertex_count())
     }
 
-    /// The greatest error of the collapses that are done, in the units of the positions. It may be where nobody sees it.
+    /// The maximum error of the applied collapses, in mesh units. It can be at a position that is
+    /// not visible.
     #[getter]
     fn surface_error(&self, py: Python<'_>) -> f32 {
         self.with(py, |state| {
@@ -625,7 +654,7 @@ impl View {
         Strips::new(self.with(py, |state| state.cursor.strips()), None, None)
     }
 
-    /// Return the index buffer of the display strips, as `Strips.indices` does.
+    /// Return the index buffer of the display strips; see `Strips.indices`.
     #[pyo3(signature = (layout = "restart", dtype = None))]
     fn indices<'py>(
         slf: &Bound<'py, Self>,
@@ -636,20 +665,22 @@ impl View {
         Bound::new(slf.py(), strips)?.call_method1("indices", (layout, dtype))
     }
 
-    /// Return an index buffer to draw, and the ranges in which it differs from that of the last call with this dtype, so that only these are sent to a graphics
-    /// processor: (start, end) in indices. The largest value of the dtype separates strips, and fills places where nothing is drawn, so that what
-    /// has not changed stays in its place.
+    /// Return an index buffer to draw, and its changed ranges.
     ///
-    /// The dtype is "uint8", "uint16" or "uint32"; by default "uint16" where all vertices fit.
+    /// Each range (start, end) is in indices, relative to the last call with the same dtype. Only
+    /// these ranges need to be uploaded to the GPU. The maximum of the dtype separates strips and
+    /// fills unused slots, so unchanged strips keep their slots.
+    ///
+    /// The dtype is "uint8", "uint16" or "uint32"; by default "uint16" if all vertices fit.
     ///
     /// Raises:
-    ///     ParameterError: the dtype is unknown, or a vertex does not fit it.
+    ///     ParameterError: the dtype is unknown, or a vertex index does not fit it.
     #[pyo3(signature = (dtype = None))]
     fn update<'py>(&self, py: Python<'py>, dtype: Option<&Bound<'py, PyAny>>) -> PyResult<Changed<'py>> {
         let vertex_count = self.model.mesh.vertex_count();
         let bits = index_bits(py, dtype, vertex_count)?;
         if vertex_count > (1_usize << bits) - 1 {
-            let expected = format!("one that names {}", tristrip::text::counted(vertex_count, "vertex"));
+            let expected = format!("a dtype for {}", tristrip::text::counted(vertex_count, "vertex"));
             return Err(Failure::option("dtype", format!("uint{bits}"), &expected).into());
         }
         let (indices, changed) = self.with(py, |state| state.changes(bits));
@@ -666,10 +697,11 @@ impl View {
         triangle_rows(py, self.with(py, |state| state.cursor.strips().to_list()))
     }
 
-    /// Prove that the display strips draw exactly the triangles of the view, and return their number.
+    /// Prove that the display strips draw exactly the triangles of the view, and return their
+    /// number.
     ///
     /// Raises:
-    ///     NotProvenError: they do not, which is a defect of this package.
+    ///     NotProvenError: they do not, which is a bug in this package.
     fn verify(&self, py: Python<'_>) -> PyResult<usize> {
         let proven = self.with(py, |state| {
             let strips = state.cursor.strips();
@@ -678,17 +710,17 @@ impl View {
         Ok(proven.map_err(Failure::from)?)
     }
 
-    /// Return a picture of the view as the camera of the last `set_view` sees it, as the bytes of a PNG.
+    /// Render the view from the camera of the last `set_view`, as the bytes of a PNG.
     ///
     /// Args:
-    ///     shaded: whether the surface is grey, instead of one colour per strip.
+    ///     shaded: whether to shade the surface in grey instead of one colour per strip.
     ///
     /// Raises:
-    ///     ParameterError: no camera is set yet, or its image is larger than 8192 pixels.
+    ///     ParameterError: `set_view` has not been called, or its image is larger than 8192 pixels.
     #[pyo3(signature = (*, shaded = false))]
     fn picture<'py>(&self, py: Python<'py>, shaded: bool) -> PyResult<Bound<'py, PyBytes>> {
         let (camera, strips) = self.with(py, |state| (state.camera, state.cursor.strips()));
-        let camera = camera.ok_or_else(|| Failure::Parameter("picture: set_view comes first".into()))?;
+        let camera = camera.ok_or_else(|| Failure::Parameter("picture: call set_view first".into()))?;
         let positions = self.model.mesh.positions();
         let ended = Watching::default().run(py, |_| {
             let [columns, rows] = camera.image();
@@ -703,7 +735,7 @@ impl View {
         Ok(PyBytes::new(py, &ended.result()?))
     }
 
-    /// The memory of the view in bytes, without that of the model.
+    /// The memory of the view in bytes, without the model.
     #[getter]
     fn memory(&self, py: Python<'_>) -> usize {
         self.with(py, |state| match &state.cursor {
@@ -727,7 +759,7 @@ impl View {
         format!("View({found} of {}, filter {})", counted(full, "triangle"), self.filter.name())
     }
 
-    /// The picture, in notebooks.
+    /// Returns the PNG that notebooks show.
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyBytes>>> {
         if self.with(py, |state| state.camera.is_none()) {
             return Ok(None);
@@ -737,7 +769,8 @@ impl View {
 }
 
 impl State {
-    /// Returns the index buffer with indices of so many bits, and the ranges that changed since it was last asked for.
+    /// Returns the index buffer for indices of `bits` bits, and the ranges changed since the last
+    /// call.
     fn changes(&mut self, bits: u8) -> (Vec<u32>, Vec<Range<usize>>) {
         let Self { cursor, pending, .. } = self;
         let is_first = pending.last.as_ref().is_none_or(|(last, _)| *last != bits);
@@ -745,7 +778,7 @@ impl State {
             Cursor::Filtered(view) => (view.indices().to_vec(), joined(std::mem::take(&mut pending.ranges))),
             Cursor::Repaired(view) => {
                 let mut old = pending.last.take().map(|(_, old)| old).unwrap_or_default();
-                // A layout of 32 bits holds all vertices.
+                // 32-bit indices fit all vertices.
                 let changed = view.strips().update_indices(tristrip::Layout::Restart, &mut old);
                 (old, changed.unwrap_or_default())
             }
@@ -760,7 +793,7 @@ impl State {
     }
 }
 
-/// Sorts ranges, and joins those that overlap or touch.
+/// Sorts ranges, and merges those that overlap or touch.
 fn joined(mut ranges: Vec<Range<usize>>) -> Vec<Range<usize>> {
     ranges.sort_unstable_by_key(|range| range.start);
     let mut out: Vec<Range<usize>> = Vec::with_capacity(ranges.len());
@@ -773,14 +806,16 @@ fn joined(mut ranges: Vec<Range<usize>>) -> Vec<Range<usize>> {
     out
 }
 
-/// Converts indices to a smaller type, whose largest value is that of restarts as that of `u32` is.
+/// Converts indices to a smaller type. The `u32` restart value becomes the restart value of that
+/// type.
 fn narrowed<T>(indices: &[u32], narrow: fn(u32) -> T) -> Vec<T> {
-    // The lowest bits of `RESTART` are all set.
+    // All low bits of `RESTART` are set.
     const { assert!(RESTART == u32::MAX) };
     indices.iter().map(|&index| narrow(index)).collect()
 }
 
-/// Returns a point in a direction, as far away as the eye is from the origin, so that rounding changes the direction little.
+/// Returns a point in a direction. Its distance equals the distance of the eye from the origin,
+/// which keeps the rounding error of the direction small.
 fn ahead(eye: [f32; 3], direction: [f32; 3]) -> Result<[f32; 3], Failure> {
     let wide = direction.map(f64::from);
     let length = wide.iter().map(|x| x * x).sum::<f64>().sqrt();

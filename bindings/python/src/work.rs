@@ -1,11 +1,13 @@
-//! Runs a computation without the lock of the interpreter, while the calling thread handles signals and reports progress.
+//! Runs a computation without the GIL while the calling thread handles signals and reports
+//! progress.
 //!
 //! ```text
-//! calling thread:  detach ── every 50 ms: signals, progress ── attach ─▶ result │ interrupt with the best result so far
-//! pool:                  └─▶ computation ─ asks whether to go on ─┘
+//! calling thread:  detach ── every 50 ms: signals, progress ── attach ─▶ result or interrupt
+//! pool:                  └─▶ computation ─ checks for cancellation ──┘
 //! ```
-//! A computation that searches or simplifies stops at the next question with its best result so far. One that does neither, or that is between
-//! two stages of the pipeline, is cancelled; then there is no result.
+//! After an interrupt, a search or simplification stops at its next check and returns its best
+//! result so far. Other computations, and the steps between two stages of the pipeline, are
+//! cancelled without a result.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -24,10 +26,10 @@ use tristrip_pipeline::{Observer, Search, SearchStop, SimplifyProgress, Stage};
 use crate::errors::{Failure, with_best};
 use crate::pool::threads;
 
-/// The time between two checks for signals, and between two reports of progress.
+/// The interval between checks for signals and between progress reports.
 const CHECK_EVERY: Duration = Duration::from_millis(50);
 
-/// How a computation is watched.
+/// The progress, time limit and interrupt options of a computation.
 #[derive(Debug, Default)]
 pub(crate) struct Watching {
     progress: Option<Py<PyAny>>,
@@ -37,7 +39,7 @@ pub(crate) struct Watching {
 }
 
 impl Watching {
-    /// Checks the arguments `progress`, `budget` in seconds and `on_interrupt`.
+    /// Validates the arguments `progress`, `budget` (seconds) and `on_interrupt`.
     pub(crate) fn new(
         py: Python<'_>,
         progress: Option<Bound<'_, PyAny>>,
@@ -48,7 +50,7 @@ impl Watching {
             None => None,
             Some(seconds) => Some(
                 Duration::try_from_secs_f64(seconds)
-                    .map_err(|_| Failure::option("budget", seconds, "a number of seconds"))?,
+                    .map_err(|_| Failure::option("budget", seconds, "a number of seconds of 0 or more"))?,
             ),
         };
         let returns_best = match on_interrupt {
@@ -68,15 +70,15 @@ impl Watching {
         Ok(Self { progress, budget, returns_best, keeps_best: false })
     }
 
-    /// Keeps the result of a search that is stopped, instead of cancelling what follows it.
+    /// Keeps the result of an interrupted search instead of cancelling the following stages.
     pub(crate) fn keeping_best(self) -> Self {
         Self { keeps_best: true, ..self }
     }
 
-    /// Runs a computation. Its result is that of a search that was stopped if [`Ended::error`] is set.
+    /// Runs a computation. If [`Ended::error`] is set, the result is that of an interrupted search.
     ///
     /// # Errors
-    /// The computation fails, panics, or was cancelled before it had a result.
+    /// The computation failed, panicked, or was cancelled without a result.
     pub(crate) fn run<T: Send>(
         self,
         py: Python<'_>,
@@ -89,7 +91,7 @@ impl Watching {
             pool.in_place_scope(|scope| {
                 scope.spawn(|_| {
                     let result = catch_unwind(AssertUnwindSafe(|| computation(&watcher)));
-                    // The receiver is there until the scope ends.
+                    // The receiver lives until the scope ends.
                     let _ = sender.send(result);
                 });
                 let mut error = None;
@@ -119,13 +121,13 @@ impl Watching {
             (Ok(value), error) => {
                 Ok(Ended { value, error: error.filter(|_| !(is_interrupt && self.returns_best)) })
             }
-            // The error of a cancelled computation says less than its cause.
+            // The interrupt is the cause; the error of the cancelled computation adds nothing.
             (Err(_), Some(error)) => Err(error.into()),
             (Err(failure), None) => Err(failure),
         }
     }
 
-    /// Handles signals, and reports the progress.
+    /// Handles signals and reports progress.
     fn look(&self, py: Python<'_>, watcher: &Watcher) -> PyResult<()> {
         py.check_signals()?;
         let Some(progress) = &self.progress else { return Ok(()) };
@@ -139,17 +141,17 @@ impl Watching {
 #[derive(Debug)]
 pub(crate) struct Ended<T> {
     pub(crate) value: T,
-    /// Why a search was stopped before its end, where that is to be raised.
+    /// The exception to raise after an interrupted search.
     pub(crate) error: Option<PyErr>,
 }
 
 impl<T> Ended<T> {
-    /// Returns the result, which an interrupt does not take with it.
+    /// Returns the result. Raises a pending exception without it.
     pub(crate) fn result(self) -> PyResult<T> {
         self.error.map_or(Ok(self.value), Err)
     }
 
-    /// Converts the result into a Python object, which an interrupt takes with it.
+    /// Converts the result to a Python object. A pending exception carries it as `best`.
     pub(crate) fn object<O>(self, py: Python<'_>, convert: impl FnOnce(T) -> O) -> PyResult<Bound<'_, O>>
     where
         O: PyClass<BaseType = PyAny> + Into<PyClassInitializer<O>>,
@@ -162,14 +164,14 @@ impl<T> Ended<T> {
     }
 }
 
-/// The state of a computation, which the calling thread reads, and whether it is to stop.
+/// The state of a computation, read by the calling thread, and its stop flags.
 #[derive(Debug)]
 pub(crate) struct Watcher {
     state: Mutex<Option<(Stage, Progress)>>,
     is_stopped: AtomicBool,
     is_over_budget: AtomicBool,
     budget: Option<Duration>,
-    /// Whether a search that was stopped has a result that the caller wants.
+    /// Whether the caller wants the result of an interrupted search.
     keeps_best: bool,
     has_best: AtomicBool,
     started: Instant,
@@ -211,7 +213,7 @@ impl Watcher {
         self.why_stopped(&self.is_over_budget)
     }
 
-    /// Returns whether the calling thread wants the computation to end.
+    /// Returns whether the calling thread has requested a stop.
     pub(crate) fn is_interrupted(&self) -> bool {
         self.is_stopped.load(Ordering::Relaxed)
     }
@@ -224,7 +226,7 @@ impl Watcher {
         }
     }
 
-    /// Reports the progress of a search, and returns whether it goes on.
+    /// Reports the progress of a search, and returns whether to continue.
     fn goes_on(&self, progress: Progress, started: Instant, is_over_budget: &AtomicBool) -> bool {
         self.set(Stage::Stripify, progress);
         if self.budget.is_some_and(|budget| started.elapsed() >= budget) {
@@ -238,7 +240,7 @@ impl Watcher {
     }
 }
 
-/// The watch of the searches of a model, which have a budget of their own.
+/// The watch of one search, with its own time budget.
 struct Searches<'a> {
     watcher: &'a Watcher,
     started: Instant,
@@ -271,11 +273,11 @@ impl Observer for Watcher {
         if let Some((Stage::Simplify, shown)) =
             &mut *self.state.lock().unwrap_or_else(PoisonError::into_inner)
         {
-            // Several parts report in any order.
+            // Parts report in any order.
             shown.steps = removed(progress.left).max(shown.steps);
             shown.step_limit = Some(removed(progress.goal));
         }
-        // From here on there is a result.
+        // A result exists from here on.
         self.has_best.store(self.keeps_best, Ordering::Relaxed);
         !self.is_interrupted()
     }
@@ -289,5 +291,5 @@ impl Observer for Watcher {
 fn panic_text(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-    format!("{text}; please report it, unless an array was changed by another thread while it was in use")
+    format!("{text}; please report it, unless another thread modified an array while it was in use")
 }

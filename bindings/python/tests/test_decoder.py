@@ -184,7 +184,7 @@ def test_arguments_are_bytes() -> None:
     decoder.update(b"more")
     assert decoder.is_complete
     assert decoder.offset == len(BYTES) + 4
-    with pytest.raises(tristrip.ParameterError, match=r"strips: found False, expected True, of the decoder"):
+    with pytest.raises(tristrip.ParameterError, match=r"strips: found False, expected True in the decoder"):
         decoder.parts[0].strips()
 
 

@@ -88,7 +88,7 @@ def test_split_corners(count: int, data: st.DataObject) -> None:
     [
         ([[0, 1, 9]], tristrip.MeshError, "vertex 9, expected 0 to 8"),
         ([[0, 1, -1]], tristrip.MeshError, "vertex -1"),
-        (np.array([[0, 1, 2**64 - 1]], np.uint64), tristrip.MeshError, "32 bits"),
+        (np.array([[0, 1, 2**64 - 1]], np.uint64), tristrip.MeshError, "32-bit"),
         ([[0.0, 1.0, 2.0]], tristrip.ArrayTypeError, "dtype float64"),
         ([[0, 1]], tristrip.MeshError, "shape"),
         ([["a", "b", "c"]], tristrip.ArrayTypeError, "dtype"),

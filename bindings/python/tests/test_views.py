@@ -175,8 +175,8 @@ def test_indices_have_any_layout_and_type() -> None:
     ("arguments", "text"),
     [
         ({"look_at": (0, 0, 0)}, "look_at: found [0.0, 0.0, 0.0], where the camera is"),
-        ({}, "look_at, direction: expected one of both"),
-        ({"look_at": (1, 0, 0), "direction": (1, 0, 0)}, "look_at, direction: expected one of both"),
+        ({}, "look_at, direction: expected exactly one"),
+        ({"look_at": (1, 0, 0), "direction": (1, 0, 0)}, "look_at, direction: expected exactly one"),
         ({"direction": (0, 0, 0)}, "direction: found [0.0, 0.0, 0.0], expected a finite direction"),
         ({"direction": (float("nan"), 0, 0)}, "direction: found"),
         ({"look_at": (float("inf"), 0, 0)}, "look_at: found"),
@@ -292,7 +292,7 @@ def test_attributes_keep_their_seams() -> None:
 def test_pictures_and_texts_show_the_view() -> None:
     view = MODEL.view()
     assert view._repr_png_() is None
-    with pytest.raises(tristrip.ParameterError, match="set_view comes first"):
+    with pytest.raises(tristrip.ParameterError, match="call set_view first"):
         view.picture()
     view.set_view((30, 20, -20), (30, 0, 30), image=(160, 90))
     png = view.picture()

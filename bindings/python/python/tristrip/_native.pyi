@@ -722,7 +722,7 @@ class NormalCounts(TypedDict):
     flat: int
     creased: int
 
-class StoppedCounts(TypedDict):
+class KeptVertices(TypedDict):
     error: int
     locked: int
     seam: int
@@ -754,7 +754,7 @@ class SimplifyReport(TypedDict):
     vanished_components: int
     locked_vertices: int
     parts: int
-    stopped: StoppedCounts | None
+    vertices_kept: KeptVertices | None
     warning: str | None
 
 class ChainLevel(TypedDict):

@@ -23,8 +23,9 @@ use crate::simplify::deviation;
 use crate::strips::layout_of;
 use crate::work::{Watcher, Watching};
 
-/// Several levels of detail of a scene over one list of vertices, the finest first; each level uses the first vertices of the one before it. Made by
-/// `Scene.chain`.
+/// A chain of levels of detail of a scene over one vertex buffer, finest first.
+///
+/// Each level uses a prefix of the vertices of the previous one. Created by `Scene.chain`.
 #[pyclass(frozen, module = "tristrip")]
 #[derive(Debug)]
 pub(crate) struct Chain {
@@ -32,7 +33,7 @@ pub(crate) struct Chain {
     /// The arguments of `Scene.chain`.
     arguments: Py<PyDict>,
     options: Options,
-    /// What a GLB is made of; of a chain that was unpickled, it is computed when a file is asked for.
+    /// The data for a GLB. After unpickling, it is computed on first use.
     built: OnceLock<BuiltChain>,
     report: Py<PyDict>,
 }
@@ -62,30 +63,30 @@ fn options_of(arguments: &Arguments<'_>) -> PyResult<Options> {
     let options = Options::new(ratios, Format::Glb).with_deviation(error.unwrap_or_default());
     let options = options.with_rules(rules_of(arguments)?);
     let options = options.with_verify(arguments.extract("verify")?.unwrap_or(true));
-    // Checked here, and used where files are written.
+    // Validates the budget now; it is used when files are written.
     Watching::new(arguments.py(), None, arguments.extract("budget")?, "raise")?;
     let layout = arguments.extract::<String>("layout")?.map(|layout| layout_of(&layout)).transpose()?;
-    // In triangle lists strips save nothing, but the order of triangles does.
+    // Strips save no indices in triangle lists, but a cache-friendly order still helps.
     let usual = if layout == Some(Layout::List) { "cache" } else { "best" };
     Ok(options.with_stripify(method::taken(arguments, usual)?))
 }
 
-/// Reads ratios: a text such as "100%,50%", or a sequence of numbers.
+/// Parses ratios: a string such as "100%,50%", or a sequence of numbers.
 fn ratios(given: &Bound<'_, PyAny>) -> Result<ChainRatios, Failure> {
     let text = if let Ok(text) = given.extract::<String>() {
         text
     } else {
-        let expected = "numbers from 0 to 1 that decrease, or a text such as '100%,50%,25%'";
+        let expected = "decreasing numbers from 0 to 1, or a string such as '100%,50%,25%'";
         let numbers: Vec<f64> = given.extract().map_err(|_| Failure::option("ratios", given, expected))?;
         numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
     };
     text.parse().map_err(|why| Failure::Parameter(format!("ratios: {why}")))
 }
 
-/// A file that was written, or bytes.
+/// A written file, or its bytes.
 struct ChainFile {
     encoded: encode::Outcome,
-    /// The bytes that each level uses of it.
+    /// The bytes of the file that each level uses.
     level_bytes: Vec<usize>,
     written: WrittenFiles,
     output: Option<String>,
@@ -103,7 +104,8 @@ impl Chain {
         Ok(Watching::new(py, progress, budget, "raise")?)
     }
 
-    /// Calls a function with the levels as a destination needs them: they are built again for another format or with other images.
+    /// Calls a function with the levels for a destination. Rebuilds them for another format or
+    /// other images.
     fn with_levels<T>(
         &self,
         destination: &Destination<'_>,
@@ -151,7 +153,7 @@ impl Chain {
         })
     }
 
-    /// Writes each level into a file of its own.
+    /// Writes each level to its own file.
     fn write_levels(
         &self,
         directory: &Path,
@@ -184,7 +186,7 @@ impl Chain {
         })
     }
 
-    /// Reports the levels with their bytes and files.
+    /// Reports the levels with their sizes and files.
     fn levels_with<'py>(
         &self,
         py: Python<'py>,
@@ -204,52 +206,61 @@ impl Chain {
 
 #[pymethods]
 impl Chain {
-    /// The scene that the levels are of.
+    /// The source scene.
     #[getter]
     fn source(&self) -> Scene {
         Scene { data: Arc::clone(&self.source) }
     }
 
-    /// The levels, the finest first: dictionaries with "level", "ratio", "target_triangles", "triangles", "vertices" (the first ones, which it uses), "surface_error" (in
-    /// mesh units), "surface_error_percent" (of the diagonal), "screen_coverage" (down to which the level is drawn) and "reached".
+    /// The levels, finest first.
+    ///
+    /// A list of dictionaries: "level", "ratio", "target_triangles", "triangles", "vertices" (the
+    /// length of the vertex prefix), "surface_error" (in mesh units), "surface_error_percent" (of
+    /// the diagonal), "screen_coverage" (the minimum ratio of the screen at which the level is
+    /// drawn) and "reached".
     #[getter]
     fn levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.report.bind(py).as_any().get_item("chain")
     }
 
-    /// All that was reached: a dictionary with the keys of the command's JSON.
+    /// The report: a dictionary with the keys of the command's JSON.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.report.bind(py).copy()
     }
 
-    /// A sentence on the levels that were not reached, if there are any.
+    /// A message about levels that missed their target; None if all reached it.
     #[getter]
     fn warning<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.report.bind(py).as_any().get_item("warning")
     }
 
-    /// Notes of the reader, on what was dropped, and on locked vertices.
+    /// Notes on reading, dropped data and locked vertices.
     #[getter]
     fn notes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.report.bind(py).as_any().get_item("notes")
     }
 
-    /// Write all levels, as the command `chain` does: as one GLB or .gltf whose nodes name those of lower levels with `MSFT_lod`, or into a directory as a
-    /// file per level.
+    /// Write all levels, as the command `chain` does.
+    ///
+    /// The output is one GLB or .gltf file whose nodes refer to coarser levels with `MSFT_lod`, or
+    /// a directory with one file per level.
     ///
     /// Args:
-    ///     path: the file, or a directory, which is created if it does not exist and the path ends with a slash.
-    ///     format: that of the files in a directory: "glb", "gltf", "ply" or "obj"; default "glb".
-    ///     verify: whether the bytes are read back and proven before a file is replaced.
-    ///     progress: as of `stripify`.
+    ///     path: the file or directory. A path that ends with a slash is a directory, created if
+    ///         missing.
+    ///     format: the format of the files in a directory: "glb", "gltf", "ply" or "obj". The
+    ///         default is "glb".
+    ///     verify: whether to read the bytes back and prove them before a file is replaced.
+    ///     progress: see `stripify`.
     ///
     /// Returns:
-    ///     A dictionary: "output", "layout", "proven", "chain" (the levels with "bytes" and "output"), "notes", "beside".
+    ///     A dictionary: "output", "layout", "proven", "chain" (the levels with "bytes" and
+    ///     "output"), "notes", "beside" (other files written).
     ///
     /// Raises:
     ///     FileError: a file cannot be written.
-    ///     ParameterError: the format is unknown, or holds one level only.
+    ///     ParameterError: the format is unknown, or supports only one level per file.
     ///     NotProvenError: the bytes do not draw a level; that file was not written.
     #[pyo3(signature = (path, *, format = None, verify = true, progress = None))]
     fn save<'py>(
@@ -269,7 +280,7 @@ impl Chain {
             let format = format.unwrap_or("glb");
             let write = |watcher: &Watcher| self.write_levels(&path, format, layout, verify, watcher);
             let (files, all): (Vec<_>, Vec<_>) = watching.run(py, write)?.result()?.into_iter().unzip();
-            // The levels have most of their notes in common.
+            // Levels share most of their notes.
             let mut notes: Vec<String> = Vec::new();
             for note in all.concat() {
                 if !notes.contains(&note) {
@@ -307,7 +318,7 @@ impl Chain {
     /// Return the bytes of a GLB with all levels.
     ///
     /// Args:
-    ///     verify: as of `save`.
+    ///     verify: see `save`.
     #[pyo3(signature = (*, verify = true))]
     fn to_bytes<'py>(&self, py: Python<'py>, verify: bool) -> PyResult<Bound<'py, PyBytes>> {
         let layout = self.layout(py)?;

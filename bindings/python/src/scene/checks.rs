@@ -1,4 +1,4 @@
-//! What can be found out about scenes: bounds, statistics of files, a comparison of methods, and whether two scenes draw the same.
+//! Analyses of scenes: bounds, file statistics, comparison of methods and scenes.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -21,7 +21,7 @@ pub(crate) fn bound<'py>(py: Python<'py>, scene: &SceneData, weld: bool) -> PyRe
     Ok(report(py, &found?.result()?)?.cast_into()?)
 }
 
-/// Analyzes the indices of a scene as its file has them.
+/// Reports the stored indices of a scene.
 pub(crate) fn statistics<'py>(
     py: Python<'py>,
     scene: &SceneData,
@@ -31,7 +31,7 @@ pub(crate) fn statistics<'py>(
     Ok(report(py, &found?.result()?)?.cast_into()?)
 }
 
-/// Runs all methods on a scene. An interrupt has the rows so far as its best result.
+/// Runs all methods on a scene. On an interrupt, the best result is the rows so far.
 pub(crate) fn compare<'py>(
     scene: &SceneData,
     arguments: &Arguments<'py>,
@@ -68,7 +68,8 @@ pub(crate) fn compare<'py>(
     Ok(Ended { value: report(py, &ended.value)?.cast_into::<PyList>()?, error: ended.error })
 }
 
-/// Records when the stages of each method start. A method without a proven result has no time for its last stage.
+/// Records when the stages of each method start. A method without a proven result has no time for
+/// its last stage.
 struct MethodTimes<'a> {
     watcher: &'a Watcher,
     of_methods: Mutex<Vec<Vec<(Stage, Instant)>>>,
@@ -99,7 +100,7 @@ impl Observer for MethodTimes<'_> {
     }
 }
 
-/// Proves that a scene draws exactly the faces of another.
+/// Proves that `result` draws exactly the faces of `source`.
 pub(crate) fn prove<'py>(
     py: Python<'py>,
     source: &SceneData,
@@ -121,7 +122,7 @@ pub(crate) fn prove<'py>(
     Ok(found)
 }
 
-/// Reads the options of an analysis.
+/// Takes the options of an analysis.
 pub(crate) fn analyze_options(
     vertex_caches: Option<&Bound<'_, PyAny>>,
     flush: bool,

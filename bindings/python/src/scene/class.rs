@@ -1,4 +1,4 @@
-//! The class of scenes; its methods are in the module above.
+//! The class `Scene`. Its methods are in the parent module.
 
 use std::sync::Arc;
 
@@ -6,8 +6,11 @@ use pyo3::prelude::*;
 
 use super::data::SceneData;
 
-/// A model of any format: parts with attributes and materials, and for glTF the scene around them, which is kept. Made by `load`, `Scene.from_bytes`,
-/// `Scene.from_arrays` and `Scene.from_parts`. It never changes, and depends on no file.
+/// A model of any format: parts with attributes and materials. For glTF, the rest of the scene is
+/// kept.
+///
+/// Created by `load`, `Scene.from_bytes`, `Scene.from_arrays` and `Scene.from_parts`. A scene is
+/// immutable and does not depend on its file.
 ///
 /// >>> import tristrip
 /// >>> scene = tristrip.Scene.from_bytes(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n")
@@ -22,7 +25,7 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// Takes over what a scene holds.
+    /// Wraps the data of a scene.
     pub(crate) fn new(data: SceneData) -> Self {
         Self { data: Arc::new(data) }
     }

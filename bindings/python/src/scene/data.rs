@@ -1,6 +1,7 @@
-//! What a scene holds: the model as it was read, and the same with the materials and images that it has in other files.
+//! The data of a scene: the model as read, and a version that includes materials and images from
+//! other files.
 //!
-//! These are read when the scene is: nothing later depends on the files.
+//! All files are read when the scene is, so later operations do not depend on them.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -12,21 +13,21 @@ use tristrip_pipeline::{Target, convert};
 
 use crate::errors::Failure;
 
-/// A model, and where it is from.
+/// A model and its source.
 #[derive(Debug, Default)]
 pub(crate) struct SceneData {
     model: Model,
-    /// The model with its images, if it has any in other files.
+    /// The model including images from other files, if there are any.
     complete: Option<Model>,
     path: Option<PathBuf>,
     format: Option<Format>,
-    /// The file of a glTF, which the model shares.
+    /// The bytes of a glTF file, shared with the model.
     bytes: Option<Arc<Vec<u8>>>,
     materials: OnceLock<Vec<Option<PlainMaterial>>>,
 }
 
 impl SceneData {
-    /// Reads a file, with the materials and images that belong to it.
+    /// Reads a file with its materials and images.
     pub(crate) fn read(path: &Path, format: Option<Format>) -> Result<Self, Failure> {
         let ReadFile { model, bytes, format, .. } = tristrip_io::read_file(path, format)?;
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
@@ -34,7 +35,7 @@ impl SceneData {
         scene.with_files(bytes)
     }
 
-    /// Reads the bytes of a file; without a format, that of their content.
+    /// Reads the bytes of a file. Without a format, the content determines it.
     pub(crate) fn of_bytes(bytes: Vec<u8>, format: Option<Format>) -> Result<Self, Failure> {
         let bytes = Arc::new(bytes);
         let format = format.unwrap_or_else(|| Format::from_bytes(&bytes));
@@ -43,18 +44,18 @@ impl SceneData {
         scene.with_files(bytes)
     }
 
-    /// Takes over a model that was built here.
+    /// Wraps a model that was built in memory.
     pub(crate) fn of_model(model: Model) -> Self {
         Self { model, ..Self::default() }
     }
 
-    /// Adds a note of the reader or builder.
+    /// Adds notes of a reader or builder.
     pub(crate) fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
         self.model.notes.extend(notes);
         self
     }
 
-    /// Sets the notes and the format that a pickled scene had.
+    /// Sets the notes and format of an unpickled scene.
     pub(crate) fn restored(mut self, notes: Vec<String>, format: Option<Format>) -> Self {
         if let Some(complete) = &mut self.complete {
             complete.notes.clone_from(&notes);
@@ -63,7 +64,7 @@ impl SceneData {
         Self { format, ..self }
     }
 
-    /// Reads the materials and images that are in other files.
+    /// Reads materials and images from other files.
     fn with_files(mut self, bytes: Arc<Vec<u8>>) -> Result<Self, Failure> {
         let path = self.path.as_deref();
         if self.model.scene.is_none() {
@@ -79,17 +80,17 @@ impl SceneData {
         Ok(self)
     }
 
-    /// The model as its file has it: images in other files stay there.
+    /// Returns the model as read, without images from other files.
     pub(crate) fn as_read(&self) -> &Model {
         &self.model
     }
 
-    /// The model with the images that its file has in others.
+    /// Returns the model including images from other files.
     pub(crate) fn model(&self) -> &Model {
         self.complete.as_ref().unwrap_or(&self.model)
     }
 
-    /// The file that was read.
+    /// Returns the path of the source file.
     pub(crate) fn path(&self) -> Option<&Path> {
         self.path.as_deref()
     }
@@ -98,13 +99,15 @@ impl SceneData {
         self.format
     }
 
-    /// The size of the file that was read; none of a .gltf, whose buffers may be in other files.
+    /// Returns the size of the source file, or `None` for a .gltf file, whose buffers may be in
+    /// other files.
     pub(crate) fn file_bytes(&self) -> Option<u64> {
         let path = self.path.as_ref().filter(|_| self.format != Some(Format::Gltf))?;
         Some(std::fs::metadata(path).ok()?.len())
     }
 
-    /// The model for a destination: with images unless these stay in their files, with a library for an OBJ.
+    /// Returns the model for a destination: with embedded images unless the target keeps references
+    /// to image files; with a material library for OBJ.
     pub(crate) fn model_for(&self, target: &Target<'_>) -> Cow<'_, Model> {
         let model = if target.takes_images(self.path()) { self.model() } else { self.as_read() };
         let has_library = model.materials.as_ref().is_some_and(|known| !known.libraries.is_empty());
@@ -117,14 +120,14 @@ impl SceneData {
         Cow::Owned(model)
     }
 
-    /// Warnings on images that a destination only refers to.
+    /// Returns warnings about images that the output only refers to.
     pub(crate) fn image_notes(&self, target: &Target<'_>) -> Vec<String> {
         let taken = self.complete.as_ref().filter(|_| target.takes_images(self.path()));
         let known = self.model.notes.len();
         taken.map(|complete| complete.notes[known..].to_vec()).unwrap_or_default()
     }
 
-    /// The material of each part, read once.
+    /// Returns the material of each part; parsed once.
     pub(crate) fn materials(&self) -> Result<&[Option<PlainMaterial>], Failure> {
         if let Some(known) = self.materials.get() {
             return Ok(known);
@@ -133,7 +136,8 @@ impl SceneData {
         Ok(self.materials.get_or_init(|| materials))
     }
 
-    /// The bytes of a file from which the scene can be read again: the one that was read, or a GLB.
+    /// Returns the bytes of a file from which the scene can be read again: the source file, or a
+    /// GLB.
     pub(crate) fn self_contained(&self) -> Result<(Arc<Vec<u8>>, Format), Failure> {
         if let (Some(bytes), Some(format), None) = (&self.bytes, self.format, &self.complete)
             && tristrip_io::read_shared(bytes, format).is_ok()
@@ -144,7 +148,7 @@ impl SceneData {
         Ok((Arc::new(converted.encoded.bytes), Format::Glb))
     }
 
-    /// The model as a picture shows it: a scene, so that materials are seen.
+    /// Returns the model as a glTF scene for rendering, so that materials are shown.
     pub(crate) fn pictured(&self) -> Result<Cow<'_, Model>, Failure> {
         let model = self.model();
         if model.materials.as_ref().is_none_or(tristrip_io::Materials::is_empty) || model.scene.is_some() {

@@ -1,4 +1,4 @@
-//! Functions on whole files: reading, proving, converting.
+//! Functions on whole files: read, verify, convert.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,21 +15,22 @@ use crate::arrays::type_name;
 use crate::errors::Failure;
 use crate::work::Watching;
 
-/// Read a scene from a file: OBJ, PLY, OFF, STL, glTF or GLB, with the materials and images that belong to it.
+/// Read a scene from an OBJ, PLY, OFF, STL, glTF or GLB file, with its materials and images.
 ///
 /// Args:
 ///     path: the file.
-///     format: "obj", "ply", "off", "stl", "gltf" or "glb"; by default that of the extension, or of the content if the extension is unknown.
+///     format: "obj", "ply", "off", "stl", "gltf" or "glb". By default the extension determines it,
+///         or the content if the extension is unknown.
 ///
 /// Returns:
-///     The scene, which does not depend on the file any more. `notes` tells what was dropped or changed.
+///     The scene, which no longer depends on the file. Its `notes` report dropped or changed data.
 ///
 /// Raises:
-///     FileError: the file, or a buffer that it needs, cannot be read.
+///     FileError: the file, or a buffer that it refers to, cannot be read.
 ///     FormatError: the bytes do not conform to the format.
-///     LimitError: the file states a size that is too large.
+///     LimitError: the file declares a size above the limits.
 ///     MeshError: positions are not finite.
-///     ParameterError: the format is unknown, or the file requires an extension that is not supported.
+///     ParameterError: the format is unknown, or the file requires an unsupported extension.
 ///
 /// >>> import tristrip
 /// >>> tristrip.load("no/such/file.ply")
@@ -43,18 +44,19 @@ pub(crate) fn load(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyRes
     Ok(Scene::new(read?.result()?))
 }
 
-/// Prove that one file or scene draws every face of another exactly once, with its original winding.
+/// Prove that a file or scene draws every face of another exactly once, with its original
+/// winding.
 ///
 /// Args:
 ///     source: the scene with the expected faces, or the path of a file.
 ///     result: the scene to verify, or the path of a file.
 ///
 /// Returns:
-///     As of `Scene.verify`.
+///     A dictionary; see `Scene.verify`.
 ///
 /// Raises:
-///     NotProvenError: they draw other faces; the attribute `difference` tells which.
-///     FileError, FormatError, LimitError: as of `load`.
+///     NotProvenError: they draw different faces; the attribute `difference` has the details.
+///     FileError, FormatError, LimitError: see `load`.
 #[pyfunction]
 pub(crate) fn verify<'py>(
     py: Python<'py>,
@@ -65,20 +67,22 @@ pub(crate) fn verify<'py>(
     checks::prove(py, &source, &result)
 }
 
-/// Convert a file into another format or strip layout, without new strips.
+/// Convert a file to another format or strip layout, without building strips.
 ///
 /// Args:
-///     input: the path of a file.
-///     output: the path of the file to write, as of `Scene.save`.
-///     format: the format of the input, as of `load`.
-///     to: the format of the output: "glb", "gltf", "ply" or "obj"; by default that of its extension.
-///     layout, verify: as of `Scene.save`.
+///     input: the path of the input file.
+///     output: the path of the output file; see `Scene.save`.
+///     format: the input format; see `load`.
+///     to: the output format: "glb", "gltf", "ply" or "obj". By default the extension determines
+///         it.
+///     layout, verify: see `Scene.save`.
 ///
 /// Returns:
-///     As of `Scene.save`.
+///     A dictionary; see `Scene.save`.
 ///
 /// Raises:
-///     As of `load` and `Scene.save`.
+///     FileError, FormatError, LimitError, MeshError, ParameterError: see `load`.
+///     NotProvenError: the bytes do not draw the input; nothing was written.
 #[pyfunction]
 #[pyo3(signature = (input, output, *, format = None, to = None, layout = None, verify = true))]
 pub(crate) fn convert<'py>(

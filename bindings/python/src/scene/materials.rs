@@ -1,4 +1,5 @@
-//! Materials as dictionaries: "base_color", "base_color_image", "metallic", "roughness", "blend", and "name".
+//! Materials as dictionaries with the keys "base_color", "base_color_image", "metallic",
+//! "roughness", "blend" and "name".
 
 use std::sync::Arc;
 
@@ -8,7 +9,7 @@ use tristrip_io::PlainMaterial;
 
 use crate::errors::Failure;
 
-/// A material as given for a part: its name, and what it looks like unless only the name is known.
+/// A material passed for a part: its name, and its properties unless only the name is known.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct NamedMaterial {
     pub(crate) name: Option<String>,
@@ -43,7 +44,7 @@ impl NamedMaterial {
                 "base_color_image" => plain.image = Some(image(&value)?),
                 _ => {
                     let expected = "name, base_color, base_color_image, metallic, roughness or blend";
-                    return Err(Failure::option("material", format!("the key {key:?}"), expected));
+                    return Err(Failure::option("material", format!("key {key:?}"), expected));
                 }
             }
         }
@@ -54,7 +55,7 @@ impl NamedMaterial {
     }
 }
 
-/// Reads three or four numbers from 0 to 1, or integers of 8 bits.
+/// Reads three or four numbers from 0 to 1, or 8-bit integers.
 fn colour(given: &Bound<'_, PyAny>) -> Result<[f32; 4], Failure> {
     let wrong = || Failure::option("material: base_color", given, "three or four numbers from 0 to 1");
     let mut colour = [1.0_f32; 4];
@@ -86,12 +87,12 @@ fn image(given: &Bound<'_, PyAny>) -> Result<Arc<Vec<u8>>, Failure> {
         })?,
     };
     if !bytes.starts_with(b"\x89PNG\r\n\x1a\n") && !bytes.starts_with(b"\xff\xd8\xff") {
-        return Err(Failure::option(name, "other bytes", "those of a PNG or JPEG"));
+        return Err(Failure::option(name, "other bytes", "the bytes of a PNG or JPEG"));
     }
     Ok(Arc::new(bytes))
 }
 
-/// Returns a material as a dictionary.
+/// Returns the properties of a material as a dictionary.
 pub(crate) fn dictionary<'py>(py: Python<'py>, material: &PlainMaterial) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     let [red, green, blue, alpha] = material.base_colour;

@@ -1,4 +1,4 @@
-//! Results as files and bytes, by the rules of the command.
+//! Writes results to files and bytes, by the same rules as in the command.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use tristrip_pipeline::{Target, WRITTEN_FORMATS, WrittenFiles, encode, format_to
 use crate::errors::Failure;
 use crate::strips::layout_of;
 
-/// A destination with its layout.
+/// An output destination and its layout.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Destination<'a> {
     pub(crate) target: Target<'a>,
@@ -21,7 +21,7 @@ pub(crate) struct Destination<'a> {
 }
 
 impl<'a> Destination<'a> {
-    /// Chooses a file, in the format of its extension unless another is given.
+    /// Selects a file. Without a format, the extension determines it.
     pub(crate) fn file(path: &'a Path, format: Option<&str>, layout: Option<&str>) -> Result<Self, Failure> {
         let format = format_to_write(path, format.map(written_format).transpose()?);
         Self::new(Some(path), format.map_err(|text| Failure::Parameter(in_arguments(&text)))?, layout)
@@ -31,7 +31,7 @@ impl<'a> Destination<'a> {
     pub(crate) fn memory(format: &str, layout: Option<&str>) -> Result<Self, Failure> {
         let format = written_format(format)?;
         if format == Format::Gltf {
-            let expected = "'glb', 'ply' or 'obj': a .gltf has two files, which `save` writes";
+            let expected = "'glb', 'ply' or 'obj'; use `save` for .gltf, which is two files";
             return Err(Failure::option("format", "'gltf'", expected));
         }
         Self::new(None, format, layout)
@@ -45,12 +45,12 @@ impl<'a> Destination<'a> {
         Ok(Self { target, layout, is_chosen: chosen.is_some() })
     }
 
-    /// Writes a result; names the file of one that is not proven.
+    /// Writes a result. If it is not proven, the error names the file.
     pub(crate) fn write(&self, encoded: &encode::Outcome) -> Result<WrittenFiles, Failure> {
         self.target.write(encoded).map_err(|error| self.unproven(error.into()))
     }
 
-    /// Names the file in the error of a result that is not proven.
+    /// Adds the file name to the error of an unproven result.
     pub(crate) fn unproven(&self, failure: Failure) -> Failure {
         match (failure, self.target.path) {
             (Failure::Unproven(why), Some(path)) => {
@@ -61,7 +61,7 @@ impl<'a> Destination<'a> {
     }
 }
 
-/// Reads the name of a format, with or without a dot.
+/// Parses the name of a format, with or without a leading dot.
 pub(crate) fn format_of(name: &str) -> Result<Format, Failure> {
     let extension = name.strip_prefix('.').unwrap_or(name);
     let known = Format::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()));
@@ -73,15 +73,15 @@ fn written_format(name: &str) -> Result<Format, Failure> {
     if WRITTEN_FORMATS.contains(&format) {
         return Ok(format);
     }
-    Err(Failure::option("format", format!("{name:?}"), "glb, gltf, ply or obj, which can be written"))
+    Err(Failure::option("format", format!("{name:?}"), "an output format: glb, gltf, ply or obj"))
 }
 
-/// Returns a message on flags in the words of arguments.
+/// Rewrites a message about flags for keyword arguments.
 fn in_arguments(text: &str) -> String {
     text.replace(", or --to", "").replace("--layout list", "layout \"list\"")
 }
 
-/// Builds the report on a file, with the keys of the command's JSON.
+/// Builds the report on a written file, with the keys of the command's JSON.
 pub(crate) fn file_report<'py>(
     py: Python<'py>,
     destination: &Destination<'_>,

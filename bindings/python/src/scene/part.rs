@@ -1,4 +1,4 @@
-//! The parts of a scene: vertices, faces, attributes and a material each.
+//! The parts of a scene: vertices, faces, attributes and one material each.
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -14,27 +14,36 @@ use crate::errors::Failure;
 use crate::mesh::mesh_of;
 use crate::strips::Strips;
 
-/// A part of a scene: the faces of one material of an OBJ, one primitive of a glTF, or all of another file. Made by `Scene.parts`, or from arrays.
+/// A part of a scene: a mesh with at most one material.
+///
+/// A part is one material of an OBJ file, one primitive of a glTF file, or the whole mesh of
+/// another file. Created from arrays, or returned by `Scene.parts`.
 ///
 /// Args:
 ///     vertices: positions of shape (n, 3).
-///     faces: as of `stripify`: shape (m, 3), (m, k), or a list of lists for polygons of several sizes.
+///     faces: see `stripify`: shape (m, 3), (m, k), or a list of lists for polygons of different
+///         sizes.
 ///     normals: unit vectors of shape (n, 3).
 ///     uv: texture coordinates of shape (n, 2).
-///     colors: of shape (n, 3) or (n, 4); floats from 0 to 1 in linear light, or integers of 8 or 16 bits.
-///     attributes: other arrays with a row per vertex, by their names in glTF: "TEXCOORD_1", "TANGENT", …, or any other name.
+///     colors: shape (n, 3) or (n, 4); floats from 0 to 1 in linear light, or 8- or 16-bit
+///         integers.
+///     attributes: other per-vertex arrays by glTF name ("TEXCOORD_1", "TANGENT", …) or any other
+///         name.
 ///     name: the name of the object.
-///     material: the name of a material, or a dictionary with any of "name", "base_color" (three or four numbers from 0 to 1 in linear light),
-///         "base_color_image" (the bytes of a PNG or JPEG), "metallic", "roughness" (from 0 to 1; default 0 and 1) and "blend" (whether the opacity
-///         counts; default: if it is less than 1).
-///     uv_origin: where texture coordinates are (0, 0): at the "bottom" left of the image, as in OBJ, Blender, trimesh and OpenGL, or at the "top" left, as
-///         in glTF. A file that is written has what its format needs.
-///     normalized: the names of integer attributes that are fractions of their range; by default those that are in glTF: "COLOR_0", …
+///     material: the name of a material, or a dictionary with any of "name", "base_color" (three or
+///         four numbers from 0 to 1 in linear light), "base_color_image" (the bytes of a PNG or
+///         JPEG), "metallic" and "roughness" (0 to 1; default 0 and 1), "blend" (whether to apply
+///         the opacity; by default if it is below 1).
+///     uv_origin: the image corner with texture coordinates (0, 0): "bottom" left, as in OBJ,
+///         Blender, trimesh and OpenGL, or "top" left, as in glTF. Written files use the convention
+///         of their format.
+///     normalized: the names of normalized integer attributes, which represent fractions of their
+///         range. By default those that glTF normalizes: "COLOR_0", …
 ///
 /// Raises:
-///     MeshError: an array has a wrong shape or wrong values.
-///     ArrayTypeError: an array has a dtype that cannot be used.
-///     ParameterError: a material or a name is wrong.
+///     MeshError: an array has an invalid shape or invalid values.
+///     ArrayTypeError: an array has an unsupported dtype.
+///     ParameterError: a material or name is invalid.
 ///
 /// >>> import tristrip
 /// >>> part = tristrip.Part([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], name="triangle", material={"base_color": (1, 0, 0)})
@@ -47,12 +56,12 @@ use crate::strips::Strips;
 pub(crate) struct Part {
     pub(crate) inner: tristrip_io::Part,
     pub(crate) material: NamedMaterial,
-    /// Whether texture coordinates count downwards from the upper edge; `None` where the file does not say.
+    /// Whether v runs down from the top edge of the image; `None` if the format does not define it.
     pub(crate) counts_down: Option<bool>,
 }
 
 impl Part {
-    /// Returns a part without a name and a material.
+    /// Returns a part without name or material.
     pub(crate) fn of_mesh(mesh: Mesh) -> Self {
         let inner = tristrip_io::Part { mesh, ..tristrip_io::Part::default() };
         Self { inner, material: NamedMaterial::default(), counts_down: None }
@@ -62,7 +71,7 @@ impl Part {
         &self.inner.mesh
     }
 
-    /// Returns the mesh with texture coordinates that count in a direction.
+    /// Returns the mesh with the given direction of v.
     pub(crate) fn mesh_counting(&self, down: bool) -> Result<Mesh, Failure> {
         let mesh = self.mesh();
         let is_other = self.counts_down.is_some_and(|counts_down| counts_down != down);
@@ -119,7 +128,7 @@ impl Part {
         Ok(Self { inner, material, counts_down: Some(counts_down) })
     }
 
-    /// The name of the object, group or mesh; None where the file has none.
+    /// The name of the object, group or mesh; None if the file has none.
     #[getter]
     fn name(&self) -> Option<&str> {
         self.inner.name.as_deref()
@@ -131,27 +140,33 @@ impl Part {
         self.inner.material.as_deref()
     }
 
-    /// What the material looks like: a dictionary with "base_color" (four numbers in linear light), "base_color_image" (the bytes of a PNG or JPEG, or None),
-    /// "metallic", "roughness" and "blend"; None where that is not known. A material of a file may have more, which `save` keeps.
+    /// The properties of the material, or None if they are unknown.
+    ///
+    /// A dictionary with "base_color" (four numbers in linear light), "base_color_image" (the bytes
+    /// of a PNG or JPEG, or None), "metallic", "roughness" and "blend". `save` also keeps other
+    /// properties that a material of a file has.
     #[getter]
     fn material_properties<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         self.material.plain.as_ref().map(|material| dictionary(py, material)).transpose()
     }
 
-    /// A copy of the positions: float32 of shape (n, 3).
+    /// The positions, as a copy: float32 of shape (n, 3).
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         positions_of(py, self.mesh())
     }
 
-    /// A copy of the faces as triangles: uint32 of shape (m, 3); polygons are fans around their first corner.
+    /// The faces as triangles, as a copy: uint32 of shape (m, 3). Polygons are split into fans
+    /// around their first corner.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         triangles_of(py, self.mesh())
     }
 
-    /// The faces as polygons, where not all are triangles, else None: the start of each face in the corners and the end of the last one, int64 of shape
-    /// (faces + 1,), and the vertices of the corners, uint32 of shape (corners,).
+    /// The faces as polygons, or None if all are triangles.
+    ///
+    /// A pair of arrays: the start of each face in the corners and the end of the last, int64 of
+    /// shape (faces + 1,), and the vertex of each corner, uint32 of shape (corners,).
     #[getter]
     #[allow(clippy::type_complexity, reason = "two arrays")]
     fn polygons<'py>(
@@ -165,27 +180,30 @@ impl Part {
         Some((PyArray1::from_vec(py, offsets(faces)), PyArray1::from_slice(py, faces.corners())))
     }
 
-    /// Copies of the attributes by their names: arrays of shape (n, components), or (n,) for one component.
+    /// The attributes by name, as copies: arrays of shape (n, components), or (n,) for one
+    /// component.
     #[getter]
     fn attributes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         all(py, self.mesh())
     }
 
-    /// The names of the integer attributes that are fractions of their range: 255 of uint8 is 1.
+    /// The names of the normalized integer attributes, in which 255 of uint8 stands for 1.
     #[getter]
     fn normalized(&self) -> Vec<&str> {
         let all = self.mesh().attributes().iter();
         all.filter(|attribute| attribute.normalized).map(|attribute| &*attribute.name).collect()
     }
 
-    /// A copy of the normals: of shape (n, 3); None without any.
+    /// The normals, as a copy of shape (n, 3); None without normals.
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         named(py, self.mesh(), NORMAL)
     }
 
-    /// The first texture coordinates, of shape (n, 2), from the lower left of the image upwards as in OBJ, Blender and trimesh; None without any. `attributes`
-    /// has them as the file does.
+    /// The first texture coordinates, of shape (n, 2); None without them.
+    ///
+    /// v runs up from the lower left corner of the image, as in OBJ, Blender and trimesh.
+    /// `attributes` has the stored values.
     #[getter]
     fn uv<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let uv = self.mesh().attributes().iter().find(|attribute| attribute.name == UV);
@@ -197,19 +215,21 @@ impl Part {
         to_array(py, &attribute).map(Some)
     }
 
-    /// Where texture coordinates are (0, 0): at the "bottom" left of the image or at the "top" left; None where the format does not say.
+    /// The image corner with texture coordinates (0, 0): "bottom" left or "top" left; None if the
+    /// format does not define it.
     #[getter]
     fn uv_origin(&self) -> Option<&'static str> {
         self.counts_down.map(|down| if down { "top" } else { "bottom" })
     }
 
-    /// A copy of the vertex colours, of shape (n, 3) or (n, 4); None without any.
+    /// The vertex colours, as a copy of shape (n, 3) or (n, 4); None without colours.
     #[getter]
     fn colors<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         named(py, self.mesh(), COLOUR)
     }
 
-    /// The strips that the file has of this part, as it has them: joins by degenerate triangles are not split. None if it is drawn as a list or as fans.
+    /// The stored strips of this part; None if it is drawn as a list or as fans. Strips joined by
+    /// degenerate triangles are not split.
     #[getter]
     fn strips(&self) -> Option<Strips> {
         let stored = self.inner.stored.as_ref().filter(|stored| !stored.fans)?;
@@ -254,18 +274,18 @@ impl Part {
     }
 }
 
-/// Returns the starts of faces, and the end of the last one.
+/// Returns the start of each face, and the end of the last one.
 fn offsets(faces: &Faces) -> Vec<i64> {
     let mut end: u32 = 0;
     let ends = faces.iter().map(|face| {
-        // Faces have at most as many corners as 32 bits count.
+        // The corner count fits in 32 bits.
         end += face.len() as u32;
         i64::from(end)
     });
     std::iter::once(0).chain(ends).collect()
 }
 
-/// Returns a mesh of which exactly the integer attributes of these names are fractions.
+/// Returns the mesh with exactly these integer attributes marked as normalized.
 fn with_normalized(mesh: &Mesh, names: &[String]) -> Result<Mesh, Failure> {
     let mut changed = Mesh::new(mesh.shared_positions(), mesh.faces().clone())?;
     for attribute in mesh.attributes() {
@@ -274,12 +294,12 @@ fn with_normalized(mesh: &Mesh, names: &[String]) -> Result<Mesh, Failure> {
         changed = changed.with_attribute(Attribute { normalized, ..attribute.clone() })?;
     }
     if let Some(name) = names.iter().find(|name| mesh.attributes().iter().all(|a| a.name != **name)) {
-        return Err(Failure::option("normalized", format!("{name:?}"), "names of attributes"));
+        return Err(Failure::option("normalized", format!("{name:?}"), "attribute names"));
     }
     Ok(changed)
 }
 
-/// Subtracts the second component of texture coordinates from 1: from upwards to downwards, or back.
+/// Replaces v by 1 − v.
 fn flip(attribute: &mut Attribute) {
     fn each<T: Copy>(values: &mut [T], components: usize, flip: impl Fn(T) -> T) {
         values.iter_mut().skip(1).step_by(components).for_each(|x| *x = flip(*x));
@@ -295,7 +315,7 @@ fn flip(attribute: &mut Attribute) {
     }
 }
 
-/// Builds a part from what a pickle has.
+/// Builds a part from the state in a pickle.
 fn restored(state: &Bound<'_, PyDict>) -> PyResult<Part> {
     let item = |key: &str| {
         let found = state.get_item(key)?;
@@ -329,7 +349,7 @@ fn restored(state: &Bound<'_, PyDict>) -> PyResult<Part> {
             let runs = (**runs.cast::<Strips>()?.get().inner()).clone();
             if runs.vertices().iter().any(|&vertex| vertex as usize >= mesh.vertex_count()) {
                 return Err(Failure::Parameter(
-                    "pickle: strips with vertices that the part does not have".into(),
+                    "pickle: strips use vertices that the part does not have".into(),
                 )
                 .into());
             }

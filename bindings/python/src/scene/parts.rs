@@ -1,4 +1,4 @@
-//! Scenes of parts, and parts of scenes.
+//! Conversion between scenes and parts.
 
 use tristrip_io::{Materials, Model};
 
@@ -23,9 +23,9 @@ pub(crate) fn parts_of(scene: &SceneData) -> Result<Vec<Part>, Failure> {
     Ok(parts.collect())
 }
 
-/// Builds a scene of parts. Materials without a name get one; equal ones are one material.
+/// Builds a scene of parts. Unnamed materials get a name; equal materials are merged.
 pub(crate) fn scene_of(parts: &[Part]) -> Result<SceneData, Failure> {
-    // The direction of the first part whose format has one is that of the scene.
+    // The scene takes its texture origin from the first part that defines one.
     let counts_down = parts.iter().find_map(|part| part.counts_down);
     let mut materials = Materials::default();
     materials.counts_down = counts_down.unwrap_or_default();
@@ -39,7 +39,7 @@ pub(crate) fn scene_of(parts: &[Part]) -> Result<SceneData, Failure> {
             (Some(name), Some(plain)) => {
                 if !materials.add_plain(name, plain) {
                     let found = format!("another one named {name:?} in part {number}");
-                    return Err(Failure::option("material", found, "a name for each material"));
+                    return Err(Failure::option("material", found, "a unique name per material"));
                 }
                 Some(name.clone())
             }
@@ -52,7 +52,7 @@ pub(crate) fn scene_of(parts: &[Part]) -> Result<SceneData, Failure> {
         let has_uv = mesh.attributes().iter().any(|attribute| attribute.name == "TEXCOORD_0");
         if !has_uv && plain.as_ref().is_some_and(|plain| plain.image.is_some()) {
             notes.push(format!(
-                "part {number}: the image of its material is not shown: it has no texture coordinates"
+                "part {number}: the image of its material is not shown: no texture coordinates"
             ));
         }
         model.parts.push(tristrip_io::Part { material: name, mesh, ..part.inner.clone() });

@@ -1,4 +1,4 @@
-//! Pictures of models and of strips, as PNG.
+//! PNG images of models and strips.
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -10,7 +10,7 @@ use super::data::SceneData;
 use crate::errors::Failure;
 use crate::work::Watching;
 
-/// Draws a scene.
+/// Renders a scene.
 pub(crate) fn of_scene<'py>(
     py: Python<'py>,
     scene: &SceneData,
@@ -29,7 +29,7 @@ pub(crate) fn of_scene<'py>(
     Ok(PyBytes::new(py, &drawn?.result()?))
 }
 
-/// Draws strips with one colour per strip.
+/// Renders strips with one colour per strip.
 pub(crate) fn of_strips<'py>(
     py: Python<'py>,
     model: &Model,
@@ -45,7 +45,7 @@ pub(crate) fn of_strips<'py>(
     Ok(PyBytes::new(py, &drawn?.result()?))
 }
 
-/// Draws two models from eight sides: the first in the upper row.
+/// Renders two models from eight sides, the first in the upper row.
 pub(crate) fn before_and_after<'py>(
     py: Python<'py>,
     scenes: [&SceneData; 2],

@@ -1,4 +1,4 @@
-//! Where the nodes of a scene place its parts.
+//! Placements of parts by the nodes of a scene.
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -8,13 +8,13 @@ use tristrip_io::gltf::Placement;
 use super::data::SceneData;
 use crate::errors::Failure;
 
-/// The transform of what is not moved.
+/// The identity transform.
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// The numbers of parts, and a matrix.
+/// A range of part indices, and a matrix.
 type Placed<'py> = (Bound<'py, PyRange>, Bound<'py, PyArray2<f64>>);
 
-/// Returns the numbers of the parts in each place, and the transform of the place.
+/// Returns the part indices and the transform of each placement.
 pub(crate) fn placements<'py>(py: Python<'py>, scene: &SceneData) -> PyResult<Vec<Placed<'py>>> {
     let model = scene.model();
     let placed = match &model.scene {

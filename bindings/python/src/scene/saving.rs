@@ -1,4 +1,4 @@
-//! Scenes as files and bytes without new strips, as the command `convert` writes them.
+//! Writes scenes without building strips, as the command `convert` does.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use super::output::{Destination, file_report};
 use crate::errors::Failure;
 use crate::work::Watching;
 
-/// Writes a file, and reports on it.
+/// Writes a file and returns its report.
 pub(crate) fn save<'py>(
     py: Python<'py>,
     scene: &SceneData,

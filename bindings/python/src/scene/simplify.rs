@@ -21,7 +21,7 @@ use crate::reports::{Report, report};
 use crate::simplify::{deviation, goal};
 use crate::work::{Watcher, Watching};
 
-/// A simplified scene. Made by `Scene.simplify`.
+/// A simplified scene. Created by `Scene.simplify`.
 #[pyclass(frozen, module = "tristrip")]
 #[derive(Debug)]
 pub(crate) struct SimplifiedScene {
@@ -30,7 +30,7 @@ pub(crate) struct SimplifiedScene {
     /// The arguments of `Scene.simplify`.
     arguments: Py<PyDict>,
     options: simplify::Options,
-    /// What files are made of; of a scene that was unpickled, it is computed when a file is asked for.
+    /// The data for files. After unpickling, it is computed on first use.
     simplified: OnceLock<simplify::Outcome>,
     report: Py<PyAny>,
     proven: bool,
@@ -39,8 +39,8 @@ pub(crate) struct SimplifiedScene {
     interrupted: bool,
 }
 
-/// The format for which a scene is simplified unless another is written: which vertices of several parts are shared, and which ones something else
-/// refers to, depends on it.
+/// The format a scene is simplified for by default. The format determines which vertices parts
+/// share and which are referenced by other data.
 pub(crate) const USUAL_FORMAT: Format = Format::Glb;
 
 /// Takes the options of a simplification from the arguments of `Scene.simplify`.
@@ -62,7 +62,7 @@ fn options_of(arguments: &Arguments<'_>) -> PyResult<simplify::Options> {
     Ok(options.with_format(USUAL_FORMAT))
 }
 
-/// Takes what collapses may do, and what they cost, from keyword arguments.
+/// Takes the rules and prices of collapses from keyword arguments.
 pub(crate) fn rules_of(arguments: &Arguments<'_>) -> PyResult<CollapseRules> {
     let mut rules = CollapseRules {
         permissive: arguments.flag("permissive")?,
@@ -94,7 +94,8 @@ pub(crate) fn simplify<'py>(
     let (simplified, figures) = (&ended.value, report(py, &ended.value)?.unbind());
     let interrupted = simplified.interrupted;
     if interrupted {
-        // What is made of it later has the same number of triangles, and is not fitted if this is not.
+        // A later run for another format must have the same triangle count. Don't fit it if this
+        // result was interrupted before the fit.
         let left = simplified.collapses.triangles_after;
         options.goal.amount = Some(Amount::Triangles(left));
         kept.del_item("ratio").ok();
@@ -117,7 +118,8 @@ pub(crate) fn simplify<'py>(
 }
 
 impl SimplifiedScene {
-    /// Encodes the result for a destination. It is simplified again where the destination needs other vertices or images.
+    /// Encodes the result for a destination. Simplifies again if the destination needs other
+    /// vertices or images.
     fn encode(
         &self,
         destination: &Destination<'_>,
@@ -149,20 +151,23 @@ impl SimplifiedScene {
 
 #[pymethods]
 impl SimplifiedScene {
-    /// The scene that was simplified.
+    /// The source scene.
     #[getter]
     fn source(&self) -> Scene {
         Scene { data: Arc::clone(&self.source) }
     }
 
-    /// The result as a scene, whose parts are in the order of the source.
+    /// The result as a scene, with its parts in the order of the source.
     #[getter]
     fn scene(&self) -> Scene {
         Scene { data: Arc::clone(&self.result) }
     }
 
-    /// What was reached: a dictionary with the keys of the command's JSON, such as "triangles_before", "triangles_after", "moved_positions" (with `fit`),
-    /// "surface_error" (in mesh units), "surface_error_percent" (of the diagonal), "rms_deviation", "normal_deviation_degrees", "uv_deviation_percent", "vertices_kept".
+    /// The report: a dictionary with the keys of the command's JSON.
+    ///
+    /// The keys include "triangles_before", "triangles_after", "moved_positions" (with `fit`),
+    /// "surface_error" (in mesh units), "surface_error_percent" (of the diagonal), "rms_deviation",
+    /// "normal_deviation_degrees", "uv_deviation_percent" and "vertices_kept".
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let copied = self.report.bind(py).cast::<PyDict>()?.copy()?;
@@ -175,35 +180,38 @@ impl SimplifiedScene {
         self.proven
     }
 
-    /// Notes of the reader, on what was dropped, and on locked vertices.
+    /// Notes on reading, dropped data and locked vertices.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
 
-    /// A sentence on the goal, if it was not reached: what held it back, and what to try.
+    /// A message if the target was missed: the reason and what to try. None if it was reached.
     #[getter]
     fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
     }
 
-    /// Whether Ctrl-C ended it: before its goal, or before the fit or the measurement.
+    /// Whether Ctrl-C stopped the simplification early, or before the fit or measurement.
     #[getter]
     fn interrupted(&self) -> bool {
         self.interrupted
     }
 
-    /// Write the result, as the command `simplify -o` does: triangle lists, without the vertices that became unused.
+    /// Write the result, as the command `simplify -o` does: as triangle lists, without vertices
+    /// that became unused.
     ///
     /// Args:
-    ///     path: the file; one that exists is replaced once the new one is complete. A .gltf gets its buffer in a .bin beside it, and an OBJ its materials and
+    ///     path: the output file. An existing file is replaced after the new one is complete. A
+    ///         .gltf file comes with a .bin file for its buffer, an OBJ file with its materials and
     ///         images.
-    ///     format: "glb", "gltf", "ply" or "obj"; by default that of the extension. A glTF scene that is written in another format is simplified once more,
-    ///         since other formats keep no unused vertices.
-    ///     verify: whether the bytes are read back and proven before the file is replaced.
+    ///     format: "glb", "gltf", "ply" or "obj". By default the extension determines it. A glTF
+    ///         scene is simplified again for other formats, because those keep no unused vertices.
+    ///     verify: whether to read the bytes back and prove them before the file is replaced.
     ///
     /// Returns:
-    ///     A dictionary: "output", "proven", "faces", "bytes", "beside", "layout", "notes".
+    ///     A dictionary: "output", "proven", "faces", "bytes", "beside" (other files written),
+    ///     "layout", "notes".
     ///
     /// Raises:
     ///     FileError: the file cannot be written.
@@ -229,11 +237,11 @@ impl SimplifiedScene {
         file_report(py, &destination, &encoded, &written, notes)
     }
 
-    /// Return the bytes that `save` would write into one file.
+    /// Return the bytes that `save` would write to a single file.
     ///
     /// Args:
     ///     format: "glb", "ply" or "obj".
-    ///     verify: as of `save`.
+    ///     verify: see `save`.
     #[pyo3(signature = (format = "glb", *, verify = true))]
     fn to_bytes<'py>(&self, py: Python<'py>, format: &str, verify: bool) -> PyResult<Bound<'py, PyBytes>> {
         let destination = Destination::memory(format, Some("list"))?;
@@ -241,7 +249,8 @@ impl SimplifiedScene {
         Ok(PyBytes::new(py, &Watching::default().run(py, encode)?.result()?.bytes))
     }
 
-    /// Draw the scene before (upper row) and after, from eight sides, with base colours and textures.
+    /// Render the scene before (upper row) and after (lower row) from eight sides, with base
+    /// colours and textures.
     ///
     /// Args:
     ///     size: the width and height of each view in pixels.
@@ -283,7 +292,7 @@ impl SimplifiedScene {
     }
 
     #[classmethod]
-    #[allow(clippy::too_many_arguments, reason = "what a pickle holds")]
+    #[allow(clippy::too_many_arguments, reason = "the state in a pickle")]
     fn _restore(
         _: &Bound<'_, PyType>,
         source: &Bound<'_, Scene>,

@@ -20,7 +20,7 @@ use crate::reports::{Report, report};
 use crate::strips::Strips;
 use crate::work::{Ended, Watcher, Watching};
 
-/// The strips of all parts of a scene, and what was found of them. Made by `Scene.strip`.
+/// The strips of all parts of a scene, with metrics. Created by `Scene.strip`.
 ///
 /// >>> import tristrip
 /// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [2, 1, 3]])
@@ -47,7 +47,7 @@ fn options_of(destination: &Destination<'_>, reorder: bool, verify: bool) -> enc
     options.with_list(!destination.is_chosen).with_reorder(reorder).with_verify(verify)
 }
 
-/// Finds the strips of a scene.
+/// Builds the strips of a scene.
 pub(crate) fn strip(
     py: Python<'_>,
     scene: &Arc<SceneData>,
@@ -59,7 +59,7 @@ pub(crate) fn strip(
 
 #[pymethods]
 impl StrippedScene {
-    /// The scene.
+    /// The source scene.
     #[getter]
     fn scene(&self) -> Scene {
         Scene { data: Arc::clone(&self.scene) }
@@ -75,20 +75,21 @@ impl StrippedScene {
         strips.iter().map(of_part).collect()
     }
 
-    /// The method and its options, as the command prints them.
+    /// The method and its options, in the notation of the command.
     #[getter]
     fn method(&self) -> String {
         self.stripped.method.description()
     }
 
-    /// Why the search was stopped before its end: "budget", "interrupt", or None.
+    /// Why the search was stopped early: "budget", "interrupt", or None.
     #[getter]
     fn stopped(&self) -> Option<&'static str> {
         let stopped = self.stripped.stopped?;
         Some(if stopped == SearchStop::Budget { "budget" } else { "interrupt" })
     }
 
-    /// Whether the strips are proven to draw every face of the scene exactly once, with its original winding.
+    /// Whether the strips are proven to draw every face of the scene exactly once, with its original
+    /// winding.
     #[getter]
     fn proven(&self) -> bool {
         self.stripped.proven
@@ -100,20 +101,23 @@ impl StrippedScene {
         report(py, &self.stripped.mesh)
     }
 
-    /// The gap between the result and its lower bound: "figure", "found", "bound", "gap" and "optimal"; None for methods that do not search, and for "best" up to
-    /// effort 2.
+    /// The gap between the result and its lower bound: "figure", "found", "bound", "gap" and
+    /// "optimal".
+    ///
+    /// None for methods that do not search, and for "best" up to effort 2.
     #[getter]
     fn bound<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.stripped.bound.as_ref().map(|bound| report(py, bound)).transpose()
     }
 
-    /// Notes of the reader, and on what was dropped, changed or unusual.
+    /// Notes on reading, and on dropped, changed or unusual data.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.stripped.notes.clone()
     }
 
-    /// Return the metrics of all strips: a dictionary with the keys of the command's JSON, as `Strips.metrics`.
+    /// Return the metrics of all strips: a dictionary with the keys of the command's JSON; see
+    /// `Strips.metrics`.
     fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         report(py, &self.stripped.metrics)
     }
@@ -121,22 +125,26 @@ impl StrippedScene {
     /// Write the scene with its strips, as the command `strip -o` does.
     ///
     /// Args:
-    ///     path: the file; one that exists is replaced once the new one is complete. A .gltf gets its buffer in a .bin beside it, and an OBJ its materials and
+    ///     path: the output file. An existing file is replaced after the new one is complete. A
+    ///         .gltf file comes with a .bin file for its buffer, an OBJ file with its materials and
     ///         images.
-    ///     format: "glb", "gltf", "ply" or "obj"; by default that of the extension.
-    ///     layout: "restart", "degenerate", "separate" or "list". By default "degenerate" for glTF and "restart" for PLY; a part is then drawn as a list where
-    ///         that takes fewer indices.
-    ///     reorder_vertices: whether vertices are numbered in the order of their first use.
-    ///     verify: whether the bytes are read back and proven before the file is replaced.
+    ///     format: "glb", "gltf", "ply" or "obj". By default the extension determines it.
+    ///     layout: "restart", "degenerate", "separate" or "list". The default is "degenerate" for
+    ///         glTF and "restart" for PLY; a part is then drawn as a list if that takes fewer
+    ///         indices.
+    ///     reorder_vertices: whether to renumber vertices in the order of first use.
+    ///     verify: whether to read the bytes back and prove them before the file is replaced.
     ///
     /// Returns:
-    ///     A dictionary with keys of the command's JSON: "output", "layout", "drawn" (parts by what they are drawn as), "before" and "after" (indices, ACMR and
-    ///     bytes), "vertex_order" (parts, moved vertices and the old number of each vertex, if re-ordered), "notes"; and "proven", "faces", "bytes", "beside" (the
-    ///     files written beside an OBJ).
+    ///     A dictionary with keys of the command's JSON: "output", "layout", "drawn" (part counts
+    ///     by drawing mode), "before" and "after" (indices, ACMR and bytes), "vertex_order" (if
+    ///     reordered: parts, number of moved vertices and the old index of each vertex), "notes",
+    ///     "proven", "faces", "bytes", "beside" (other files written).
     ///
     /// Raises:
     ///     FileError: the file cannot be written.
-    ///     ParameterError: the format or the layout is unknown, or do not fit.
+    ///     ParameterError: the format or layout is unknown, or the format does not support the
+    ///         layout.
     ///     NotProvenError: the bytes do not draw the scene; nothing was written.
     #[pyo3(
         signature = (path, **given),
@@ -168,11 +176,11 @@ impl StrippedScene {
         Ok(found)
     }
 
-    /// Return the bytes that `save` would write into one file.
+    /// Return the bytes that `save` would write to a single file.
     ///
     /// Args:
     ///     format: "glb", "ply" or "obj".
-    ///     layout, reorder_vertices, verify: as of `save`.
+    ///     layout, reorder_vertices, verify: see `save`.
     ///
     /// >>> import tristrip
     /// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -196,13 +204,15 @@ impl StrippedScene {
         Ok(PyBytes::new(py, &encoded?.result()?.bytes))
     }
 
-    /// Draw the strips, one colour per strip: strips that share an edge have different colours.
+    /// Render the strips with one colour per strip.
+    ///
+    /// Strips that share an edge have different colours. Node transforms are not applied.
     ///
     /// Args:
-    ///     width, height: from 1 to 8192 pixels.
+    ///     width, height: the image size, 1 to 8192 pixels.
     ///
     /// Returns:
-    ///     The bytes of a PNG file, which `IPython.display.Image` shows. Parts are drawn without the transformations of their nodes.
+    ///     The bytes of a PNG file, for example for `IPython.display.Image`.
     #[pyo3(signature = (width = 1200, height = 900))]
     fn picture<'py>(&self, py: Python<'py>, width: i64, height: i64) -> PyResult<Bound<'py, PyBytes>> {
         picture::of_strips(py, self.scene.as_read(), &self.stripped.strips, (width, height))
@@ -256,7 +266,7 @@ impl StrippedScene {
     }
 }
 
-/// Reports the new order of vertices.
+/// Reports the new vertex order.
 fn vertex_order<'py>(py: Python<'py>, groups: &[VertexGroup]) -> PyResult<Bound<'py, PyList>> {
     let found = PyList::empty(py);
     for group in groups {

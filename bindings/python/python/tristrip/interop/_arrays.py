@@ -200,7 +200,7 @@ def part_of(
     if vertices.ndim != 2 or vertices.shape[1] != 3:
         raise MeshError(f"vertices: found shape {vertices.shape}, expected shape (n, 3)")
     if not np.isfinite(vertices).all():
-        raise MeshError("vertices: found a coordinate that is not finite")
+        raise MeshError("vertices: found a non-finite coordinate")
     named = {NORMAL: ("normals", normals), UV: ("uv", uv), COLOUR: ("colors", colors)}
     found.update({name: values for name, (_, values) in named.items() if values is not None})
     found.update(attributes or {})
@@ -246,7 +246,7 @@ def _integers(name: str, array: Array) -> npt.NDArray[np.int64]:
     if array.size and array.dtype.kind not in "iu":
         raise ArrayTypeError(f"{name}: found dtype {array.dtype}, expected an integer dtype")
     if array.size and array.dtype == np.uint64 and array.max() > np.iinfo(np.int64).max:
-        raise MeshError(f"{name}: found vertex {array.max()}, expected an index of 32 bits")
+        raise MeshError(f"{name}: found vertex {array.max()}, expected a 32-bit index")
     return array.astype(np.int64, copy=False)
 
 
