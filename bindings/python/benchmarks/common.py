@@ -1,4 +1,4 @@
-"""What the benchmarks share: the folder of the models, and times."""
+"""Shared by the benchmarks: the model directory and timing."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def folder_of_models() -> Path:
-    """Return the folder that TRISTRIP_MODELS names, or the one beside the repository."""
+    """Return the directory in TRISTRIP_MODELS, or `shared/models` next to the repository."""
     return Path(os.environ.get("TRISTRIP_MODELS", ROOT.parent / "shared/models"))
 
 
 def timed(run: Callable[[], Any], repeat: int) -> tuple[float, Any]:
-    """Return the shortest time in seconds, and the last result."""
+    """Return the minimum time in seconds, and the last result."""
     times = []
     result = None
     for _ in range(repeat):

@@ -1,10 +1,10 @@
-"""Measure simplification by this package, fast_simplification and VTK in one run, and write a table.
+"""Compare simplification by tristrip, fast_simplification and VTK, and write a table.
 
     TRISTRIP_MODELS=models python benchmarks/simplify.py   # some minutes
     TRISTRIP_MODELS=models python benchmarks/simplify.py --models cow --output -
 
-All simplify to a twentieth of the triangles. The distances between the surfaces are measured by VTK, not by this
-package: from points spread evenly over each surface to the nearest point of the other one.
+All programs simplify to 5 % of the triangles. VTK, not this package, measures the distances between
+the surfaces: from points sampled uniformly on each surface to the nearest point of the other.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 SHARE = 0.05
-#: Points per surface.
+#: Sample points per surface.
 POINTS = 200_000
 Points = npt.NDArray[np.float64]
 
 
 class Row(NamedTuple):
-    """What is measured of one program on one model; distances in percent of the diagonal."""
+    """The measurements of one program on one model. Distances are in percent of the diagonal."""
 
     program: str
     seconds: float
@@ -45,7 +45,7 @@ class Row(NamedTuple):
 
 
 def spread(vertices: Points, faces: npt.NDArray[Any], count: int) -> Points:
-    """Spread points evenly over triangles."""
+    """Sample points uniformly on triangles."""
     random = np.random.default_rng(0)
     corners = vertices[faces]
     sides = corners[:, 1:] - corners[:, :1]
@@ -67,7 +67,7 @@ def distances(points: Points, vertices: Points, faces: npt.NDArray[Any]) -> Poin
 
 
 def row(program: str, seconds: float, first: tuple[Any, Any], second: tuple[Any, Any]) -> Row:
-    """Measure how far two surfaces are from each other, in both directions."""
+    """Measure the distances between two surfaces, in both directions."""
     surfaces = [(np.asarray(points, np.float64), np.asarray(faces, np.int64)) for points, faces in (first, second)]
     found = [distances(spread(*surface, POINTS), *other) for surface, other in (surfaces, surfaces[::-1])]
     both = np.concatenate(found)
@@ -134,15 +134,15 @@ def main() -> int:
     usual = ["cow", "fandisk", "bunny", "horse", "armadillo_43k", "dragon"]
     parser.add_argument("--models", nargs="+", default=usual, help="names of PLY files without .ply")
     parser.add_argument("--repeat", type=int, default=3, help="runs of each program")
-    parser.add_argument("--remark", help="a sentence for the text, such as on what else the computer did")
-    parser.add_argument("--output", default=str(ROOT / "docs/python-simplify.md"), help='the file, "-" for none')
+    parser.add_argument("--remark", help="a sentence to add to the page, such as on other load of the machine")
+    parser.add_argument("--output", default=str(ROOT / "docs/python-simplify.md"), help='output file, "-" for none')
     options = parser.parse_args()
     texts = [
         "# Simplification in Python",
         "",
-        f"Written by `bindings/python/benchmarks/simplify.py`: {100 * SHARE:.0f} % of the triangles. Distances are in",
-        f"percent of the diagonal, from {POINTS:,} points of each surface to the other one, measured by VTK. Times are",
-        "those of one run." if options.repeat == 1 else f"the shortest of {options.repeat} runs.",
+        f"Written by `bindings/python/benchmarks/simplify.py`. Target: {100 * SHARE:.0f} % of the triangles. Distances",
+        f"are in percent of the diagonal, measured by VTK from {POINTS:,} points of each surface to the other. Times",
+        "are from one run." if options.repeat == 1 else f"are the minimum of {options.repeat} runs.",
         "",
         f"Python {platform.python_version()}, NumPy {np.__version__}, tristrip {tristrip.__version__},",
         f"fast_simplification {fast_simplification.__version__}, VTK {vtk.VTK_VERSION} through PyVista",
@@ -156,13 +156,13 @@ def main() -> int:
         text = table(name, triangle_count, rows)
         print(text, flush=True)
         texts.append(text)
-        # A program that left many more triangles is no comparison.
+        # Skip programs that left many more triangles.
         most = 1.01 * SHARE * triangle_count + 1
         peers = [one for one in rows if not one.program.startswith("tristrip") and one.triangles <= most]
         closest += all(rows[0].rms <= one.rms for one in peers)
     of_models = f"{closest} of {len(options.models)} models"
     texts += [
-        f"`tristrip.simplify` has the least RMS of the programs that reach the number of triangles on {of_models}.",
+        f"Among programs that reach the target, `tristrip.simplify` has the lowest RMS on {of_models}.",
         "",
     ]
     print(texts[-2])

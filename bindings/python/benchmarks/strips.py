@@ -1,10 +1,11 @@
-"""Measure strips of this package, of PyFFI and of VTK in one run, prove each result, and write a table.
+"""Compare strips by this package, PyFFI and VTK in one run, prove each result, and write a table.
 
-    TRISTRIP_MODELS=models python benchmarks/strips.py   # some minutes, most of them for PyFFI on the dragon
+    TRISTRIP_MODELS=models python benchmarks/strips.py   # some minutes, mostly for PyFFI on the dragon
     TRISTRIP_MODELS=models python benchmarks/strips.py --models bunny --output -
 
-Each program gets the input in the form that it takes: arrays of NumPy, a `PolyData`, lists of tuples; conversions are
-not measured. PyFFI runs once, the others as often as `--repeat` says, of which the shortest time is taken.
+Each program gets the input in its native form: NumPy arrays, a `PolyData` or lists of tuples.
+Conversions are not timed. PyFFI runs once; the time of the others is the minimum of `--repeat`
+runs.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ Triangles = npt.NDArray[np.int64]
 
 
 class Row(NamedTuple):
-    """What is measured of one program on one model."""
+    """The measurements of one program on one model."""
 
     program: str
     seconds: float
@@ -42,7 +43,7 @@ class Row(NamedTuple):
 
 
 def triangles_of(vertices: Triangles, offsets: Triangles) -> Triangles:
-    """Return the triangles that strips draw, without any code of the package: shape (n, 3)."""
+    """Return the triangles of strips, shape (n, 3), without code of the package."""
     sizes = np.diff(offsets)
     counts = np.maximum(sizes - 2, 0)
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -54,7 +55,7 @@ def triangles_of(vertices: Triangles, offsets: Triangles) -> Triangles:
 
 
 def sorted_triangles(triangles: Triangles, *, keep_winding: bool) -> Triangles:
-    """Return triangles in an order that depends only on their corners, from the lowest corner on."""
+    """Return triangles in a canonical order, each starting at its lowest corner."""
     if keep_winding:
         first = np.argmin(triangles, axis=1)
         columns = (first[:, None] + np.arange(3)) % 3
@@ -65,7 +66,7 @@ def sorted_triangles(triangles: Triangles, *, keep_winding: bool) -> Triangles:
 
 
 def proof_of(vertices: Triangles, offsets: Triangles, faces: Triangles) -> tuple[str, bool]:
-    """Prove strips twice: by this package, and by sorting the triangles with NumPy."""
+    """Prove strips twice: with this package, and by sorting the triangles with NumPy."""
     restarts = np.insert(vertices, offsets[1:-1], np.iinfo(np.uint32).max).astype(np.uint32)
     try:
         tristrip.Strips.from_indices(restarts).verify(faces)
@@ -75,7 +76,7 @@ def proof_of(vertices: Triangles, offsets: Triangles, faces: Triangles) -> tuple
     drawn = triangles_of(vertices, offsets)
     is_exact = np.array_equal(sorted_triangles(drawn, keep_winding=True), sorted_triangles(faces, keep_winding=True))
     if is_exact != is_verified:
-        raise SystemExit("the two proofs contradict each other")
+        raise SystemExit("the two proofs disagree")
     if is_exact:
         return "yes", True
     if np.array_equal(sorted_triangles(drawn, keep_winding=False), sorted_triangles(faces, keep_winding=False)):
@@ -132,7 +133,7 @@ def table(name: str, triangle_count: int, rows: list[Row]) -> str:
 
 
 def comparisons(rows: list[Row]) -> list[str]:
-    """Say how the methods of this package compare with the peers."""
+    """Compare the methods of this package with the other programs."""
     own = [one for one in rows if one.program.startswith("tristrip.stripify")]
     peers = [one for one in rows if not one.program.startswith("tristrip")]
     said = []
@@ -149,17 +150,17 @@ def main() -> int:
     """Measure, print and write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--models", nargs="+", default=["bunny", "dragon"], help="names of PLY files without .ply")
-    parser.add_argument("--repeat", type=int, default=3, help="runs of all programs but PyFFI")
-    parser.add_argument("--without-pyffi", action="store_true", help="leave out PyFFI, which is slow")
-    parser.add_argument("--remark", help="a sentence for the text, such as on what else the computer did")
-    parser.add_argument("--output", default=str(ROOT / "docs/python-strips.md"), help='the file to write, "-" for none')
+    parser.add_argument("--repeat", type=int, default=3, help="runs of all programs except PyFFI")
+    parser.add_argument("--without-pyffi", action="store_true", help="skip PyFFI, which is slow")
+    parser.add_argument("--remark", help="a sentence to add to the page, such as on other load of the machine")
+    parser.add_argument("--output", default=str(ROOT / "docs/python-strips.md"), help='output file, "-" for none')
     options = parser.parse_args()
     texts = [
         "# Strips in Python",
         "",
-        "Written by `bindings/python/benchmarks/strips.py`. Each result is proven by `Strips.verify` and, apart from",
-        "it, by sorting the drawn triangles with NumPy; both must agree. Times are the shortest of",
-        f"{options.repeat} runs, of PyFFI one run, without the conversion of the input.",
+        "Written by `bindings/python/benchmarks/strips.py`. Each result is proven by `Strips.verify` and,",
+        "independently, by sorting the drawn triangles with NumPy. Times are the minimum of",
+        f"{options.repeat} runs, for PyFFI one run, without the conversion of the input.",
         "",
         f"Python {platform.python_version()}, NumPy {np.__version__}, tristrip {tristrip.__version__},",
         f"PyFFI {pyffi.__version__}, VTK {vtk.VTK_VERSION} through PyVista {pyvista.__version__},",

@@ -120,3 +120,9 @@ def test_readme(code: str, file: str, tmp_path: Path, monkeypatch: pytest.Monkey
 def test_the_readmes_have_code() -> None:
     files = [parameters.values[1] for parameters in blocks()]
     assert all(str(readme) in files for readme in READMES)
+
+
+def test_license_files_are_those_of_the_repository() -> None:
+    """The package has copies, because license files must lie in its directory."""
+    for name in ("LICENSE-APACHE", "LICENSE-MIT"):
+        assert (REPOSITORY / "bindings" / "python" / name).read_bytes() == (REPOSITORY / name).read_bytes()

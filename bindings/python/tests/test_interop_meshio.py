@@ -33,7 +33,7 @@ def test_strips_become_triangles() -> None:
     assert block.data.tolist() == strips.triangles().tolist()
 
 
-@pytest.mark.filterwarnings("ignore:left out cell data", "ignore:overflow")  # groups of OBJ, normals and sizes of STL
+@pytest.mark.filterwarnings("ignore:dropped cell data", "ignore:overflow")  # groups of OBJ, normals and sizes of STL
 @pytest.mark.parametrize("name", ["a.vtu", "a.vtk", "a.obj", "a.off", "a.stl", "a.ply", "a.xdmf"])
 def test_files_of_meshio(name: str, tmp_path: Path) -> None:
     if name.endswith("xdmf"):

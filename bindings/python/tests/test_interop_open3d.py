@@ -28,14 +28,14 @@ def test_tensor_meshes_keep_all_attributes() -> None:
 
 def test_legacy_meshes() -> None:
     given = {key: values for key, values in attributes().items() if key != "attributes"}
-    with pytest.warns(tristrip.ConversionWarning, match="opacity is left out"):
+    with pytest.warns(tristrip.ConversionWarning, match="opacity dropped"):
         mesh = tristrip.to_open3d(vertices(), POLYGONS, **given)
     assert np.asarray(mesh.triangles).tolist() == fans(POLYGONS)
     (part,) = parts_of_open3d(mesh)
     assert np.allclose(part.vertices, vertices())
     assert np.allclose(part.attributes["NORMAL"], given["normals"])
     assert np.allclose(part.attributes["COLOR_0"] * 255, given["colors"][:, :3])
-    with pytest.warns(tristrip.ConversionWarning, match="left out heat, ids"):
+    with pytest.warns(tristrip.ConversionWarning, match="dropped heat, ids"):
         tristrip.to_open3d(vertices(), POLYGONS, attributes=attributes()["attributes"])
 
 

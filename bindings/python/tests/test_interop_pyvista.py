@@ -83,7 +83,7 @@ def test_what_is_left_out_is_warned_of() -> None:
         (part,) = parts_of_pyvista(mesh)
     assert len(caught) == 1
     text = str(caught[0].message)
-    assert all(what in text for what in ("1 lines", "data of cells: group", "words", "wide of int64"))
+    assert all(what in text for what in ("1 lines", "cell data: group", "words", "wide of int64"))
     assert part.attributes == {}
 
 

@@ -195,7 +195,7 @@ def test_several_materials_in_a_mesh_of_trimesh() -> None:
 def test_paths_are_warned_of() -> None:
     trimesh = pytest.importorskip("trimesh")
     scene = trimesh.Scene([trimesh.creation.box(), trimesh.PointCloud(np.zeros((3, 3)))])
-    with pytest.warns(tristrip.ConversionWarning, match="left out 1 paths or point clouds"):
+    with pytest.warns(tristrip.ConversionWarning, match="dropped 1 paths or point clouds"):
         read = tristrip.from_trimesh(scene)
     assert len(read.parts) == 1
     assert len(scene.geometry) == 2
@@ -307,5 +307,5 @@ def test_tensor_meshes_of_open3d_have_the_material() -> None:
     with pytest.warns(tristrip.ConversionWarning) as caught:
         tristrip.to_open3d(textured(), tensor=True)
     said = [str(warning.message) for warning in caught]
-    assert any("left out 2 materials" in text for text in said)
+    assert any("dropped 2 materials" in text for text in said)
     assert any("only some parts have: NORMAL" in text for text in said)

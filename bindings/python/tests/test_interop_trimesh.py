@@ -76,7 +76,7 @@ def test_colours_of_faces_split_vertices() -> None:
 def test_attributes_of_faces_are_warned_of() -> None:
     mesh = trimesh.creation.box()
     mesh.face_attributes["group"] = np.arange(12)
-    with pytest.warns(tristrip.ConversionWarning, match="attributes of faces: group"):
+    with pytest.warns(tristrip.ConversionWarning, match="face attributes: group"):
         part_of_trimesh(mesh)
 
 

@@ -1,7 +1,7 @@
-"""Blender add-on of tristrip: triangle strips as attributes, simplification by levels, and GLB files with strips.
+"""Blender add-on: triangle strips as attributes, simplification, and GLB export with strips.
 
-Install the folder as an add-on, or as an extension of Blender 4.2 and newer; and the wheel of tristrip into Blender's
-Python, as the panel "Tristrip" in the sidebar of the 3D view says.
+Install the folder as an add-on, or as an extension in Blender 4.2 or later. Also install the Python
+package into Blender's Python; the panel "Tristrip" in the sidebar of the 3D view shows how.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ bl_info = {
 
 
 def register() -> None:
-    """Add the operators, the panel and the entry of the menu to Blender."""
+    """Register the operators, the panel and the menu entry."""
     from . import interface
 
     interface.register()
 
 
 def unregister() -> None:
-    """Remove them."""
+    """Unregister them."""
     from . import interface
 
     interface.unregister()

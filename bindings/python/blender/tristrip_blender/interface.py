@@ -1,6 +1,6 @@
-"""The operators, the panel and the entry of the menu. Their work is done by the other modules of the add-on."""
+"""The operators, the panel and the menu entry. The other modules of the add-on do the work."""
 
-# Blender requires these names of classes and methods, and shows docstrings without a period.
+# Blender requires these class and method names, and shows docstrings without a period.
 # ruff: noqa: ARG001, ARG002, BLE001, D102, D415, N801, RUF012
 
 import tempfile
@@ -31,14 +31,14 @@ def _can_change(cls: Any, context: Any) -> bool:
 
 
 class TRISTRIP_OT_strips(bpy.types.Operator):  # type: ignore[misc]
-    """Compute triangle strips of the active mesh, and store for each face the strip that draws it"""
+    """Compute triangle strips of the active mesh, and store the strip of each face"""
 
     bl_idname = "tristrip.strips"
     bl_label = "Triangle strips"
     bl_options = {"REGISTER", "UNDO"}
 
     effort: bpy.props.IntProperty(  # type: ignore[valid-type]
-        name="Effort", description="How long to search: more finds fewer indices", default=2, min=0, max=9
+        name="Effort", description="Search effort: higher finds fewer indices", default=2, min=0, max=9
     )
     color: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Color", description='Store a color per strip as the attribute "strip_color"', default=True
@@ -65,7 +65,7 @@ class TRISTRIP_OT_strips(bpy.types.Operator):  # type: ignore[misc]
 
 
 class TRISTRIP_OT_simplify(bpy.types.Operator):  # type: ignore[misc]
-    """Replace the active mesh by a level of detail, with texture coordinates, colors, materials and vertex groups"""
+    """Replace the active mesh by a level of detail that keeps UVs, colors and materials"""
 
     bl_idname = "tristrip.simplify"
     bl_label = "Simplify by levels"
@@ -75,7 +75,7 @@ class TRISTRIP_OT_simplify(bpy.types.Operator):  # type: ignore[misc]
         name="Goal",
         items=[
             ("RATIO", "Ratio", "Keep a ratio of the triangles"),
-            ("ERROR", "Error", "Keep as few triangles as an error allows"),
+            ("ERROR", "Error", "Keep as few triangles as the error allows"),
         ],
         default="RATIO",
     )
@@ -84,7 +84,7 @@ class TRISTRIP_OT_simplify(bpy.types.Operator):  # type: ignore[misc]
     )
     error: bpy.props.FloatProperty(  # type: ignore[valid-type]
         name="Error",
-        description="The maximum error in percent of the diagonal of the bounding box",
+        description="The maximum error in percent of the bounding-box diagonal",
         default=0.1,
         min=0.0,
         soft_max=5.0,
@@ -103,7 +103,7 @@ class TRISTRIP_OT_simplify(bpy.types.Operator):  # type: ignore[misc]
     def execute(self, context: Any) -> set[str]:
         mesh = _active_mesh(context)
         if mesh.shape_keys is not None:
-            self.report({"ERROR"}, "The mesh has shape keys, which would be lost: remove or apply them first")
+            self.report({"ERROR"}, "The mesh has shape keys, which would be lost; remove or apply them first")
             return {"CANCELLED"}
         if not mesh.polygons:
             self.report({"ERROR"}, "The mesh has no faces")
@@ -118,14 +118,14 @@ class TRISTRIP_OT_simplify(bpy.types.Operator):  # type: ignore[misc]
         count, full = len(level.triangles), whole.full_count
         self.report({"INFO"}, f"{count:,} of {full:,} triangles, error {level.error:.3g}")
         if lost:
-            self.report({"WARNING"}, f"Attributes that could not be kept: {', '.join(lost)}")
+            self.report({"WARNING"}, f"Dropped attributes: {', '.join(lost)}")
         if self.goal == "RATIO" and count > max(full * self.ratio, 1) * 1.01:
-            self.report({"WARNING"}, f"{count:,} triangles are the fewest that keep the surface and its seams")
+            self.report({"WARNING"}, f"Stopped at {count:,} triangles to preserve the surface and its seams")
         return {"FINISHED"}
 
 
 class TRISTRIP_OT_export(bpy.types.Operator, ExportHelper):  # type: ignore[misc]
-    """Export a GLB whose meshes are drawn as triangle strips; each file is proven to draw the same triangles"""
+    """Export a GLB with triangle strips, proven to draw the same triangles"""
 
     bl_idname = "export_scene.tristrip_glb"
     bl_label = "Export GLB with triangle strips"
@@ -133,24 +133,24 @@ class TRISTRIP_OT_export(bpy.types.Operator, ExportHelper):  # type: ignore[misc
     filename_ext = ".glb"
     filter_glob: bpy.props.StringProperty(default="*.glb", options={"HIDDEN"})  # type: ignore[valid-type]
     use_selection: bpy.props.BoolProperty(  # type: ignore[valid-type]
-        name="Selected objects", description="Export selected objects only", default=False
+        name="Selected objects", description="Export only selected objects", default=False
     )
     apply_modifiers: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Apply modifiers",
-        description="Export meshes with their modifiers; shape keys are left out then",
+        description="Apply modifiers to the exported meshes; drops shape keys",
         default=True,
     )
     effort: bpy.props.IntProperty(  # type: ignore[valid-type]
-        name="Effort", description="How long to search: more finds fewer indices", default=2, min=0, max=9
+        name="Effort", description="Search effort: higher finds fewer indices", default=2, min=0, max=9
     )
     layout_name: bpy.props.EnumProperty(  # type: ignore[valid-type]
         name="Strips",
         items=[
-            ("degenerate", "Joined", "One strip per mesh, joined by degenerate triangles: every program can draw it"),
+            ("degenerate", "Joined", "One strip per mesh, joined by degenerate triangles; works in every viewer"),
             (
                 "restart",
                 "Restarts",
-                "Fewer indices, by a draft extension of glTF that few programs read; Blender is none of them",
+                "Fewer indices, but needs a draft glTF extension that few programs support; Blender does not",
             ),
         ],
         default="degenerate",
@@ -178,10 +178,10 @@ class TRISTRIP_OT_export(bpy.types.Operator, ExportHelper):  # type: ignore[misc
 
 
 def export(path: str, *, effort: int | None = None, layout: Any = "degenerate", **options: Any) -> list[str]:
-    """Write the scene with Blender's own exporter, and again with strips.
+    """Export the scene with Blender's own exporter, then rewrite the file with strips.
 
     Returns:
-        A line on the strips, then the notes on what was dropped or changed.
+        A line about the strips, then notes on dropped or changed data.
     """
     import tristrip
 
@@ -189,7 +189,7 @@ def export(path: str, *, effort: int | None = None, layout: Any = "degenerate", 
         plain = Path(folder) / "plain.glb"
         result = bpy.ops.export_scene.gltf(filepath=str(plain), export_format="GLB", **options)
         if result != {"FINISHED"}:
-            raise RuntimeError("Blender's own export of glTF did not finish")
+            raise RuntimeError("Blender's glTF export did not finish")
         stripped = tristrip.load(plain).strip(effort=effort)
         report = stripped.save(path, layout=layout)
     return [strips.sentence(dict(stripped.metrics())), *stripped.notes, *report.get("notes", [])]
@@ -204,11 +204,11 @@ class TRISTRIP_OT_copy_command(bpy.types.Operator):  # type: ignore[misc]
     """Copy the command that installs tristrip into Blender's Python"""
 
     bl_idname = "tristrip.copy_command"
-    bl_label = "Copy the command"
+    bl_label = "Copy command"
 
     def execute(self, context: Any) -> set[str]:
         context.window_manager.clipboard = wheel.command()
-        self.report({"INFO"}, "Paste the command into a terminal, then restart Blender")
+        self.report({"INFO"}, "Run the command in a clone of tristrip, then restart Blender")
         return {"FINISHED"}
 
 
@@ -226,7 +226,7 @@ class TRISTRIP_PT_panel(bpy.types.Panel):  # type: ignore[misc]
         if wheel.problem() is not None:
             column = layout.column(align=True)
             column.label(text="tristrip is not installed in Blender's Python.", icon="ERROR")
-            column.label(text="Run in a terminal, then restart Blender:")
+            column.label(text="Run in a clone of tristrip, then restart Blender:")
             column.label(text=wheel.command())
             column.operator(TRISTRIP_OT_copy_command.bl_idname)
             return
@@ -250,14 +250,14 @@ _CLASSES = (TRISTRIP_OT_strips, TRISTRIP_OT_simplify, TRISTRIP_OT_export, TRISTR
 
 
 def register() -> None:
-    """Add all classes, and the entry of the menu File > Export."""
+    """Register all classes, and add the entry to the menu File > Export."""
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.TOPBAR_MT_file_export.append(_menu)
 
 
 def unregister() -> None:
-    """Remove them."""
+    """Unregister them."""
     bpy.types.TOPBAR_MT_file_export.remove(_menu)
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

@@ -1,4 +1,4 @@
-"""Levels of detail of a mesh whose attributes are those of corners, as Blender has them."""
+"""Levels of detail of a mesh with corner attributes, as Blender has them."""
 
 from __future__ import annotations
 
@@ -15,14 +15,16 @@ Floats = npt.NDArray[Any]
 
 @dataclass
 class CornerMesh:
-    """A mesh of triangles with values of corners.
+    """A triangle mesh with corner attributes.
 
-    vertices: positions, shape (n, 3).
-    triangles: the corners of the triangles, shape (m, 3): numbers of corners of faces.
-    vertex_of_corner: the vertex of each corner, shape (k,).
-    face_class: a number per corner: faces of different numbers, such as of two materials, keep the seam between them.
-    uv, colors: values of corners by name, shape (k, 2) and (k, 3 or 4).
-    normals: of corners, shape (k, 3), if they are more than those of the surface; else None.
+    Attributes:
+        vertices: positions, shape (n, 3).
+        triangles: the triangles as corner indices, shape (m, 3).
+        vertex_of_corner: the vertex of each corner, shape (k,).
+        face_class: a class per corner. Seams between faces of different classes, such as materials,
+            are kept.
+        uv, colors: corner attributes by name, shape (k, 2) and (k, 3 or 4).
+        normals: custom corner normals, shape (k, 3), or None for the normals of the surface.
     """
 
     vertices: Floats
@@ -47,9 +49,10 @@ class CornerMesh:
 class Level:
     """The triangles of a level.
 
-    triangles: numbers of corners of the full mesh, shape (m, 3): a corner has the vertex and the values that a corner
-        of the level has.
-    error: the distance from the full mesh, in the units of the positions, by which triangles were removed.
+    Attributes:
+        triangles: indices of corners of the full mesh, shape (m, 3). Each has the vertex and
+            attributes of the corner in the level.
+        error: the distance from the full mesh in mesh units.
     """
 
     triangles: Ints
@@ -57,7 +60,7 @@ class Level:
 
 
 class MeshLevels:
-    """All levels of a mesh. Built once, it moves to any level at once."""
+    """All levels of a mesh. After it is built, it can move to any level."""
 
     def __init__(self, mesh: CornerMesh) -> None:
         import tristrip
@@ -71,7 +74,7 @@ class MeshLevels:
         )
         values = np.concatenate([np.asarray(column, np.float32) for column in columns], axis=1)
         split, old, corner = split_corners(mesh.vertex_of_corner[used], len(mesh.vertices), values[used])
-        # Vertices of no face are at the corner 0 of nothing; no triangle names them.
+        # Vertices without faces have corner 0; no triangle uses them.
         self.corner = used[corner] if len(used) else corner
         number = np.empty(len(mesh.vertex_of_corner), np.int64)
         number[used] = split
@@ -100,9 +103,9 @@ class MeshLevels:
         """Move to a level.
 
         Args:
-            ratio: the ratio of the triangles to keep.
-            error: the maximum error in percent of the diagonal of the bounding box. With both, whichever is reached
-                first ends the simplification.
+            ratio: the ratio of triangles to keep.
+            error: the maximum error in percent of the bounding-box diagonal. With both, the first
+                one reached ends the simplification.
         """
         reached = []
         if ratio is not None:
@@ -114,7 +117,7 @@ class MeshLevels:
 
 
 def _normal_key(normals: Floats, vertex_of_corner: Ints, vertex_count: int) -> Floats:
-    """Return values that differ where the normals of the corners of a vertex do, by more than Blender rounds them."""
+    """Return values that differ where the corner normals of a vertex differ beyond rounding."""
     sums = np.stack([np.bincount(vertex_of_corner, column, vertex_count) for column in normals.T], axis=1)
     means = sums / np.maximum(np.linalg.norm(sums, axis=1), 1e-12)[:, None]
     differs = np.linalg.norm(normals - means[vertex_of_corner], axis=1) > 0.01
@@ -122,12 +125,12 @@ def _normal_key(normals: Floats, vertex_of_corner: Ints, vertex_count: int) -> F
     return np.where(is_split[vertex_of_corner, None], np.round(normals, 2), 0)
 
 
-#: The levels of the last mesh by its digest.
+#: The levels of the last mesh, by its digest.
 _last: dict[bytes, MeshLevels] = {}
 
 
 def levels_of(mesh: CornerMesh) -> MeshLevels:
-    """Return the levels of a mesh: those of the last call if it is the same, which keeps a slider responsive."""
+    """Return the levels of a mesh, cached for the last one to keep sliders responsive."""
     key = mesh.key()
     if key not in _last:
         _last.clear()

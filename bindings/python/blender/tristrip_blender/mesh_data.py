@@ -1,4 +1,4 @@
-"""The meshes of Blender as arrays, and back. Nothing is imported from Blender: the functions take its objects."""
+"""Conversion of Blender meshes to and from arrays, without imports from Blender."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .levels import CornerMesh
 
 Array = npt.NDArray[Any]
 
-#: The name of the values of each type of attribute, their number, and their type in NumPy.
+#: The value property, component count and NumPy type of each attribute type.
 _VALUES: dict[str, tuple[str, int, Any]] = {
     "BOOLEAN": ("value", 1, np.bool_),
     "INT": ("value", 1, np.int32),
@@ -26,10 +26,11 @@ _VALUES: dict[str, tuple[str, int, Any]] = {
     "QUATERNION": ("value", 4, np.float32),
     "FLOAT4X4": ("value", 16, np.float32),
 }
-#: The attributes of strips, which are those of one set of faces only, and the property with their figures.
+#: Attributes of strips, which are valid only for one set of faces.
 _OF_STRIPS = ("strip", "strip_order", "strip_color")
 FIGURES = "tristrip"
-#: Attributes that are not copied: positions are vertices, and normals are set by a function of their own.
+#: Attributes that are not copied: positions are vertices, and normals are set by a separate
+#: function.
 _NOT_COPIED = ("position", "custom_normal", *_OF_STRIPS)
 
 
@@ -42,7 +43,7 @@ def read(collection: Any, name: str, columns: int, dtype: Any) -> Array:
 
 
 def polygons(mesh: Any) -> tuple[Array, Array, Array]:
-    """Return the positions, the vertices of all corners, and the offsets of the faces."""
+    """Return the positions, the vertex of each corner, and the offsets of the faces."""
     vertices = read(mesh.vertices, "co", 3, np.float32)
     corners = read(mesh.loops, "vertex_index", 1, np.int32).astype(np.int64)
     sizes = read(mesh.polygons, "loop_total", 1, np.int32).astype(np.int64)
@@ -50,14 +51,14 @@ def polygons(mesh: Any) -> tuple[Array, Array, Array]:
 
 
 def triangles(mesh: Any) -> tuple[Array, Array]:
-    """Return the corners of the triangles into which Blender cuts the faces, shape (n, 3), and the face of each."""
+    """Return Blender's triangulation: corner indices, shape (n, 3), and the face of each."""
     mesh.calc_loop_triangles()
     corners = read(mesh.loop_triangles, "loops", 3, np.int32).astype(np.int64)
     return corners, read(mesh.loop_triangles, "polygon_index", 1, np.int32).astype(np.int64)
 
 
 def values_of(attribute: Any) -> Array | None:
-    """Return the values of an attribute, shape (n,) or (n, k); None for text, which has no array."""
+    """Return the values of an attribute, shape (n,) or (n, k), or None for strings."""
     if attribute.data_type not in _VALUES:
         return None
     name, columns, dtype = _VALUES[attribute.data_type]
@@ -65,7 +66,7 @@ def values_of(attribute: Any) -> Array | None:
 
 
 def corner_mesh(mesh: Any) -> CornerMesh:
-    """Take what a simplification looks at: triangles, materials, shading, texture coordinates, colours and normals."""
+    """Read the input of a simplification: triangles, materials, shading and attributes."""
     vertices, corners, offsets = polygons(mesh)
     found = CornerMesh(vertices, triangles(mesh)[0], corners, np.zeros(len(corners), np.int64))
     sizes = np.diff(offsets)
@@ -94,7 +95,7 @@ def corner_mesh(mesh: Any) -> CornerMesh:
 
 
 def _kept_attributes(mesh: Any) -> tuple[list[tuple[str, str, str, Array]], list[str]]:
-    """Return name, type, domain and values of the attributes to restore, and the names of those that cannot be."""
+    """Return name, type, domain and values of supported attributes, and names of others."""
     kept, lost = [], []
     for attribute in mesh.attributes:
         if attribute.name.startswith(".") or attribute.name in _NOT_COPIED:
@@ -108,14 +109,14 @@ def _kept_attributes(mesh: Any) -> tuple[list[tuple[str, str, str, Array]], list
 
 
 def replace(mesh: Any, level_triangles: Array) -> list[str]:
-    """Replace the faces of a mesh by triangles of its corners, with the attributes of all that is left.
+    """Replace the faces of a mesh by triangles of its corners, with their attributes.
 
     Args:
-        mesh: the mesh; it keeps its materials and vertex groups.
-        level_triangles: numbers of corners, shape (n, 3).
+        mesh: the mesh. It keeps its materials and vertex groups.
+        level_triangles: corner indices, shape (n, 3).
 
     Returns:
-        The names of the attributes that could not be kept. Those of strips are removed, as are figures.
+        The names of dropped attributes. Strip attributes and metrics are removed.
     """
     vertices, corners, offsets = polygons(mesh)
     face_of_corner = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
@@ -159,7 +160,7 @@ def _write(collection: Any, name: str, values: Array) -> None:
 
 
 def _old_edges(old: Array, new: Array, vertex_count: int) -> Array:
-    """Return for each new edge the old edge with its vertices, -1 without one."""
+    """Return the old edge with the same vertices for each new edge, or -1."""
     if len(old) == 0:
         return np.full(len(new), -1)
     old_keys, new_keys = (np.sort(edges, axis=1) @ np.array([vertex_count, 1]) for edges in (old, new))
@@ -169,7 +170,7 @@ def _old_edges(old: Array, new: Array, vertex_count: int) -> Array:
 
 
 def _restore(mesh: Any, name: str, data_type: str, domain: str, values: Array, rows: Array) -> None:  # noqa: PLR0917
-    """Create an attribute unless the mesh has it, and write the values of these rows; a row of -1 has none."""
+    """Create an attribute if it is missing, and write the given rows (-1: none)."""
     attribute = mesh.attributes.get(name)
     if attribute is None:
         attribute = mesh.attributes.new(name, data_type, domain)
@@ -205,7 +206,7 @@ def _restore_active(mesh: Any, names: dict[str, Any]) -> None:
 
 
 def _restore_weights(mesh: Any, weights: list[list[tuple[int, float]]]) -> None:
-    """Write the weights of vertex groups, which only BMesh can write without an object."""
+    """Write the weights of vertex groups. Without an object, only BMesh can write them."""
     if not any(weights):
         return
     import bmesh
@@ -221,7 +222,7 @@ def _restore_weights(mesh: Any, weights: list[list[tuple[int, float]]]) -> None:
 
 
 def write_strips(mesh: Any, strip: Array, order: Array, colours: Array | None) -> None:
-    """Store the strips as attributes of faces: "strip" and "strip_order"; and "strip_color" for display."""
+    """Store the face attributes "strip" and "strip_order", and "strip_color" for display."""
     for name, values in (("strip", strip), ("strip_order", order)):
         _replace_attribute(mesh, name, "INT", "FACE", values.astype(np.int32))
     if colours is not None:

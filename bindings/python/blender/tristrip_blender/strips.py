@@ -1,4 +1,4 @@
-"""Strips of the faces of a mesh: which strip draws each face, in which order."""
+"""Strips of the faces of a mesh: the strip and draw order of each face."""
 
 from __future__ import annotations
 
@@ -16,10 +16,12 @@ Floats = npt.NDArray[Any]
 class FaceStrips:
     """The strips of a mesh.
 
-    strip: the number of the strip that draws each face; of a face in several strips, the first one.
-    order: the number of the triangle with which each face is first drawn.
-    metrics: the figures of the strips, with the keys of `tristrip.Strips.metrics`.
-    notes: what was dropped; a face that is not drawn has -1 as strip and as order.
+    Attributes:
+        strip: the strip index of each face. A face in several strips has the first one. -1 if the
+            face is not drawn.
+        order: the index of the triangle that first draws each face, or -1.
+        metrics: the metrics of the strips, with the keys of `tristrip.Strips.metrics`.
+        notes: notes on dropped faces.
     """
 
     strip: Ints
@@ -37,18 +39,18 @@ def face_strips(
     *,
     effort: int | None = None,
 ) -> FaceStrips:
-    """Compute strips, prove them, and find the face of each of their triangles.
+    """Compute strips, prove them, and find the face of each drawn triangle.
+
+    Triangles and quads are passed to `stripify`, which chooses the diagonals of quads. Larger faces
+    can be concave, so Blender's triangulation is used.
 
     Args:
         vertices: positions, shape (n, 3).
-        corners: the vertices of all faces, one after the other.
+        corners: the vertices of all faces, concatenated.
         offsets: the start of each face in `corners`, and the end of the last one.
-        triangles: the triangles into which Blender cuts the faces, as vertices, shape (m, 3).
-        face_of_triangle: the face of each of these.
-        effort: 0 to 9; by default that of `tristrip.stripify`.
-
-    Triangles and quads are given to `stripify` as they are, which chooses the diagonals of quads; larger faces, which
-    may be concave, are cut as Blender cuts them.
+        triangles: Blender's triangulation of the faces as vertex indices, shape (m, 3).
+        face_of_triangle: the face of each triangle.
+        effort: 0 to 9. By default that of `tristrip.stripify`.
     """
     import tristrip
 
@@ -65,7 +67,7 @@ def face_strips(
         return FaceStrips(np.empty(0, np.int64), np.empty(0, np.int64), {})
     strips = tristrip.stripify(given, vertices, effort=effort, verify=True)
     drawn = strips.triangles().astype(np.int64)
-    # A quad is drawn by two of four triangles.
+    # A quad is drawn by two of four possible triangles.
     halves = [four[:, columns] for columns in ([0, 1, 2], [0, 2, 3], [0, 1, 3], [1, 2, 3])]
     known = np.concatenate([three, *halves])
     faces = np.concatenate([faces_of_three, *[numbers[1]] * 4])
@@ -73,14 +75,14 @@ def face_strips(
     strip_of = np.repeat(np.arange(len(strips)), _triangle_counts(strips))
     order = np.full(len(sizes), -1)
     strip = np.full(len(sizes), -1)
-    # From the last to the first, so that the first stays.
+    # Assign in reverse, so that the first triangle of a face wins.
     order[face[::-1]] = np.arange(len(drawn))[::-1]
     strip[face[::-1]] = strip_of[::-1]
     return FaceStrips(strip, order, dict(strips.metrics()), strips.notes)
 
 
 def _triangle_counts(strips: Any) -> Ints:
-    """Count the triangles of each strip that are not degenerate."""
+    """Count the non-degenerate triangles of each strip."""
     counts = []
     for strip in strips:
         a, b, c = strip[:-2], strip[1:-1], strip[2:]
@@ -89,7 +91,7 @@ def _triangle_counts(strips: Any) -> Ints:
 
 
 def _matches(drawn: Ints, known: Ints) -> Ints:
-    """Find each drawn triangle among the known ones, with its winding; equal ones are taken one after the other."""
+    """Match drawn triangles to known ones with the same winding, duplicates in order."""
 
     def rotated(triangles: Ints) -> Ints:
         columns = (np.argmin(triangles, axis=1)[:, None] + np.arange(3)) % 3
@@ -101,7 +103,7 @@ def _matches(drawn: Ints, known: Ints) -> Ints:
     by_kind = np.argsort(of_known, kind="stable")
     counts = np.bincount(of_known, minlength=len(both))
     starts = np.cumsum(counts) - counts
-    # The how-manieth drawn triangle of its kind each one is.
+    # The rank of each drawn triangle among its duplicates.
     order = np.argsort(of_drawn, kind="stable")
     drawn_counts = np.bincount(of_drawn, minlength=len(both))
     rank = np.empty(len(drawn), np.int64)
@@ -111,7 +113,7 @@ def _matches(drawn: Ints, known: Ints) -> Ints:
 
 
 def colours(strip: Ints) -> Floats:
-    """Return a colour per face by its strip: red, green, blue and opacity from 0 to 1; grey without a strip."""
+    """Return a colour per face from its strip: RGBA from 0 to 1, grey without a strip."""
     from tristrip.interop import strip_colours
 
     found = np.full((len(strip), 4), 0.5)
@@ -123,7 +125,7 @@ def colours(strip: Ints) -> Floats:
 
 
 def sentence(metrics: dict[str, Any]) -> str:
-    """Say in a line what was found."""
+    """Return a one-line summary."""
     if not metrics:
         return "No faces to draw"
     return (

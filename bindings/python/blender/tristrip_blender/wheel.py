@@ -1,4 +1,4 @@
-"""The wheel of tristrip, which the add-on needs in Blender's Python."""
+"""Checks that Blender's Python has the package tristrip, which the add-on needs."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import sys
 
 
 class MissingWheelError(Exception):
-    """tristrip cannot be imported; the text says how to install it."""
+    """tristrip cannot be imported. The text has the install command."""
 
 
 def command() -> str:
-    """Return the command that installs the wheel into the Python that runs."""
-    return f'"{sys.executable}" -m pip install tristrip'
+    """Return the command that installs tristrip from a clone into the running Python."""
+    return f'"{sys.executable}" -m pip install ./bindings/python'
 
 
 def problem() -> str | None:
-    """Say why tristrip cannot be used; None if it can."""
+    """Return why tristrip cannot be used, or None if it can."""
     try:
         importlib.import_module("tristrip")
     except ImportError as error:
-        advice = "Install it into Blender's Python, then restart Blender:"
+        advice = "To install it, run this in a clone of tristrip, then restart Blender:"
         return f"tristrip cannot be imported ({error}). {advice} {command()}"
     return None
 
@@ -29,7 +29,7 @@ def check() -> None:
     """Raise an error if tristrip cannot be used.
 
     Raises:
-        MissingWheelError: with the command that installs it.
+        MissingWheelError: tristrip cannot be imported; the text has the install command.
     """
     found = problem()
     if found is not None:

@@ -1,4 +1,4 @@
-"""Polygon meshes into render-ready triangle strips, levels of detail and streams, over NumPy arrays.
+"""Triangle strips, mesh simplification, levels of detail and progressive streams for NumPy arrays.
 
 >>> import tristrip
 >>> strips = tristrip.stripify([[0, 1, 2], [2, 1, 3], [2, 3, 4]])

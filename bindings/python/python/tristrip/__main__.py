@@ -1,4 +1,4 @@
-"""The command: `tristrip`, or `python -m tristrip`."""
+"""The command-line program: `tristrip`, or `python -m tristrip`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ._native import run_command
 
 def main() -> int:
     """Run the command with the arguments of the process, and return its exit code."""
-    # Ctrl-C ends the process, as for any command; the command itself changes this during searches.
+    # Let Ctrl-C end the process, as in any command. The program changes this during searches.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.stdout.flush()
     return run_command(["tristrip", *sys.argv[1:]])

@@ -1,4 +1,4 @@
-"""Exceptions, by who must act: whoever chose an option, made the mesh, or wrote the file."""
+"""Exceptions by cause: an option, the arrays of a mesh, or a file."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ from typing import Any
 
 
 class TristripError(Exception):
-    """The base of all errors of this package."""
+    """The base class of all errors of this package."""
 
 
 class ParameterError(TristripError, ValueError):
-    """An option is unknown, has a wrong value, or does not fit the others."""
+    """An option is unknown, has an invalid value, or conflicts with another option."""
 
 
 class MeshError(TristripError, ValueError):
-    """Arrays are no mesh: a wrong shape, an index out of range, a coordinate that is not finite."""
+    """Arrays do not form a mesh: invalid shape, index out of range, or non-finite coordinate."""
 
 
 class ArrayTypeError(TristripError, TypeError):
-    """An argument is no array, or has a dtype that cannot be used."""
+    """An argument is not an array, or has an unsupported dtype."""
 
 
 class FormatError(TristripError, ValueError):
-    """The bytes of a file do not conform to its format; the text tells where, what was found and what was expected."""
+    """Bytes do not conform to a format. The text has the offset, what was found and expected."""
 
 
 class LimitError(TristripError, ValueError):
-    """An input is too large, or states a size that is."""
+    """An input is too large, or declares a size above the limits."""
 
 
 class FileError(TristripError, OSError):
@@ -34,15 +34,15 @@ class FileError(TristripError, OSError):
 
 
 class NotProvenError(TristripError):
-    """A result does not draw exactly the expected faces; it was not returned or written."""
+    """A result does not draw exactly the expected faces. It was not returned or written."""
 
 
 class InternalError(TristripError, RuntimeError):
-    """A defect of this package, or an array that another thread changed while it was in use."""
+    """A bug in this package, or an array that another thread modified while it was in use."""
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a search. `best` is the best result so far, which is complete and can be used."""
+    """Ctrl-C during a computation. `best` is the best result so far; it is complete and valid."""
 
     def __init__(self, best: Any = None) -> None:
         super().__init__("interrupted: the attribute `best` has the best result so far")
@@ -52,6 +52,6 @@ class Interrupted(KeyboardInterrupt):
         return (type(self), (self.best,))
 
 
-# The public names, which tracebacks show and pickles hold.
+# The public module name, for tracebacks and pickles.
 for _error in [TristripError, *TristripError.__subclasses__(), Interrupted]:
     _error.__module__ = "tristrip"

@@ -1,4 +1,4 @@
-"""What notebooks show of results: a table, and a picture where there are positions."""
+"""HTML representations of results for notebooks: a table, and an image if there are positions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _SHOWN = {
     "strips": "strips",
     "indices_restart": "indices with restarts",
     "indices_restart_per_triangle": "per triangle",
-    "indices_degenerate": "indices joined",
+    "indices_degenerate": "indices with degenerate joins",
     "acmr_fifo_16": "ACMR, FIFO 16",
 }
 
@@ -74,7 +74,7 @@ def strips_html(strips: Strips) -> str:
 
 
 def report_html(title: str, report: Mapping[str, Any]) -> str:
-    """Return the numbers and texts of a report."""
+    """Return the numbers and strings of a report."""
     rows = {key.replace("_", " "): value for key, value in report.items() if isinstance(value, (int, float, str))}
     return table(title, rows)
 
@@ -94,12 +94,12 @@ def decoder_html(decoder: Decoder) -> str:
     return table("decoder", {name: value for name, value in rows.items() if value is not None})
 
 
-#: Scenes with more triangles are shown without a picture, which would take seconds.
+#: Larger scenes are shown without an image, because rendering would take seconds.
 _MAX_DRAWN = 1_000_000
 
 
 def picture(png: bytes) -> str:
-    """Return a picture as HTML."""
+    """Return an image as HTML."""
     return f'<img src="data:image/png;base64,{b64encode(png).decode()}" style="max-width:100%">'
 
 
@@ -152,7 +152,7 @@ def simplified_scene_html(simplified: SimplifiedScene) -> str:
         "surface_error": "surface error",
         "surface_error_percent": "percent of the diagonal",
         "rms_deviation": "RMS deviation",
-        "normal_deviation_degrees": "normals turned by, degrees",
+        "normal_deviation_degrees": "normal deviation, degrees",
     }
     rows = {name: report[key] for key, name in shown.items() if report[key] is not None}
     if simplified.warning:
@@ -163,7 +163,7 @@ def simplified_scene_html(simplified: SimplifiedScene) -> str:
 
 def chain_html(chain: Chain) -> str:
     """Return the summary of a chain of levels."""
-    heads = ["level", "triangles", "vertices", "error, % of the diagonal", "drawn down to this part of the screen"]
+    heads = ["level", "triangles", "vertices", "error, % of the diagonal", "minimum screen coverage"]
     keys = ["level", "triangles", "vertices", "surface_error_percent", "screen_coverage"]
     head = "".join(f"<th>{escape(text)}</th>" for text in heads)
     levels: list[dict[str, Any]] = [dict(level) for level in chain.levels]

@@ -1,4 +1,4 @@
-"""Progress of a computation: what a callback receives, and bars of tqdm as callbacks."""
+"""Progress reports: the argument of a callback, and tqdm bars as callbacks."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from typing import Any, NamedTuple, TypeAlias
 class Progress(NamedTuple):
     """The state of a computation.
 
-    stage: what is done now, in the words of the command: "stripify", "simplify", "verify", …
-    steps: steps of a search done so far; effort is counted in steps. Of a simplification, the triangles removed.
-    step_limit: the number of steps after which the search or the simplification ends; None where it is not known.
-    strips: the current number of strips; 0 where none are searched.
-    cost: the cost of the best result so far, which the search minimizes; 0 likewise.
+    Attributes:
+        stage: the current stage, named as in the command: "stripify", "simplify", "verify", …
+        steps: the search steps done so far (the unit of effort), or the triangles removed by a
+            simplification.
+        step_limit: the step at which the search or simplification ends, or None if unknown.
+        strips: the current number of strips, or 0 outside a strip search.
+        cost: the cost of the best result so far, or 0 outside a strip search.
     """
 
     stage: str
@@ -24,12 +26,12 @@ class Progress(NamedTuple):
 
 
 Callback: TypeAlias = Callable[[str, int, int | None, int, int], None]
-#: The argument `progress` of functions: True for a bar of tqdm, such a bar, or a function.
+#: The argument `progress` of functions: True for a tqdm bar, a bar, or a function.
 ProgressArgument: TypeAlias = Any
 
 
 def adapt(progress: Any) -> Callback | None:
-    """Turn the argument `progress` of a function into the callback that the native code calls."""
+    """Convert the argument `progress` to the callback that the native code calls."""
     if progress is None or progress is False:
         return None
     if progress is True:
@@ -46,7 +48,7 @@ def adapt(progress: Any) -> Callback | None:
         return call
     from ._errors import ParameterError
 
-    raise ParameterError(f"progress: found {type(progress).__name__}, expected True, a bar of tqdm, or a function")
+    raise ParameterError(f"progress: found {type(progress).__name__}, expected True, a tqdm bar or a function")
 
 
 def _for_bar(bar: Any) -> Callback:

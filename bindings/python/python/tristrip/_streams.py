@@ -15,11 +15,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Packed:
-    """A packed model, as `tristrip.pack` returns it.
+    """A packed model, returned by `tristrip.pack`.
 
-    report: a dictionary with the keys of the command's JSON: "proven", "parts", "meshes", "chunks", "vertices",
-        "triangles", "base_triangles", "bytes", "base_bytes", "bits_per_vertex", "position_error", "notes", "output".
-    bytes: the file.
+    Attributes:
+        report: a dictionary with the keys of the command's JSON: "proven", "parts", "meshes",
+            "chunks", "vertices", "triangles", "base_triangles", "bytes", "base_bytes",
+            "bits_per_vertex", "position_error", "notes", "output".
+        bytes: the contents of the file.
     """
 
     report: PackReport
@@ -36,16 +38,18 @@ class Packed:
 
 @dataclass(frozen=True, eq=False)
 class Unpacked:
-    """A level of a stream, as `tristrip.unpack` returns it; all parts in one mesh.
+    """A level of a stream, returned by `tristrip.unpack`, with all parts in one mesh.
 
-    It can be unpacked: `vertices, faces = unpacked`.
+    It unpacks: `vertices, faces = unpacked`.
 
-    report: a dictionary with the keys of the command's JSON: "proven", "parts", "level", "levels", "triangles",
-        "triangles_full", "surface_error", "bytes", "chunks", "ended_early", "notes", "output".
-    vertices: positions, float32 of shape (n, 3).
-    faces: triangles, uint32 of shape (m, 3).
-    attributes: arrays by name: "NORMAL", "TEXCOORD_0", …
-    scene: the level as a scene, with the parts, materials and nodes of the file.
+    Attributes:
+        report: a dictionary with the keys of the command's JSON: "proven", "parts", "level",
+            "levels", "triangles", "triangles_full", "surface_error", "bytes", "chunks",
+            "ended_early", "notes", "output".
+        vertices: positions, float32 of shape (n, 3).
+        faces: triangles, uint32 of shape (m, 3).
+        attributes: arrays by name: "NORMAL", "TEXCOORD_0", …
+        scene: the level as a scene, with the parts, materials and nodes of the file.
     """
 
     report: UnpackReport
@@ -74,20 +78,20 @@ def decode(
     max_bytes: int | None = None,
     max_triangles: int | None = None,
 ) -> Iterator[Decoder]:
-    r"""Decode a progressive GLB from pieces of its bytes, such as those of an HTTP response.
+    r"""Decode a progressive GLB from an iterable of bytes, such as the body of an HTTP response.
 
     Yields the decoder after each piece.
 
     Args:
-        chunks: bytes in pieces of any size.
-        strips: as of `Decoder`.
-        partial: whether the bytes may end early; the last decoder is then not complete.
-        max_bytes: as of `Decoder`.
-        max_triangles: as of `Decoder`.
+        chunks: the bytes of the file in pieces of any size.
+        strips: see `Decoder`.
+        partial: whether the bytes may end early. The last decoder is then incomplete.
+        max_bytes: see `Decoder`.
+        max_triangles: see `Decoder`.
 
     Raises:
-        FormatError: the bytes are not valid, or end early.
-        LimitError: the file asks for more than the limits allow.
+        FormatError: the bytes are invalid, or end early.
+        LimitError: the file exceeds the limits.
 
     >>> import numpy, tristrip
     >>> x, y = numpy.meshgrid(numpy.arange(30), numpy.arange(30))

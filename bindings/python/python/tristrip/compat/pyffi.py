@@ -1,11 +1,12 @@
-"""A replacement for `pyffi.utils.tristrip`: the same functions, arguments and results, computed by this package.
+"""A replacement for `pyffi.utils.tristrip` with the same functions, arguments and results.
 
     from tristrip.compat import pyffi as tristrip          # instead of: from pyffi.utils import tristrip
     strips = tristrip.stripify(triangles, stitchstrips=True)
 
-A triangle list is any iterable of triples of integers; a strip is a list of integers, and begins with an even
-winding. As there, triangles with a repeated vertex are left out, and a triangle that is given again with the same
-winding is drawn once. Which strips are found, and their order, are not those of PyFFI; they draw the same triangles.
+A triangle list is any iterable of integer triples. A strip is a list of integers whose first
+triangle has even winding. As in PyFFI, triangles with a repeated vertex are dropped, and duplicates
+with the same winding are drawn once. The strips and their order differ from PyFFI's, but they draw
+the same triangles.
 """
 
 from __future__ import annotations
@@ -31,14 +32,15 @@ def stripify(triangles: Iterable[Sequence[int]], stitchstrips: bool = False) -> 
     """Compute strips that draw every triangle exactly once, with its original winding.
 
     Args:
-        triangles: an iterable of triples of integers of any size; a generator is read once.
-        stitchstrips: whether all strips are joined into one by degenerate triangles.
+        triangles: an iterable of integer triples. Integers can have any size; a generator is
+            consumed once.
+        stitchstrips: whether to join all strips into one by degenerate triangles.
 
     Returns:
-        A list of strips; of one strip with `stitchstrips`, which is empty if there are no triangles.
+        A list of strips. With `stitchstrips`, a list of one strip, empty if there are no triangles.
 
     Raises:
-        TypeError: a triangle has not three vertices, or a vertex is no integer.
+        TypeError: a triangle does not have three vertices, or a vertex is not an integer.
 
     >>> from tristrip.compat import pyffi
     >>> pyffi.stripify([(0, 1, 2), (2, 1, 3), (5, 6, 7)])
@@ -59,7 +61,7 @@ def stripify(triangles: Iterable[Sequence[int]], stitchstrips: bool = False) -> 
 
 
 def _faces(triangles: Iterable[Sequence[int]]) -> tuple[npt.NDArray[np.uint32], npt.NDArray[Any] | None]:
-    """Return each different triangle once, and the names of its vertices where they are not the indices."""
+    """Return each distinct triangle once, and the original vertices unless they are the indices."""
     given: Any = triangles if isinstance(triangles, np.ndarray) else list(triangles)
     if len(given) == 0:
         return np.empty((0, 3), np.uint32), None
@@ -69,9 +71,9 @@ def _faces(triangles: Iterable[Sequence[int]]) -> tuple[npt.NDArray[np.uint32], 
         array = np.empty((0, 0))
     if array.ndim != 2 or array.shape[1] != 3:
         found = next((len(face) for face in given if len(face) != 3), 3)
-        raise TypeError(f"triangles: found a triangle of {found} vertices, expected 3")
+        raise TypeError(f"triangles: found a triangle with {found} vertices, expected 3")
     if array.dtype.kind == "f" and all(isinstance(vertex, int | np.integer) for face in given for vertex in face):
-        array = np.array(given, dtype=object)  # NumPy has no integer type for values above and below those of 64 bits.
+        array = np.array(given, dtype=object)  # NumPy has no integer dtype for values beyond 64 bits.
     if array.dtype.kind == "O":
         if not all(isinstance(vertex, int | np.integer) for vertex in array.flat):
             raise TypeError("triangles: expected integers")
@@ -85,7 +87,7 @@ def _faces(triangles: Iterable[Sequence[int]]) -> tuple[npt.NDArray[np.uint32], 
 
 
 def _without_repeats(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint32]:
-    """Drop triangles with a repeated vertex, and those that are rotations of an earlier one."""
+    """Drop triangles with a repeated vertex, and rotations of earlier triangles."""
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
     if len(faces) == 0:
@@ -98,13 +100,13 @@ def _without_repeats(faces: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint32]:
     is_new = np.append(True, (sorted_corners[:, 1:] != sorted_corners[:, :-1]).any(axis=0))
     if is_new.all():
         return faces
-    # The sort is stable, so that the first triangle of its kind is kept.
+    # The sort is stable, so the first triangle of each kind is kept.
     kept: npt.NDArray[np.uint32] = faces[np.sort(order[is_new])]
     return kept
 
 
 def triangulate(strips: Iterable[Sequence[int]]) -> list[tuple[int, int, int]]:
-    """Return the triangles that strips draw, in their order; degenerate ones are left out.
+    """Return the triangles of strips in draw order, without degenerate ones.
 
     >>> from tristrip.compat import pyffi
     >>> pyffi.triangulate([[0, 1, 2, 3], [5, 6, 7]])
@@ -120,9 +122,9 @@ def triangulate(strips: Iterable[Sequence[int]]) -> list[tuple[int, int, int]]:
 
 
 class OrientedStrip:
-    """A strip without degenerate triangles at its ends, and whether its first triangle is drawn with reversed winding.
+    """A strip without degenerate triangles at its ends, and the winding of its first triangle.
 
-    As a sequence of vertices, a reversed strip begins with its first vertex twice.
+    As a sequence of vertices, a reversed strip starts with its first vertex twice.
 
     >>> from tristrip.compat.pyffi import OrientedStrip
     >>> OrientedStrip([0, 0, 1, 2, 3]).vertices, OrientedStrip([0, 0, 1, 2, 3]).reversed
@@ -142,7 +144,7 @@ class OrientedStrip:
             raise TypeError(f"strip: found {type(strip).__name__}, expected a list, a tuple or an OrientedStrip")
 
     def compactify(self) -> None:
-        """Remove the vertices that are repeated at both ends."""
+        """Remove repeated vertices at both ends."""
         vertices = self.vertices
         start, end = 0, len(vertices)
         while start + 1 < end and vertices[start] == vertices[start + 1]:
@@ -155,13 +157,13 @@ class OrientedStrip:
         self.reversed = self.reversed != bool(start % 2)
 
     def reverse(self) -> None:
-        """Reverse the order of the vertices; the triangles stay."""
+        """Reverse the order of the vertices; the triangles are unchanged."""
         self.vertices.reverse()
         if len(self.vertices) % 2:
             self.reversed = not self.reversed
 
     def get_num_stitches(self, other: OrientedStrip) -> int:
-        """Count the vertices needed between this strip and another that follows."""
+        """Return the number of vertices needed to join this strip and a following one."""
         meets = self.vertices[-1] == other.vertices[0]
         fits = (self.reversed != bool(len(self.vertices) % 2)) == other.reversed
         return (0 if meets else 2) + (0 if fits else 1)
@@ -193,7 +195,9 @@ class OrientedStrip:
 
 
 def stitch_strips(strips: Iterable[list[int] | tuple[int, ...]]) -> list[int]:
-    """Join strips into one by few degenerate triangles. Strips are reordered and reversed; their winding is kept.
+    """Join strips into one with few degenerate triangles.
+
+    Strips are reordered and reversed; winding is preserved.
 
     >>> from tristrip.compat import pyffi
     >>> pyffi.stitch_strips([[3, 4, 5], [0, 1, 2, 3]])
@@ -216,24 +220,24 @@ def stitch_strips(strips: Iterable[list[int] | tuple[int, ...]]) -> list[int]:
 
 
 class _Chains:
-    """Strips that are joined at their ends.
+    """Strips joined at their ends.
 
     # Algorithm
 
-    An end of a strip has a vertex, and a bit: whether the strip is `reversed` when it is drawn from this end. Joining
-    two strips costs no vertex where both are equal, one vertex where the bits differ, two vertices where the vertices
-    differ, and three where both differ; and the other ends of both strips keep their vertex and their bit. So ends
-    are paired greedily, equal ones first, unless they belong to the same chain, which a union-find structure tells;
-    and the remaining chains follow each other with equal bits.
+    Each end of a strip has a vertex and a bit: whether the strip is `reversed` when drawn from this
+    end. A join costs no vertex if both are equal, one vertex if the bits differ, two if the
+    vertices differ, and three if both differ. The other ends of both strips keep their vertex and
+    bit. Ends are therefore paired greedily, equal ones first, unless they belong to the same chain
+    (detected by union-find). The remaining chains are concatenated so that adjacent bits are equal.
 
     # Complexity
 
-    Nearly linear in the number of strips, and the copying of their vertices.
+    Nearly linear in the number of strips, plus the copying of their vertices.
     """
 
     def __init__(self, strips: list[OrientedStrip]) -> None:
         self.strips = strips
-        # Ends 2 i and 2 i + 1 are those of strip i: its first and its last vertex.
+        # Ends 2 i and 2 i + 1 are the first and last vertex of strip i.
         self.partner: list[int | None] = [None] * (2 * len(strips))
         self.root = list(range(len(strips)))
         self.bits = [
@@ -257,7 +261,8 @@ class _Chains:
                 continue
             others = waiting[key(self.vertex(end), self.bits[end])]
             chain = self.chain_of(end // 2)
-            # All that wait for one key belong to one chain, as two chains would have been joined.
+            # All ends with the same key in the list belong to one chain; otherwise they would have
+            # been joined.
             if others and self.chain_of(others[-1] // 2) != chain:
                 other = others.pop()
                 self.partner[end], self.partner[other] = other, end
@@ -266,12 +271,12 @@ class _Chains:
                 others.append(end)
 
     def in_order(self) -> Iterator[OrientedStrip]:
-        """Yield the strips of all chains, turned as they are drawn."""
+        """Yield the strips of all chains, oriented as drawn."""
         kinds: dict[tuple[bool, bool], list[int]] = defaultdict(list)
         for start, end in self._ends():
             kinds[self.bits[start], self.bits[end]].append(start)
-        # Chains of equal bits follow each other; one of two different bits leads from those of 0 to those of 1, and
-        # pairs of such lead back.
+        # Concatenate chains with equal bits. A chain with two different bits links bit 0 to bit 1,
+        # and a second one links back.
         mixed = kinds[False, True] + [self._other_end(start) for start in kinds[True, False]]
         firsts = kinds[False, False] + mixed[:1] + kinds[True, True]
         for start in firsts:
@@ -291,7 +296,7 @@ class _Chains:
                 yield end, other
 
     def _walk(self, end: int) -> Iterator[int]:
-        """Yield the end by which each strip of a chain is entered."""
+        """Yield the end at which drawing enters each strip of a chain."""
         entered: int | None = end
         while entered is not None:
             yield entered
@@ -312,7 +317,7 @@ class _Chains:
 
 
 def unstitch_strip(strip: Sequence[int]) -> list[list[int]]:
-    """Separate a strip into those that degenerate triangles join, with their winding.
+    """Split a strip at its degenerate joins, with the original winding.
 
     >>> from tristrip.compat import pyffi
     >>> pyffi.unstitch_strip([0, 1, 2, 3, 3, 5, 5, 6, 7])
@@ -323,8 +328,7 @@ def unstitch_strip(strip: Sequence[int]) -> list[list[int]]:
     for end in range(1, len(strip) + 1):
         if end < len(strip) and strip[end] != strip[end - 1]:
             continue
-        # Of a strip that begins at an odd position, the first vertex is repeated, so that it begins with the same
-        # winding.
+        # If the strip starts at an odd position, repeat its first vertex to keep the winding.
         part = [*strip[start : start + start % 2], *strip[start:end]]
         if len(part) - start % 2 >= 3:
             strips.append(part)

@@ -1,7 +1,7 @@
 """Conversions from and to the meshes of other packages: trimesh, PyVista, Open3D and meshio.
 
-None of them is required: each is imported when a function that needs it is called. What a package cannot hold is
-named by a warning of the class `ConversionWarning`.
+No package is required; each is imported by the functions that need it. A `ConversionWarning` names
+data that a package cannot represent.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The arrays that all conversions have in common: positions, faces of any size or strips, and attributes by name."""
+"""Arrays shared by all conversions: positions, faces or strips, and named attributes."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ Array: TypeAlias = npt.NDArray[Any]
 
 
 class ConversionWarning(UserWarning):
-    """Something that a conversion cannot keep: the text names it, with counts."""
+    """Data that a conversion drops. The text names them, with counts."""
 
 
 def warn(text: str) -> None:
-    """Warn of a loss at the place where the user called the conversion."""
+    """Warn about dropped data, attributed to the line where the user called the conversion."""
     package = __name__.rsplit(".", 2)[0] + "."
     depth = 1
     frame = inspect.currentframe()
@@ -40,7 +40,7 @@ def warn(text: str) -> None:
 
 
 def required(name: str, install: str | None = None) -> Any:
-    """Import another package, or say what to install."""
+    """Import another package, or raise an error with the install command."""
     try:
         return importlib.import_module(name)
     except ImportError as error:
@@ -59,7 +59,7 @@ class Faces:
 
     @classmethod
     def of(cls, name: str, given: Any) -> Faces:
-        """Take faces in any form that `stripify` takes."""
+        """Read faces in any form that `stripify` accepts."""
         if isinstance(given, Faces):
             return given
         if isinstance(given, list | tuple) and len({len(face) for face in given if hasattr(face, "__len__")}) > 1:
@@ -84,7 +84,7 @@ class Faces:
         return np.diff(self.offsets)
 
     def triangles(self) -> npt.NDArray[np.int64]:
-        """Return the triangles, polygons as fans around their first corner: shape (n, 3)."""
+        """Return the triangles, shape (n, 3), polygons as fans around their first corner."""
         sizes = self.sizes
         counts = np.maximum(sizes - 2, 0)
         starts = np.repeat(self.offsets[:-1], counts)
@@ -92,27 +92,27 @@ class Faces:
         return np.column_stack([self.corners[starts + i * second + j] for i, j in ((0, 0), (1, 0), (1, 1))])
 
     def by_size(self) -> Iterator[tuple[int, npt.NDArray[np.int64], npt.NDArray[np.int64]]]:
-        """Yield each size, the numbers of its faces, and their corners as one array."""
+        """Yield each face size, the indices of its faces, and their corners as one array."""
         for size in np.unique(self.sizes):
             numbers = np.flatnonzero(self.sizes == size)
             yield int(size), numbers, self.corners[self.offsets[numbers, None] + np.arange(size)]
 
     def reordered(self, order: npt.NDArray[np.int64]) -> Faces:
-        """Return the faces with these numbers."""
+        """Return the faces at these indices."""
         sizes = self.sizes[order]
         ends = _ends(sizes)
         within = np.arange(ends[-1]) - np.repeat(ends[:-1], sizes)
         return Faces(ends, self.corners[np.repeat(self.offsets[order], sizes) + within])
 
     def turned_over(self) -> Faces:
-        """Return the faces with their corners in reverse, from the same first corner on."""
+        """Return the faces with reversed corners, starting at the same first corner."""
         sizes = self.sizes
         first = np.repeat(self.offsets[:-1], sizes)
         within = np.arange(len(self.corners)) - first
         return Faces(self.offsets, self.corners[first + (np.repeat(sizes, sizes) - within) % np.repeat(sizes, sizes)])
 
     def as_argument(self) -> Any:
-        """Return the faces as `stripify` takes them."""
+        """Return the faces in a form that `stripify` accepts."""
         sizes = self.sizes
         if len(sizes) == 0:
             return np.empty((0, 3), np.int64)
@@ -123,9 +123,9 @@ class Faces:
 
 @dataclass
 class Part:
-    """One mesh, with positions as they were given, and texture coordinates from the lower edge of the image.
+    """One mesh with its original positions, and texture coordinates with v up.
 
-    material: a dictionary as `tristrip.Part` takes and has it.
+    material: a dictionary as in `tristrip.Part`.
     """
 
     vertices: Array
@@ -140,7 +140,7 @@ class Part:
         return self.faces.triangles()
 
     def placed(self, transform: Array) -> Part:
-        """Return the part in another place, with its normals and tangents; faces that are mirrored are turned over."""
+        """Return the transformed part with its normals and tangents; flip mirrored faces."""
         if np.array_equal(transform, np.eye(4)):
             return self
         linear = transform[:3, :3]
@@ -150,7 +150,8 @@ class Part:
         if is_mirrored:
             faces = self.polygons().turned_over()
         if NORMAL in attributes:
-            # The cofactors of the map: its inverse transposed, but for the length, also where there is no inverse.
+            # The cofactor matrix: the inverse transpose up to scale, defined even if there is no
+            # inverse.
             a, b, c = linear.T
             cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)]) * (-1 if is_mirrored else 1)
             attributes[NORMAL] = _unit(attributes[NORMAL] @ cofactors).astype(attributes[NORMAL].dtype)
@@ -165,7 +166,7 @@ class Part:
         return Faces.of("faces", self.triangles()) if isinstance(self.faces, Strips) else self.faces
 
     def other_attributes(self) -> Iterator[tuple[str, Array]]:
-        """Yield the attributes but normals, texture coordinates and colours."""
+        """Yield the attributes except normals, texture coordinates and colours."""
         yield from ((name, values) for name, values in self.attributes.items() if name not in (NORMAL, UV, COLOUR))
 
 
@@ -178,13 +179,13 @@ def part_of(
     colors: Any = None,
     attributes: Mapping[str, Any] | None = None,
 ) -> Part:
-    """Take one mesh: vertices and faces or strips, a pair of them, or an object with both, such as a `Simplified`."""
+    """Read one mesh: vertices and faces or strips, a pair of them, or an object with both."""
     found: dict[str, Any] = {}
     name = material = None
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         found.update(mesh.attributes)
         if UV in found and mesh.uv is not None:
-            # Those of a part count from the lower edge of the image, as other packages have them.
+            # The `uv` of a part has v up, as in other packages.
             found[UV] = mesh.uv
         name, material = getattr(mesh, "name", None), _material_of(mesh)
         vertices, faces = mesh.vertices, _faces_of(mesh) if faces is None else faces
@@ -212,7 +213,7 @@ def part_of(
             raise MeshError(f"{arguments[key]}: found shape {values.shape}, expected {expected}")
     kept = faces if isinstance(faces, Strips) else Faces.of("faces", faces)
     corners = kept.vertices if isinstance(kept, Strips) else kept.corners
-    # Other packages do not check, and read beyond the end of the vertices.
+    # Other packages don't check this and would read out of bounds.
     if len(corners) and (corners.max() >= len(vertices) or corners.min() < 0):
         wrong = corners.max() if corners.max() >= len(vertices) else corners.min()
         raise MeshError(f"faces: found vertex {wrong}, expected 0 to {len(vertices) - 1}")
@@ -261,7 +262,7 @@ def _numbers(name: str, given: Any) -> Array:
 
 
 def bytes_of_colours(colours: Array) -> npt.NDArray[np.uint8]:
-    """Return colours with 8 bits per component, of floats from 0 to 1 or integers."""
+    """Convert colours, floats from 0 to 1 or integers, to 8 bits per component."""
     if colours.dtype == np.uint8:
         return colours
     highest = 1.0 if colours.dtype.kind == "f" else float(np.iinfo(colours.dtype).max)
@@ -269,7 +270,7 @@ def bytes_of_colours(colours: Array) -> npt.NDArray[np.uint8]:
 
 
 def warn_of_rounding(colours: Array) -> None:
-    """Warn if colours have values between those of 8 bits."""
+    """Warn if colours need more than 8 bits."""
     if colours.dtype != np.uint8:
         highest = 1.0 if colours.dtype.kind == "f" else float(np.iinfo(colours.dtype).max)
         if np.abs(bytes_of_colours(colours) / 255 - colours / highest).max(initial=0) > 1e-6:
@@ -277,7 +278,7 @@ def warn_of_rounding(colours: Array) -> None:
 
 
 def check_range(name: str, faces: Sequence[int] | Array, vertex_count: int) -> None:
-    """Check the indices that another package gives."""
+    """Validate indices from another package."""
     array = np.asarray(faces)
     if array.size and (array.min() < 0 or array.max() >= vertex_count):
         wrong = array.min() if array.min() < 0 else array.max()
@@ -285,9 +286,9 @@ def check_range(name: str, faces: Sequence[int] | Array, vertex_count: int) -> N
 
 
 def attributes_of(given: Mapping[str, Any], names: Mapping[Any, str], left_out: list[str]) -> dict[str, Array]:
-    """Take arrays with one row per vertex as attributes, under other names where there are some.
+    """Read arrays with one row per vertex as attributes, optionally renamed.
 
-    What cannot be taken is added to the list `left_out`.
+    Names of unsupported arrays are appended to the list `left_out`.
     """
     found: dict[str, Array] = {}
     for key, array in given.items():
@@ -297,7 +298,7 @@ def attributes_of(given: Mapping[str, Any], names: Mapping[Any, str], left_out: 
             left_out.append(f"the third texture coordinate of {key}")
             values = values[:, :2]
         if name in found or not _fits(name, values):
-            # Not what the name says: another attribute.
+            # The values do not match the name; store them under another name.
             name = key if key != name else f"{key}_OTHER"
         if (
             values.dtype.kind not in "fiu"
@@ -311,7 +312,7 @@ def attributes_of(given: Mapping[str, Any], names: Mapping[Any, str], left_out: 
 
 
 def _narrowed(values: Array) -> Array:
-    """Return values in rows: truth values with 8 bits, and integers of 64 bits with 32 where they fit."""
+    """Return values as rows; convert booleans to 8 bits, and 64-bit integers to 32 if they fit."""
     if values.ndim > 2:
         values = values.reshape(len(values), -1)
     if values.dtype.kind == "b":
@@ -325,7 +326,7 @@ def _narrowed(values: Array) -> Array:
 
 
 def _fits(name: str, values: Array) -> bool:
-    """Check that normals, texture coordinates and colours have the columns and values of such."""
+    """Check the columns and values of normals, texture coordinates and colours."""
     columns = {NORMAL: (3,), UV: (2,), COLOUR: (3, 4)}.get(name)
     if columns is None:
         return True
@@ -341,17 +342,17 @@ def _fits(name: str, values: Array) -> bool:
 def split_corners(
     corners: Array, vertex_count: int, values: Array
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Split vertices where the corners of faces at them have different values.
+    """Split vertices whose face corners have different values.
 
     Args:
-        corners: the vertices of all corners, shape (n,).
+        corners: the vertex of each corner, shape (n,).
         vertex_count: the number of vertices.
         values: one row per corner, shape (n, k).
 
     Returns:
-        The corners over the split vertices, for each of those the vertex that it is a copy of, and a corner that has
-        its value, -1 for vertices that no face has. Copies of a vertex are neighbours, so that vertices that are not
-        split keep their order.
+        The split vertex of each corner, the source vertex of each split vertex, and a corner with
+        its value, or -1 for vertices without faces. Copies of a vertex are adjacent, so unsplit
+        vertices keep their order.
     """
     corners = np.asarray(corners, np.int64)
     count = len(corners) + 1
@@ -365,9 +366,9 @@ def split_corners(
 
 
 def joined(parts: Sequence[Part]) -> tuple[Part, npt.NDArray[np.int64]]:
-    """Join parts into one, with the number of the part of each face.
+    """Join parts into one, and return the part index of each face.
 
-    Attributes that not all parts have alike are left out, with a warning.
+    Attributes that differ between parts are dropped with a warning.
     """
     if len(parts) == 1:
         return parts[0], np.zeros(len(parts[0].polygons()), np.int64)
@@ -383,7 +384,7 @@ def joined(parts: Sequence[Part]) -> tuple[Part, npt.NDArray[np.int64]]:
     }
     shared = {name for name in names if len(kinds[name]) == 1 and all(name in part.attributes for part in parts)}
     if names - shared:
-        warn(f"left out attributes that only some parts have: {', '.join(sorted(names - shared))}")
+        warn(f"dropped attributes that only some parts have: {', '.join(sorted(names - shared))}")
     attributes = {name: np.concatenate([part.attributes[name] for part in parts]) for name in sorted(shared)}
     empty: list[Any] = [np.empty(0, np.int64)]
     together = Faces(np.concatenate([np.zeros(1, np.int64), *offsets]), np.concatenate(corners or empty))

@@ -1,4 +1,4 @@
-"""Meshes of meshio."""
+"""Conversions for meshio."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 
     from tristrip._native import Scene
 
-#: The cell data with the number of each face, where faces of several sizes are in blocks of their own.
+#: The cell data with face indices, used if faces of different sizes are in separate blocks.
 _FACE = "face"
 _PART = "part"
-#: The names under which meshio reads normals, texture coordinates and colours from OBJ, PLY and VTK.
+#: The names that meshio uses for normals, texture coordinates and colours of OBJ, PLY and VTK
+#: files.
 _NAMES = {
     "obj:vn": NORMAL,
     "obj:vt": UV,
@@ -29,7 +30,7 @@ _NAMES = {
     "RGB": COLOUR,
     "RGBA": COLOUR,
 }
-#: Attributes that PLY has as one number per property.
+#: Attributes that PLY stores as one property per component.
 _SEPARATE = [
     (NORMAL, ("nx", "ny", "nz")),
     (UV, ("s", "t")),
@@ -49,29 +50,31 @@ def to_meshio(
     colors: Any = None,
     attributes: Mapping[str, Any] | None = None,
 ) -> Any:
-    """Convert a mesh, strips or a scene for meshio.
+    """Convert a mesh, strips or a scene to meshio.
 
     Args:
-        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips, or vertices of
-            shape (n, 3).
-        faces: with vertices only: faces as of `stripify`, or `Strips`, of which the triangles are taken in their order.
-        normals: of shape (n, 3), one per vertex.
+        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips,
+            or vertices of shape (n, 3).
+        faces: only with vertices: faces (see `stripify`), or `Strips`, which are converted to
+            triangles in draw order.
+        normals: shape (n, 3), one per vertex.
         uv: texture coordinates of shape (n, 2).
-        colors: of shape (n, 3) or (n, 4): floats from 0 to 1, or uint8 or uint16.
-        attributes: other values per vertex, by name: arrays of shape (n,) or (n, k).
+        colors: shape (n, 3) or (n, 4); floats from 0 to 1, uint8 or uint16.
+        attributes: other per-vertex values by name, of shape (n,) or (n, k).
 
     Returns:
-        A `meshio.Mesh` with a block of cells per face size: "triangle", "quad" and "polygon"; if there are several
-        blocks, the cell data "face" have the number of each face. Attributes are point data under their names:
-        "NORMAL", "TEXCOORD_0", "COLOR_0" and others. The parts of a `Scene` are joined, placed as its nodes place
-        them; the cell data "part" have the number of each. Materials are left out.
+        A `meshio.Mesh` with one cell block per face size: "triangle", "quad" and "polygon". With
+        several blocks, the cell data "face" has the index of each face. Attributes become point
+        data under their names: "NORMAL", "TEXCOORD_0", "COLOR_0" and others. The parts of a `Scene`
+        are transformed by their nodes and joined; the cell data "part" has the part of each face.
+        Materials are dropped.
 
     Raises:
         ImportError: meshio is not installed.
-        MeshError, ArrayTypeError: the arrays have wrong values or a wrong shape.
+        MeshError, ArrayTypeError: an array has invalid values, shape or type.
 
     Warns:
-        ConversionWarning: attributes that only some parts of a scene have are left out.
+        ConversionWarning: attributes that some parts of a scene lack were dropped.
 
     >>> import tristrip
     >>> tristrip.to_meshio([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 3, 2]]).cells[0].type
@@ -105,23 +108,24 @@ def from_meshio(mesh: Any, *, name: str | None = None) -> Scene:
         name: the name of the mesh.
 
     Returns:
-        A `Scene` with the triangles, quads and polygons in the order of the blocks, or of the cell data "face" as
-        `to_meshio` writes them. Normals, texture coordinates and colours under the names with which meshio reads OBJ,
-        PLY and VTK, and other point data, are kept. Points with two coordinates lie in the plane z = 0.
+        A `Scene` with the triangles, quads and polygons in block order, or in the order of the cell
+        data "face" written by `to_meshio`. Point data are kept, including normals, texture
+        coordinates and colours under the names that meshio uses for OBJ, PLY and VTK.
+        Two-dimensional points get z = 0.
 
     Raises:
         ImportError: meshio is not installed.
-        ArrayTypeError: the argument is no mesh of meshio.
+        ArrayTypeError: the argument is not a mesh of meshio.
 
     Warns:
-        ConversionWarning: cells without a surface, cell data, nodes on edges, or point data that are no numbers are
-            left out.
+        ConversionWarning: cells that are not faces, cell data, nodes on edges, or non-numeric point
+            data were dropped.
     """
     return scene_of([part_of_meshio(mesh, name=name)])
 
 
 def part_of_meshio(mesh: Any, *, name: str | None = None) -> Part:
-    """Take the arrays of a mesh."""
+    """Read the arrays of a mesh."""
     meshio = required("meshio")
     if not isinstance(mesh, meshio.Mesh):
         raise ArrayTypeError(f"mesh: found {type(mesh).__name__}, expected a Mesh of meshio")
@@ -152,12 +156,12 @@ def part_of_meshio(mesh: Any, *, name: str | None = None) -> Part:
     if order:
         faces = faces.reordered(np.argsort(np.concatenate(order), kind="stable"))
     if left_out:
-        warn(f"left out {'; '.join(left_out)}")
+        warn(f"dropped {'; '.join(left_out)}")
     return Part(points, faces, attributes, name)
 
 
 def _corner_count(kind: str) -> int | None:
-    """Return the number of corners of a type of cells that is a surface."""
+    """Return the number of corners of a surface cell type; None for other cell types."""
     for prefix, size in (("triangle", 3), ("quad", 4)):
         if kind == prefix or kind.removeprefix(prefix).isdigit():
             return size
@@ -165,7 +169,7 @@ def _corner_count(kind: str) -> int | None:
 
 
 def _together(point_data: Mapping[str, Any]) -> dict[str, Any]:
-    """Put the numbers of each attribute of PLY into one array."""
+    """Combine the separate components of PLY attributes into arrays."""
     data = dict(point_data)
     for name, columns in _SEPARATE:
         if name not in data and all(column in data for column in columns):

@@ -1,4 +1,4 @@
-"""Triangle meshes of Open3D."""
+"""Conversions for Open3D triangle meshes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from tristrip._native import Scene
 
 _DEFAULTS = {"metallic": 0.0, "roughness": 1.0}
-#: The names of vertex and triangle attributes of tensor meshes.
+#: The names of vertex and triangle attributes in tensor meshes.
 _NAMES = {"normals": NORMAL, "colors": COLOUR, "texture_uvs": UV}
 _TENSOR_NAMES = {NORMAL: "normals"}
 _MAX_VERTICES = (1 << 31) - 1
@@ -50,32 +50,33 @@ def to_open3d(
     image: Any = None,
     tensor: bool = False,
 ) -> Any:
-    """Convert a mesh, strips or a scene for Open3D.
+    """Convert a mesh, strips or a scene to Open3D.
 
     Args:
-        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips, or vertices of
-            shape (n, 3).
-        faces: with vertices only: faces as of `stripify`, or `Strips`, of which the triangles are taken in their order.
-        normals: of shape (n, 3), one per vertex.
-        uv: texture coordinates of shape (n, 2), v upwards.
-        colors: of shape (n, 3) or (n, 4): floats from 0 to 1, or uint8 or uint16.
-        attributes: other values per vertex, by name: arrays of shape (n,) or (n, k).
-        image: of a texture, its upper row first: an array of shape (height, width, 3) of uint8.
-        tensor: whether a mesh of `open3d.t.geometry` is made, which has all attributes.
+        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips,
+            or vertices of shape (n, 3).
+        faces: only with vertices: faces (see `stripify`), or `Strips`, which are converted to
+            triangles in draw order.
+        normals: shape (n, 3), one per vertex.
+        uv: texture coordinates of shape (n, 2), v up.
+        colors: shape (n, 3) or (n, 4); floats from 0 to 1, uint8 or uint16.
+        attributes: other per-vertex values by name, of shape (n,) or (n, k).
+        image: the texture image, uint8 of shape (height, width, 3), top row first.
+        tensor: whether to create a mesh of `open3d.t.geometry`, which supports all attributes.
 
     Returns:
-        An `open3d.geometry.TriangleMesh`, or an `open3d.t.geometry.TriangleMesh`. Faces keep their order, polygons
-        are triangles. The parts of a `Scene` are joined, placed as its nodes place them. The images of their
-        materials are the textures; of a material without an image, a pixel of its colour is. A tensor mesh has the
-        material of a scene with a single one.
+        An `open3d.geometry.TriangleMesh`, or an `open3d.t.geometry.TriangleMesh`. Faces keep their
+        order; polygons are triangulated. The parts of a `Scene` are transformed by their nodes and
+        joined. The images of their materials become textures; a material without an image becomes a
+        one-pixel texture. A tensor mesh has a material if the scene has exactly one.
 
     Raises:
-        ImportError: Open3D is not installed; or Pillow, which reads the images of materials.
-        MeshError, ArrayTypeError: the arrays have wrong values or a wrong shape.
+        ImportError: Open3D is not installed, or Pillow, which decodes images of materials.
+        MeshError, ArrayTypeError: an array has invalid values, shape or type.
 
     Warns:
-        ConversionWarning: the opacity of colours, properties of materials, and with `tensor=False` other attributes,
-            are left out.
+        ConversionWarning: the opacity of colours, properties of materials or, with `tensor=False`,
+            other attributes were dropped.
     """
     open3d = required("open3d")
     if is_scene(mesh):
@@ -98,7 +99,7 @@ def to_open3d(
         return _tensor(open3d, part, triangles, materials)
     made = _legacy(open3d, part, triangles)
     if materials:
-        # Polygons have more than one triangle each.
+        # A polygon has several triangles.
         _set_textures(open3d, made, materials, np.repeat(of_parts[numbers], part.polygons().sizes - 2))
     return made
 
@@ -116,23 +117,23 @@ def _legacy(open3d: Any, part: Part, triangles: Array) -> Any:
         made.triangle_uvs = vector.Vector2dVector(found[UV].astype(np.float64)[triangles.ravel()])
     others = [name for name, _ in part.other_attributes()]
     if others:
-        warn(f"left out {', '.join(others)}: only meshes of open3d.t.geometry have other attributes (tensor=True)")
+        warn(f"dropped {', '.join(others)}: only meshes of open3d.t.geometry have other attributes (tensor=True)")
     return made
 
 
 def _set_textures(open3d: Any, mesh: Any, materials: list[dict[str, Any]], of_triangles: Array) -> None:
-    # Open3D has the lower row of a texture first.
+    # Open3D stores the bottom row of a texture first.
     mesh.textures = [open3d.geometry.Image(np.ascontiguousarray(np.flipud(_pixels(one)))) for one in materials]
     mesh.triangle_material_ids = open3d.utility.IntVector(of_triangles.astype(np.int32))
     lost = [key for key, value in _DEFAULTS.items() if any(one.get(key, value) != value for one in materials)]
     if any(one.get("base_color_image") and tuple(one["base_color"])[:3] != (1.0,) * 3 for one in materials):
         lost.append("the factor of an image")
     if lost:
-        warn(f"left out {', '.join(lost)} of materials: only meshes of open3d.t.geometry have them (tensor=True)")
+        warn(f"dropped {', '.join(lost)} of materials: only meshes of open3d.t.geometry have them (tensor=True)")
 
 
 def _materials(parts: list[Part]) -> tuple[list[dict[str, Any]], Array]:
-    """Return the different materials of parts, and the number of the material of each part; none if no part has one."""
+    """Return the distinct materials and the material index of each part; empty without materials."""
     materials: list[dict[str, Any]] = []
     numbers = []
     if all(part.material is None for part in parts):
@@ -151,14 +152,14 @@ def _materials(parts: list[Part]) -> tuple[list[dict[str, Any]], Array]:
 
 
 def _with_coordinates(part: Part) -> Part:
-    """Return a part with texture coordinates: where it has none, its texture has one pixel."""
+    """Return a part with texture coordinates. If it has none, its texture is one pixel."""
     if UV in part.attributes:
         return replace(part, attributes={**part.attributes, UV: part.attributes[UV].astype(np.float32)})
     return replace(part, attributes={**part.attributes, UV: np.zeros((len(part.vertices), 2), np.float32)})
 
 
 def _pixels(material: dict[str, Any]) -> Array:
-    """Return the image of a material, upper row first; or a pixel of its colour."""
+    """Return the image of a material, top row first, or one pixel of its colour."""
     if "image" in material:
         pixels: Array = material["image"]
         return pixels
@@ -176,7 +177,7 @@ def _opaque(colours: Array) -> Array:
         opacity = colours[:, 3]
         highest = 1.0 if colours.dtype.kind == "f" else np.iinfo(colours.dtype).max
         if (opacity < highest).any():
-            warn(f"{COLOUR}: the opacity is left out, Open3D has none")
+            warn(f"{COLOUR}: opacity dropped, Open3D has none")
         colours = colours[:, :3]
     return colours
 
@@ -204,7 +205,7 @@ def _tensor(open3d: Any, part: Part, triangles: Array, materials: list[dict[str,
         else:
             made.vertex[_TENSOR_NAMES.get(name, name)] = of(values if values.ndim == 2 else values[:, None])
     if len(materials) > 1:
-        warn(f"left out {len(materials)} materials: a mesh of open3d.t.geometry has one")
+        warn(f"dropped {len(materials)} materials: a mesh of open3d.t.geometry has one")
     elif materials:
         _set_material(open3d, made, materials[0])
     return made
@@ -229,22 +230,23 @@ def from_open3d(mesh: Any, *, name: str | None = None) -> Scene:
         name: the name of the mesh.
 
     Returns:
-        A `Scene` with the faces in their order, normals, colours and other attributes of vertices. Texture
-        coordinates of corners become those of vertices, which are split where they differ. A mesh with textures
-        becomes a part per texture, and that of a tensor mesh has its material.
+        A `Scene` with the faces in their order, normals, colours and other vertex attributes.
+        Texture coordinates of corners become vertex attributes; vertices with different values are
+        split. A mesh with textures becomes one part per texture. A tensor mesh keeps its material.
 
     Raises:
-        ImportError: Open3D is not installed; or Pillow, which writes the images of textures.
-        ArrayTypeError: the argument is no triangle mesh of Open3D.
+        ImportError: Open3D is not installed, or Pillow, which encodes images of textures.
+        ArrayTypeError: the argument is not a triangle mesh of Open3D.
 
     Warns:
-        ConversionWarning: attributes of triangles, and maps of the material but that of the colour, are left out.
+        ConversionWarning: triangle attributes, or material maps other than the base colour, were
+            dropped.
     """
     return scene_of(parts_of_open3d(mesh, name=name))
 
 
 def parts_of_open3d(mesh: Any, *, name: str | None = None) -> list[Part]:
-    """Take the arrays of a mesh."""
+    """Read the arrays of a mesh."""
     open3d = required("open3d")
     left_out: list[str] = []
     is_legacy = isinstance(mesh, open3d.geometry.TriangleMesh)
@@ -273,13 +275,13 @@ def parts_of_open3d(mesh: Any, *, name: str | None = None) -> list[Part]:
         attributes = {key: values[old] for key, values in attributes.items()}
         attributes[UV] = np.where(corner[:, None] < 0, 0, coordinates[corner])
     if left_out:
-        warn(f"left out {'; '.join(left_out)}")
+        warn(f"dropped {'; '.join(left_out)}")
     whole = Part(vertices, Faces.of("triangles", triangles), attributes, name)
     return _by_texture(whole, mesh) if is_legacy else [replace(whole, material=_material_of(mesh))]
 
 
 def _by_texture(whole: Part, mesh: Any) -> list[Part]:
-    """Return a part for each texture of a legacy mesh."""
+    """Return one part per texture of a legacy mesh."""
     textures, numbers = list(mesh.textures), np.asarray(mesh.triangle_material_ids)
     if not textures or len(numbers) != len(whole.faces):
         return [whole]
@@ -303,7 +305,7 @@ def _by_texture(whole: Part, mesh: Any) -> list[Part]:
 
 
 def _png(pixels: Array) -> bytes:
-    """Encode an image, upper row first."""
+    """Encode an image, top row first."""
     if pixels.ndim == 3 and pixels.shape[2] == 1:
         pixels = pixels[:, :, 0]
     image = required("PIL.Image", "pillow").fromarray(np.ascontiguousarray(pixels))
@@ -326,5 +328,5 @@ def _material_of(mesh: Any) -> dict[str, Any] | None:
         material["base_color_image"] = _png(given.texture_maps["albedo"].as_tensor().cpu().numpy())
     others = [key for key in given.texture_maps if key != "albedo"]
     if others:
-        warn(f"left out maps of the material: {', '.join(others)}")
+        warn(f"dropped material maps: {', '.join(others)}")
     return material

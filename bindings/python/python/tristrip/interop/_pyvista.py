@@ -1,4 +1,4 @@
-"""Meshes of PyVista (VTK), and pictures of strips."""
+"""Conversions for PyVista (VTK), and plots of strips."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _NORMALS = "Normals"
 _COORDINATES = "Texture Coordinates"
-#: The names under which VTK's readers store colours.
+#: The names that VTK readers use for colours.
 _COLOUR_NAMES = (COLOUR, "RGBA", "RGB")
 
 
@@ -33,26 +33,26 @@ def to_pyvista(
     colors: Any = None,
     attributes: Mapping[str, Any] | None = None,
 ) -> Any:
-    """Convert a mesh, strips or a scene for PyVista.
+    """Convert a mesh, strips or a scene to PyVista.
 
     Args:
-        mesh: a `Scene`, one of its parts, a `StrippedScene`, a `SimplifiedScene`, a `Simplified`, a pair of vertices
-            and faces or strips, or vertices of shape (n, 3).
-        faces: with vertices only: faces as of `stripify`, or `Strips`.
-        normals: of shape (n, 3), one per vertex.
-        uv: texture coordinates of shape (n, 2), v upwards.
-        colors: of shape (n, 3) or (n, 4): floats from 0 to 1, or uint8 or uint16.
-        attributes: other values per vertex, by name: arrays of shape (n,) or (n, k).
+        mesh: a `Scene`, one of its parts, a `StrippedScene`, a `SimplifiedScene`, a `Simplified`, a
+            pair of vertices and faces or strips, or vertices of shape (n, 3).
+        faces: only with vertices: faces (see `stripify`), or `Strips`.
+        normals: shape (n, 3), one per vertex.
+        uv: texture coordinates of shape (n, 2), v up.
+        colors: shape (n, 3) or (n, 4); floats from 0 to 1, uint8 or uint16.
+        attributes: other per-vertex values by name, of shape (n,) or (n, k).
 
     Returns:
-        A `pyvista.PolyData`. Polygons stay polygons, in their order; `Strips` become its `strips`, one cell each.
-        Normals and texture coordinates are the active ones, other attributes point data under their names. Of a
-        `Scene`, a `pyvista.MultiBlock` with a block per part, placed as its nodes place them; texture coordinates
-        count upwards, as VTK's do. Materials are left out, as they are no part of such meshes.
+        A `pyvista.PolyData`, or for a `Scene` a `pyvista.MultiBlock` with one block per part,
+        transformed by its nodes. Polygons are kept in order; `Strips` become `strips` cells.
+        Normals and texture coordinates (v up) are active; other attributes are point data under
+        their names. Materials are dropped.
 
     Raises:
         ImportError: PyVista is not installed.
-        MeshError, ArrayTypeError: the arrays have wrong values or a wrong shape.
+        MeshError, ArrayTypeError: an array has invalid values, shape or type.
 
     >>> import tristrip
     >>> strips = tristrip.stripify([[0, 1, 2], [2, 1, 3]])
@@ -71,7 +71,7 @@ def to_pyvista(
 
 def _poly_data(pyvista: Any, part: Part) -> Any:
     kept, points = part.faces, part.vertices
-    # A copy, so that no change of the one mesh is one of the other.
+    # Copy, so that the meshes do not share memory.
     points = points.astype(np.float64 if points.dtype.itemsize == 8 else np.float32, copy=True)
     corners = kept.vertices if isinstance(kept, Strips) else kept.corners
     cells = pyvista.CellArray.from_arrays(kept.offsets, corners.astype(np.int64), deep=True)
@@ -92,26 +92,27 @@ def from_pyvista(mesh: Any, *, name: str | None = None) -> Scene:
     """Convert a mesh of PyVista.
 
     Args:
-        mesh: a `pyvista.PolyData`, another dataset, of which the surface is taken, or a `pyvista.MultiBlock`.
+        mesh: a `pyvista.PolyData`, a `pyvista.MultiBlock`, or another dataset, whose surface is
+            extracted.
         name: the name of a single mesh.
 
     Returns:
-        A `Scene` with a part per block. Polygons stay polygons, in their order; strips follow as triangles, see also
-        `strips_from_pyvista`. Active normals and texture coordinates, colours ("RGB", "RGBA" or "COLOR_0") and other
-        point data are kept.
+        A `Scene` with one part per block. Polygons are kept in order. Strips become triangles after
+        them; see also `strips_from_pyvista`. Active normals and texture coordinates, colours
+        ("RGB", "RGBA" or "COLOR_0") and other point data are kept.
 
     Raises:
         ImportError: PyVista is not installed.
-        ArrayTypeError: the argument is no dataset of PyVista.
+        ArrayTypeError: the argument is not a PyVista dataset.
 
     Warns:
-        ConversionWarning: data of cells, vertices, lines or point data that are no numbers are left out.
+        ConversionWarning: cell data, vertex or line cells, or non-numeric point data were dropped.
     """
     return scene_of(parts_of_pyvista(mesh, name=name))
 
 
 def parts_of_pyvista(mesh: Any, *, name: str | None = None) -> list[Part]:
-    """Take the arrays of each block."""
+    """Read the arrays of each block."""
     pyvista = required("pyvista")
     if isinstance(mesh, pyvista.MultiBlock):
         blocks = [(key, block) for key, block in zip(mesh.keys(), mesh, strict=True) if block is not None]
@@ -122,7 +123,7 @@ def parts_of_pyvista(mesh: Any, *, name: str | None = None) -> list[Part]:
         mesh = mesh.extract_surface(algorithm="dataset_surface", pass_pointid=False, pass_cellid=False)
     left_out = {"vertices": mesh.n_verts, "lines": mesh.n_lines}
     named = [f"{count} {what}" for what, count in left_out.items() if count]
-    named += [f"data of cells: {', '.join(mesh.cell_data.keys())}"] if len(mesh.cell_data) else []
+    named += [f"cell data: {', '.join(mesh.cell_data.keys())}"] if len(mesh.cell_data) else []
     data = mesh.point_data
     names = dict.fromkeys(_COLOUR_NAMES, COLOUR) | {
         data.active_normals_name: NORMAL,
@@ -130,7 +131,7 @@ def parts_of_pyvista(mesh: Any, *, name: str | None = None) -> list[Part]:
     }
     attributes = attributes_of({key: data[key] for key in data}, names, named)
     if named:
-        warn(f"left out {'; '.join(named)}")
+        warn(f"dropped {'; '.join(named)}")
     polygons = _faces(mesh.GetPolys(), mesh.n_points, "faces")
     if mesh.n_strips:
         triangles = Faces.of("strips", strips_from_pyvista(mesh).triangles().astype(np.int64))
@@ -142,7 +143,7 @@ def parts_of_pyvista(mesh: Any, *, name: str | None = None) -> list[Part]:
 
 
 def _faces(cells: Any, point_count: int, name: str) -> Faces:
-    """Copy the cells of VTK."""
+    """Copy VTK cells."""
     pyvista = required("pyvista")
     arrays = [pyvista.convert_array(array) for array in (cells.GetOffsetsArray(), cells.GetConnectivityArray())]
     offsets, corners = (np.array(array, np.int64) for array in arrays)
@@ -151,7 +152,7 @@ def _faces(cells: Any, point_count: int, name: str) -> Faces:
 
 
 def strips_from_pyvista(mesh: Any) -> Strips:
-    """Take the strips of a `pyvista.PolyData`, as `pyvista.PolyData.strip` or `to_pyvista` makes them.
+    """Return the strips of a `pyvista.PolyData` made by `PolyData.strip` or `to_pyvista`.
 
     >>> import tristrip
     >>> strips = tristrip.stripify([[0, 1, 2], [2, 1, 3]])
@@ -168,7 +169,7 @@ def strips_from_pyvista(mesh: Any) -> Strips:
 
 
 def strip_colours(count: int) -> npt.NDArray[np.uint8]:
-    """Return a colour per strip: shape (count, 3). Colours of consecutive strips differ clearly."""
+    """Return a colour per strip, shape (count, 3), clearly different for consecutive strips."""
     numbers = np.arange(count)
     hue = (numbers * 0.61803398875) % 1.0
     value = 0.65 + 0.35 * ((numbers * 0.7548776662) % 1.0)
@@ -190,28 +191,28 @@ def plot_strips(
     window_size: tuple[int, int] = (1024, 768),
     **options: Any,
 ) -> Any:
-    """Draw strips with PyVista, each in a colour of its own.
+    """Draw strips with PyVista, one colour per strip.
 
     Args:
         vertices: positions of shape (n, 3).
         strips: strips over these vertices.
-        plotter: a `pyvista.Plotter` to draw into; by default a new one.
-        off_screen: whether a new plotter draws without a window, for `screenshot`.
-        window_size: width and height in pixels of a new plotter.
+        plotter: a `pyvista.Plotter` to draw into. By default a new one.
+        off_screen: whether a new plotter renders without a window, for `screenshot`.
+        window_size: the width and height of a new plotter, in pixels.
         **options: options of `pyvista.Plotter.add_mesh`, such as `show_edges=True`.
 
     Returns:
-        The plotter, of which `show()` opens a window and `screenshot("strips.png")` writes a picture.
+        The plotter. `show()` opens a window; `screenshot("strips.png")` writes an image.
 
     Raises:
         ImportError: PyVista is not installed.
-        MeshError: a strip has a vertex that does not exist.
+        MeshError: a strip refers to a vertex that does not exist.
     """
     pyvista = required("pyvista")
     if not isinstance(strips, Strips):
         raise ArrayTypeError(f"strips: found {type(strips).__name__}, expected Strips")
     if plotter is not None and off_screen is not None:
-        raise ParameterError("off_screen: cannot be used with plotter, which has it already")
+        raise ParameterError("off_screen: cannot be used with plotter, which already has this setting")
     mesh = _poly_data(pyvista, part_of(vertices, strips))
     if mesh.n_strips == 0:
         raise MeshError("strips: found none, expected one or more to draw")
@@ -219,7 +220,7 @@ def plot_strips(
     if plotter is None:
         plotter = pyvista.Plotter(off_screen=off_screen, window_size=list(window_size))
         plotter.background_color = "white"
-    # A strip is drawn flat: its vertices have no normals, and those of a smooth surface would hide where strips meet.
+    # Use flat shading: smooth normals would hide the borders of strips.
     shown = {"scalars": "strip colour", "rgb": True, "smooth_shading": False, **options}
     plotter.add_mesh(mesh, **shown)
     return plotter

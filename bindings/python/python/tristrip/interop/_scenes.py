@@ -1,4 +1,4 @@
-"""Scenes of this package, from the arrays or files that other packages give, and as parts where nodes place them."""
+"""Conversion between scenes and the parts, arrays or files of other packages."""
 
 from __future__ import annotations
 
@@ -15,20 +15,22 @@ if TYPE_CHECKING:
 
 
 def is_scene(mesh: Any) -> bool:
-    """Check whether an object is a scene, or one that was stripped or simplified."""
+    """Check whether an object is a scene, or a stripped or simplified scene."""
     return isinstance(mesh, _native.Scene | _native.StrippedScene | _native.SimplifiedScene)
 
 
 def scene_in(mesh: Any) -> Scene:
-    """Return the scene of an object that is one, or has one as its result."""
+    """Return the scene of an object that is a scene or has one as its result."""
     scene: Scene = mesh if isinstance(mesh, _native.Scene) else mesh.scene
     return scene
 
 
 def placed_parts(mesh: Any) -> list[Part]:
-    """Take the parts of a scene as its nodes place them, and with the strips of a stripped scene.
+    """Return the parts of a scene, transformed by their nodes.
 
-    A part that several nodes have is there several times.
+    Parts of a stripped scene have its strips.
+
+    A part that several nodes refer to is repeated.
     """
     scene = scene_in(mesh)
     strips = mesh.parts if isinstance(mesh, _native.StrippedScene) else None

@@ -1,4 +1,4 @@
-"""Meshes and scenes of trimesh."""
+"""Conversions for trimesh."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
     from tristrip._native import Scene
 
-#: The attributes of glTF that trimesh reads, beside those that begin with an underscore.
+#: The glTF attributes that trimesh reads, in addition to those that start with an underscore.
 _READ_BY_TRIMESH = {"POSITION", NORMAL, UV, COLOUR}
 _EXTENSIONS_READ_BY_TRIMESH = {
     "KHR_materials_pbrSpecularGlossiness",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
-    # Says what the file has already: integers as positions, normals and texture coordinates.
+    # Implied by the data: integer positions, normals and texture coordinates.
     "KHR_mesh_quantization",
 }
 _IMAGES = ("baseColorTexture", "emissiveTexture", "normalTexture", "occlusionTexture", "metallicRoughnessTexture")
@@ -64,28 +64,30 @@ def to_trimesh(
     attributes: Mapping[str, Any] | None = None,
     material: Any = None,
 ) -> Any:
-    """Convert a mesh or a scene for trimesh.
+    """Convert a mesh or a scene to trimesh.
 
     Args:
-        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces, or vertices of shape (n, 3).
-        faces: with vertices only: faces as of `stripify`, or `Strips`, of which the triangles are taken in their order.
-        normals: of shape (n, 3), one per vertex.
-        uv: texture coordinates of shape (n, 2), v upwards.
-        colors: of shape (n, 3) or (n, 4): floats from 0 to 1, or uint8 or uint16.
-        attributes: other values per vertex, by name: arrays of shape (n,) or (n, k).
-        material: a material of trimesh.
+        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces, or vertices
+            of shape (n, 3).
+        faces: only with vertices: faces (see `stripify`), or `Strips`, which are converted to
+            triangles in draw order.
+        normals: shape (n, 3), one per vertex.
+        uv: texture coordinates of shape (n, 2), v up.
+        colors: shape (n, 3) or (n, 4); floats from 0 to 1, uint8 or uint16.
+        attributes: other per-vertex values by name, of shape (n,) or (n, k).
+        material: a trimesh material.
 
     Returns:
-        A `trimesh.Trimesh` that is not processed: vertices and faces keep their order, and polygons are triangles. Of
-        a `Scene`, a `trimesh.Scene` with its nodes, materials and images.
+        An unprocessed `trimesh.Trimesh`, or for a `Scene` a `trimesh.Scene` with its nodes,
+        materials and images. Vertices and faces keep their order; polygons are triangulated.
 
     Raises:
         ImportError: trimesh is not installed.
-        MeshError, ArrayTypeError: the arrays have wrong values or a wrong shape.
+        MeshError, ArrayTypeError: an array has invalid values, shape or type.
 
     Warns:
-        ConversionWarning: colours are rounded to 8 bits, or a scene has what trimesh does not read: animations,
-            skins, other attributes.
+        ConversionWarning: colours were rounded to 8 bits, or the scene has data that trimesh does
+            not read: animations, skins, other attributes.
 
     >>> import tristrip
     >>> strips = tristrip.stripify([[0, 1, 2], [2, 1, 3]])
@@ -128,7 +130,7 @@ def _with_opacity(colours: Array) -> Array:
 
 
 def _scene(trimesh: Any, scene: Scene) -> Any:
-    """Convert a scene by way of GLB, which trimesh reads with nodes, materials and images."""
+    """Convert a scene through GLB, from which trimesh reads nodes, materials and images."""
     glb = bytes(scene.to_bytes("glb"))
     (size,) = struct.unpack_from("<I", glb, 12)
     document = json.loads(glb[20 : 20 + size])
@@ -151,23 +153,24 @@ def from_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None = N
 
     Args:
         mesh: a `trimesh.Trimesh` or a `trimesh.Scene`.
-        normals: whether vertex normals are taken; by default where the mesh has them already, since trimesh computes
-            them when asked.
+        normals: whether to convert vertex normals. By default only if the mesh already has them,
+            because trimesh computes missing ones on access.
         name: the name of a single mesh.
 
     Returns:
-        A `Scene` with the faces in their order, texture coordinates, vertex colours and other attributes. Colours of
-        faces become those of vertices, which are split where they differ. A mesh with a material, and a scene, are
-        converted by way of GLB: the scene keeps materials, images and nodes, and the transforms of nodes stay with
-        them. Other attributes become 32-bit floats then, and their names begin with an underscore, as glTF requires.
-        Positions are 32-bit floats.
+        A `Scene` with the faces in their order, texture coordinates, vertex colours and other
+        attributes. Face colours become vertex colours; vertices with different values are split.
+        Scenes, and meshes with a material, are converted through GLB, which keeps materials, images
+        and nodes with their transforms. Other attributes then become 32-bit floats with names that
+        start with an underscore, as glTF requires. Positions are 32-bit floats.
 
     Raises:
         ImportError: trimesh is not installed.
-        ArrayTypeError: the argument is no mesh or scene of trimesh.
+        ArrayTypeError: the argument is not a mesh or scene of trimesh.
 
     Warns:
-        ConversionWarning: attributes of faces, paths, point clouds, and attributes that glTF cannot hold are left out.
+        ConversionWarning: face attributes, paths, point clouds, or attributes that glTF does not
+            support were dropped.
     """
     trimesh = required("trimesh")
     if isinstance(mesh, trimesh.Scene):
@@ -182,7 +185,7 @@ def from_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None = N
 
 
 def part_of_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None = None) -> Part:
-    """Take the arrays of a mesh, without its material."""
+    """Read the arrays of a mesh, without its material."""
     mesh = _prepared(mesh)
     attributes: dict[str, Array] = {}
     if normals or (normals is None and _has_normals(mesh)):
@@ -199,12 +202,12 @@ def part_of_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None 
 
 
 def _has_normals(mesh: Any) -> bool:
-    """Check whether a mesh has normals already, as the exporters of trimesh do."""
+    """Check whether a mesh already has normals, as trimesh's exporters do."""
     return "vertex_normals" in mesh._cache  # noqa: SLF001
 
 
 def _kept(trimesh: Any, scene: Any) -> Any:
-    """Return a scene with its meshes prepared for GLB, and without what is no mesh. The given one stays as it is."""
+    """Return a copy of a scene with meshes prepared for GLB, without paths and point clouds."""
     kept = trimesh.Scene(metadata=scene.metadata)
     kept.graph = scene.graph.copy()
     if scene.has_camera:
@@ -212,7 +215,7 @@ def _kept(trimesh: Any, scene: Any) -> Any:
     kept.geometry.update(scene.geometry)
     others = [key for key, geometry in scene.geometry.items() if not isinstance(geometry, trimesh.Trimesh)]
     if others:
-        warn(f"left out {len(others)} paths or point clouds: {', '.join(others[:3])}{', …' * (len(others) > 3)}")
+        warn(f"dropped {len(others)} paths or point clouds: {', '.join(others[:3])}{', …' * (len(others) > 3)}")
         kept.delete_geometry(others)
     known: dict[int, Any] = {}
     for key, geometry in list(kept.geometry.items()):
@@ -221,7 +224,7 @@ def _kept(trimesh: Any, scene: Any) -> Any:
         kept.geometry[key] = parts[0]
         for number, part in enumerate(parts[1:], 1):
             for node in [node for node in kept.graph.nodes_geometry if kept.graph[node][1] == key]:
-                # A child of the node that has the first part, so that both move together.
+                # Add it as a child of the node with the first part, so that both move together.
                 kept.add_geometry(
                     part, geom_name=f"{key}_{number}", node_name=f"{node}_{number}", parent_node_name=node
                 )
@@ -229,9 +232,9 @@ def _kept(trimesh: Any, scene: Any) -> Any:
 
 
 def _prepared(mesh: Any) -> Any:
-    """Return a mesh with colours of vertices instead of faces, and say what is lost."""
+    """Return a mesh with vertex colours instead of face colours, and warn about lost data."""
     if mesh.face_attributes:
-        warn(f"left out attributes of faces: {', '.join(map(str, mesh.face_attributes))}")
+        warn(f"dropped face attributes: {', '.join(map(str, mesh.face_attributes))}")
     if mesh.visual.kind != "face":
         return mesh
     faces = np.asarray(mesh.faces)
@@ -249,7 +252,7 @@ def _prepared(mesh: Any) -> Any:
 
 
 def _copy(mesh: Any, **changed: Any) -> Any:
-    """Return a mesh with the same arrays but for some."""
+    """Return a mesh with the same arrays, except for some."""
     arguments = {
         "vertices": mesh.vertices,
         "faces": mesh.faces,
@@ -263,7 +266,7 @@ def _copy(mesh: Any, **changed: Any) -> Any:
 
 
 def _for_glb(trimesh: Any, mesh: Any, known: dict[int, Any]) -> Any:
-    """Return a mesh whose attributes and images trimesh writes without a loss."""
+    """Return a mesh whose attributes and images trimesh can write without loss."""
     attributes = {}
     for key, given in mesh.vertex_attributes.items():
         values = np.asarray(given)
@@ -272,7 +275,7 @@ def _for_glb(trimesh: Any, mesh: Any, known: dict[int, Any]) -> Any:
         is_kept = values.dtype.kind == "f" or (values.dtype.kind in "biu" and np.array_equal(exact, values))
         if not is_kept or not 1 <= values.shape[1] <= 4:
             found = f"{key} of {given.dtype} with {values.shape[1]} columns"
-            warn(f"left out {found}: glTF has up to four numbers of 32 bits")
+            warn(f"dropped {found}: glTF supports up to four 32-bit components")
         else:
             attributes[key] = exact
     changed: dict[str, Any] = {"vertex_attributes": attributes}
@@ -290,7 +293,7 @@ def _for_glb(trimesh: Any, mesh: Any, known: dict[int, Any]) -> Any:
 
 
 class _KeptJpeg:
-    """An image that trimesh writes as the JPEG it is: with its own tables, not with those of a lower quality."""
+    """A JPEG image that trimesh writes with its original quantization tables."""
 
     format = "JPEG"
 
@@ -302,7 +305,7 @@ class _KeptJpeg:
 
 
 def _with_kept_images(trimesh: Any, material: Any) -> Any:
-    """Return a material as GLB has it, whose JPEG images stay what they are."""
+    """Return a PBR material whose JPEG images are kept unchanged."""
     pbr = material.to_pbr() if hasattr(material, "to_pbr") else material
     images = {key: getattr(pbr, key, None) for key in _IMAGES}
     if not any(getattr(image, "format", None) == "JPEG" for image in images.values()):
@@ -314,7 +317,7 @@ def _with_kept_images(trimesh: Any, material: Any) -> Any:
 
 
 def _by_material(trimesh: Any, mesh: Any) -> Iterator[Any]:
-    """Yield a mesh for each of several materials of one mesh."""
+    """Yield one mesh per material of a multi-material mesh."""
     numbers = getattr(mesh.visual, "face_materials", None)
     materials = getattr(getattr(mesh.visual, "material", None), "materials", None)
     if numbers is None or not materials or len(numbers) != len(mesh.faces):
