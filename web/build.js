@@ -1,11 +1,13 @@
 #!/usr/bin/env node
 /**
- * Bundles the viewer for the server: its folder `dist` has the page in few bytes. It is committed, so that the server is built without Node, and
- * lies in the crate of the server, so that a package of the source has it.
+ * Bundles the viewer for the server into `crates/tristrip-serve/dist`. The bundle is committed, so
+ * the server can be built without Node.js. It is in the crate of the server, so a source package of
+ * the crate includes it.
  *
  *     npm run build
  *
- * The same sources give the same bytes; test/dist.test.js fails where `dist` is not that of the sources.
+ * The output is reproducible; test/dist.test.js fails if the committed bundle differs from the
+ * sources.
  * @module
  */
 import { mkdir, readFile, rm, writeFile } from 'node:fs/promises';
@@ -14,15 +16,15 @@ import { build } from 'esbuild';
 
 const HERE = new URL('.', import.meta.url);
 
-/** The folder of the bundle. */
+/** The directory of the bundle. */
 export const DIST = new URL('../crates/tristrip-serve/dist/', HERE);
 
-/** Where each bundle comes from: the page's two are modules, since the worker is one. */
+/** The entry points. The page and the worker are separate modules. */
 const ENTRIES = { viewer: 'viewer/main.js', worker: 'src/client/worker.js', style: 'viewer/viewer.css' };
 
 /**
- * Returns the files of the page.
- * @returns {Promise<Map<string, Uint8Array>>} their bytes, by name
+ * Bundles the viewer.
+ * @returns {Promise<Map<string, Uint8Array>>} the files by name
  */
 export async function bundle() {
   const { outputFiles } = await build({

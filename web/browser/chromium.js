@@ -1,5 +1,5 @@
 /**
- * Finds Chromium, or installs it, and starts it.
+ * Finds or installs Chromium, and starts it.
  * @module
  */
 import { spawnSync } from 'node:child_process';
@@ -10,7 +10,7 @@ import { createRequire } from 'node:module';
 
 const { CHROMIUM, TRISTRIP_REQUIRE_BROWSER } = process.env;
 
-/** Without a GPU, WebGL is drawn by SwiftShader. */
+/** Without a GPU, SwiftShader renders WebGL. */
 const ARGUMENTS = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox', '--enable-precise-memory-info'];
 
 const INSTALL_MILLISECONDS = 300_000;
@@ -24,7 +24,7 @@ async function playwright() {
   }
 }
 
-/** Installs the Chromium of Playwright; returns whether that has worked. */
+/** Installs Playwright's Chromium. Returns whether it succeeded. */
 function install() {
   const cli = createRequire(import.meta.url).resolve('playwright-core/cli.js');
   return spawnSync(process.execPath, [cli, 'install', 'chromium'], { stdio: 'ignore', timeout: INSTALL_MILLISECONDS }).status === 0;
@@ -32,7 +32,7 @@ function install() {
 
 /**
  * Starts Chromium.
- * @returns {Promise<Browser | string>} the browser, or why there is none
+ * @returns {Promise<Browser | string>} the browser, or why it is not available
  */
 async function launch() {
   const chromium = await playwright();
@@ -49,7 +49,7 @@ async function launch() {
 const launched = await launch();
 if (typeof launched === 'string' && TRISTRIP_REQUIRE_BROWSER) throw new Error(`TRISTRIP_REQUIRE_BROWSER: ${launched}`);
 
-/** Why tests in the browser are skipped: for the option `skip` of tests. */
+/** Why browser tests are skipped, for the option `skip` of tests. */
 export const skip = typeof launched === 'string' ? `SKIPPED: ${launched}` : false;
 
 /** The browser, unless tests are skipped. */

@@ -1,5 +1,5 @@
 /**
- * What tests in the browser share: pages, what their consoles say, and the end of all that was started.
+ * Shared by browser tests: pages, their console messages, and cleanup.
  * @module
  */
 import { after, test } from 'node:test';
@@ -9,21 +9,24 @@ import { Server } from './server.js';
 
 export { skip };
 
-/** How long a page waits for something, in milliseconds: long enough for a busy machine. */
+/** The timeout of a page in milliseconds, long enough for a busy machine. */
 const PATIENCE = 120_000;
 
-/** Messages of the driver, which say nothing about the page. */
+/** Messages of the graphics driver, which are not about the page. */
 const NOISE = /GPU stall|GL Driver|WebGL-0x|GroupMarkerNotSet/;
 
 /**
- * A page, and what has gone wrong in it.
+ * A page and the problems in it.
  * @typedef {{ page: import('playwright-core').Page, problems: string[] }} Tab
  */
 
-/** The files of the bundled viewer: the page as the server of the command has it. */
+/** The files of the bundled viewer, as the server of the command delivers it. */
 const BUNDLE = ['index.html', 'style.css', 'viewer.js', 'worker.js'];
 
-/** A server of the folder `web` with the bundled viewer, of installed packages under `/node_modules/`, and of models under `/models/`; and pages. */
+/**
+ * A server for the directory `web` with the bundled viewer, installed packages under
+ * `/node_modules/`, and models under `/models/`; and its pages.
+ */
 export class Harness {
   models = new Models();
   /** @type {import('playwright-core').BrowserContext[]} */
@@ -43,7 +46,7 @@ export class Harness {
   }
 
   /**
-   * Defines a test whose pages are closed at its end: they would take processor time from the next tests.
+   * Defines a test whose pages are closed at its end, because they would slow down the next tests.
    * @param {string} name
    * @param {import('node:test').TestOptions} options
    * @param {(t: import('node:test').TestContext) => Promise<void>} act
@@ -86,7 +89,7 @@ export class Harness {
 }
 
 /**
- * Starts a harness for a test file, and ends it and the browser after the tests.
+ * Starts a harness for a test file. It and the browser are closed after the tests.
  * @returns {Promise<Harness>}
  */
 export async function startHarness() {

@@ -1,10 +1,10 @@
 /**
- * The memory of a page and of its workers, after what is not used any more has been collected.
+ * The memory of a page and its workers after garbage collection.
  * @module
  */
 
 /**
- * Returns the bytes of JavaScript objects and of typed arrays in a page and in its first worker.
+ * Returns the bytes of JavaScript objects and typed arrays in a page and its first worker.
  * @param {import('playwright-core').Page} page with one worker
  * @returns {Promise<{ page: number, worker: number }>}
  */

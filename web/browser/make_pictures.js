@@ -1,10 +1,12 @@
 #!/usr/bin/env node
 /**
- * Makes the pictures of the README from the real page: `docs/viewer.png`, and `docs/refining.gif`, in which a model refines.
+ * Creates the images of the README from the real page: `docs/viewer.png`, and `docs/refining.gif`,
+ * in which a model refines.
  *
  *     node make_pictures.js
  *
- * The frames are levels of the model, one after some of the chunks each, so that they do not depend on the speed of the machine.
+ * Each frame is the model after a number of chunks, so the frames do not depend on the speed of the
+ * machine.
  * @module
  */
 import { statSync, writeFileSync } from 'node:fs';
@@ -21,7 +23,7 @@ const DOCS = new URL('../../docs/', import.meta.url);
 const PAGE = { viewport: { width: 1000, height: 790 } };
 const ANIMATION = { viewport: { width: 900, height: 600 } };
 const COLOURS = 128;
-/** How long frames are shown, the first and the last one longer, in milliseconds. */
+/** The duration of frames in milliseconds; the first and last are longer. */
 const FRAME = 160;
 const FIRST = 700;
 const LAST = 2500;

@@ -1,5 +1,5 @@
 /**
- * Models for tests: sources, and the same ones packed by the command.
+ * Models for tests: sources, and versions packed by the command.
  * @module
  */
 import { execFileSync } from 'node:child_process';
@@ -10,7 +10,7 @@ import { fileURLToPath } from 'node:url';
 
 const repository = fileURLToPath(new URL('../../', import.meta.url));
 
-/** @returns {string} the path of the command, which is built if it is missing */
+/** @returns {string} the path of the command, which is built if needed */
 function findCommand() {
   const { TRISTRIP_COMMAND, CARGO_TARGET_DIR = 'target' } = process.env;
   const command = TRISTRIP_COMMAND ?? path.resolve(repository, CARGO_TARGET_DIR, 'release/tristrip');
@@ -21,25 +21,25 @@ function findCommand() {
   return command;
 }
 
-/** Folder of the models in the repository. */
+/** The directory of the models in the repository. */
 const ownModels = path.join(repository, 'testdata/models');
 
-/** The folder of textured scenes, if `TRISTRIP_MODELS` names that of the models. */
+/** The directory of textured scenes, if `TRISTRIP_MODELS` is set. */
 const textured = process.env.TRISTRIP_MODELS && path.join(process.env.TRISTRIP_MODELS, 'textured');
 
-/** The folder with larger models, if `TRISTRIP_MODELS` names it. */
+/** The directory of larger models, if `TRISTRIP_MODELS` is set. */
 export const largeModels = process.env.TRISTRIP_MODELS;
 
 /** @param {string} file */
 const nameOf = (file) => path.basename(file).replace(/\.\w+$/, '');
 
-/** A folder of its own for the models of a test file, which is removed at the end. */
+/** A temporary directory for the models of a test file. */
 export class Models {
   /** @type {string} */
   folder = mkdtempSync(path.join(tmpdir(), 'tristrip-models-'));
 
   /**
-   * Runs the command in the folder.
+   * Runs the command in the directory.
    * @param {string[]} words
    */
   #run(...words) {
@@ -49,7 +49,7 @@ export class Models {
   /**
    * Packs a model.
    * @param {string} file
-   * @returns {string} the name of the file in the folder
+   * @returns {string} the name of the file in the directory
    */
   pack(file) {
     const packed = `${nameOf(file)}.packed.glb`;
@@ -59,8 +59,8 @@ export class Models {
 
   /**
    * Unpacks a packed model.
-   * @param {string} packed its name in the folder
-   * @returns {string} the name of the file in the folder
+   * @param {string} packed its name in the directory
+   * @returns {string} the name of the file in the directory
    */
   unpack(packed) {
     const full = packed.replace('.packed.glb', '.full.glb');
@@ -69,9 +69,9 @@ export class Models {
   }
 
   /**
-   * Copies a model, with the files beside a glTF document.
+   * Copies a model, with the files next to a glTF document.
    * @param {string} file
-   * @returns {string} the path in the folder
+   * @returns {string} the path in the directory
    */
   copy(file) {
     const isDocument = file.endsWith('.gltf');

@@ -1,5 +1,6 @@
 /**
- * The package as a project uses it: packed by npm, installed beside Vite and three.js, type-checked, built, and opened in a browser.
+ * The package in a project: packed by npm, installed with Vite and three.js, type-checked, built,
+ * and opened in a browser.
  */
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -25,7 +26,7 @@ const run = (cwd, command, ...words) => {
   }
 };
 
-/** Returns packages with the versions that a lock file has, as npm install takes them. */
+/** Returns packages with the versions of a lock file, as arguments for npm install. */
 const pinned = (/** @type {string} */ folder, /** @type {string[]} */ ...names) => {
   const { packages } = JSON.parse(readFileSync(path.join(folder, 'package-lock.json'), 'utf8'));
   return names.map((name) => `${name}@${packages[`node_modules/${name}`].version}`);

@@ -1,13 +1,13 @@
 /**
- * Compares screenshots. The browser decodes them.
+ * Comparison of screenshots, which the browser decodes.
  * @module
  */
 
-/** Pixels that differ by at most this in each channel count as equal. */
+/** The maximum difference per channel of pixels that count as equal. */
 const TOLERANCE = 8;
 
 /**
- * Returns the share of pixels that differ between two screenshots of one size.
+ * Returns the fraction of pixels that differ between two screenshots of the same size.
  * @param {import('playwright-core').Page} page decodes them
  * @param {Buffer} a
  * @param {Buffer} b

@@ -1,11 +1,11 @@
 /**
- * The time that a processor spends in a page and its worker, from the browser's own trace. Unlike the time of a clock, it does not depend on how many other
- * processes want the processor.
+ * The CPU time of a page and its worker, from the browser's trace. Unlike wall-clock time, it does
+ * not depend on other processes.
  * @module
  */
 import { browser } from './chromium.js';
 
-/** What a thread does by itself, and calls of scripts. */
+/** Trace categories of thread tasks and script calls. */
 const CATEGORIES = ['toplevel', 'devtools.timeline', 'disabled-by-default-devtools.timeline', '__metadata'];
 const SCRIPT_EVENTS = ['FunctionCall', 'RunMicrotasks', 'EvaluateScript'];
 
@@ -15,10 +15,11 @@ const WORKER_THREAD = 'DedicatedWorker thread';
 /** @typedef {{ name: string, pid: number, tid: number, dur?: number, tdur?: number, args: any }} TraceEvent times in microseconds */
 
 /**
- * Does something and returns what it took.
+ * Runs a function and returns its CPU time.
  * @param {import('playwright-core').Page} page
  * @param {() => Promise<unknown>} act
- * @returns {Promise<{ longest: number, sharing: number }>} the milliseconds of the longest call of a script in the page; and how many times longer the tasks of the worker took than the processor has spent in them
+ * @returns {Promise<{ longest: number, sharing: number }>} the longest script call in the page, in
+ *   milliseconds; and the ratio of wall-clock to CPU time of the worker's tasks
  */
 export async function traced(page, act) {
   await browser.startTracing(page, { categories: CATEGORIES });
@@ -32,7 +33,7 @@ export async function traced(page, act) {
       .filter(({ name, pid, tid, tdur }) => tdur !== undefined && names.includes(name) && threads.get(`${pid}:${tid}`) === thread)
       .map(({ dur = 0, tdur = 0 }) => ({ clock: dur / 1000, processor: tdur / 1000 }));
   const calls = timesOf(PAGE_THREAD, SCRIPT_EVENTS);
-  // Short tasks are left out: the clock and the processor's are not read at once.
+  // Skips short tasks, because the two clocks are not read at the same time.
   const tasks = timesOf(WORKER_THREAD, ['RunTask', 'ThreadControllerImpl::RunTask']).filter(({ processor }) => processor > 1);
   if (calls.length === 0 || tasks.length === 0) throw new Error('the trace has no times of processors');
   const sum = (/** @type {'clock' | 'processor'} */ kind) => tasks.reduce((all, task) => all + task[kind], 0);

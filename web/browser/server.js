@@ -1,5 +1,5 @@
 /**
- * A static HTTP server for tests, with a network between it and the browser: slow, interrupted, or one that flips bits.
+ * A static HTTP server for tests with a simulated network: slow, interrupted, or with bit errors.
  * @module
  */
 import { createHash } from 'node:crypto';
@@ -23,17 +23,17 @@ const TYPES = {
   '.svg': 'image/svg+xml',
 };
 
-/** Bytes are sent this often if the network is slow. */
+/** The number of writes per second on a slow network. */
 const TICKS_PER_SECOND = 50;
 
 /**
- * How a file arrives.
+ * The delivery of a file.
  * @typedef {object} Network
- * @property {number} [bytesPerSecond] no limit unless given
- * @property {number} [dropAfter] the connection is closed after so many bytes of the file
- * @property {number} [drops] how often: 1 unless given
- * @property {number} [holdAfter] no more bytes of the file are sent until `hold` raises it
- * @property {number} [flipAt] a bit of this byte of the file is flipped
+ * @property {number} [bytesPerSecond] by default unlimited
+ * @property {number} [dropAfter] close the connection after this many bytes of the file
+ * @property {number} [drops] how often to drop, by default once
+ * @property {number} [holdAfter] send no more bytes of the file until `hold` raises it
+ * @property {number} [flipAt] flip a bit of this byte of the file
  * @property {number} [status] an HTTP status instead of the file
  */
 
@@ -44,16 +44,22 @@ const TICKS_PER_SECOND = 50;
  * @property {string} [range]
  */
 
-/** Serves folders on a free port of this computer. */
+/** Serves directories on a free local port. */
 export class Server {
   #folders;
   #server = http.createServer((request, response) => void this.#answer(request, response));
   /** @type {Map<string, Network>} */
   #networks = new Map();
-  /** All requests so far. @type {Request[]} */
+  /**
+   * All requests so far.
+   * @type {Request[]}
+   */
   requests = [];
 
-  /** @param {Record<string, string | URL>} folders from the starts of paths, such as `/models/`, to folders; longer ones come first */
+  /**
+   * @param {Record<string, string | URL>} folders from path prefixes such as `/models/` to
+   *   directories; longer prefixes take precedence
+   */
   constructor(folders) {
     this.#folders = Object.entries(folders).sort(([a], [b]) => b.length - a.length);
   }
@@ -64,21 +70,21 @@ export class Server {
     return this;
   }
 
-  /** The start of URLs, without a slash at the end. */
+  /** The origin of URLs, without a trailing slash. */
   get origin() {
     const { port } = /** @type {import('node:net').AddressInfo} */ (this.#server.address());
     return `http://127.0.0.1:${port}`;
   }
 
-  /** Ends all connections. */
+  /** Closes all connections. */
   close() {
     this.#server.closeAllConnections();
     this.#server.close();
   }
 
   /**
-   * Sets how a file arrives from now on.
-   * @param {string} file its path in URLs
+   * Sets the delivery of a file.
+   * @param {string} file its URL path
    * @param {Network} [network]
    */
   shape(file, network = {}) {
@@ -86,9 +92,10 @@ export class Server {
   }
 
   /**
-   * Sets how many bytes of a file are sent before the next call, by running responses, too.
-   * @param {string} file its path in URLs
-   * @param {number} [bytes] all unless given
+   * Sets how many bytes of a file may be sent until the next call. Also applies to active
+   * responses.
+   * @param {string} file its URL path
+   * @param {number} [bytes] by default all
    */
   hold(file, bytes = Infinity) {
     const network = this.#networks.get(file) ?? { drops: 1 };
@@ -98,7 +105,7 @@ export class Server {
 
   /**
    * Returns the requests for a file.
-   * @param {string} file its path in URLs
+   * @param {string} file its URL path
    */
   requestsOf(file) {
     return this.requests.filter((request) => request.path === file);
@@ -159,7 +166,7 @@ export class Server {
   }
 
   /**
-   * @param {Uint8Array} bytes the file, up to the last byte that is asked for
+   * @param {Uint8Array} bytes the file, up to the last requested byte
    * @param {number} start
    * @param {Network} network
    * @param {http.ServerResponse} response

@@ -1,5 +1,6 @@
 /**
- * The three.js loader in a browser: pictures compared with those of GLTFLoader and the source, and what it leaves behind.
+ * The three.js loader in a browser: images compared with those of GLTFLoader and of the source, and
+ * resource cleanup.
  */
 import assert from 'node:assert/strict';
 import { readFileSync, statSync, writeFileSync } from 'node:fs';
@@ -8,10 +9,16 @@ import { skip, startHarness } from './harness.js';
 import { largeModels, ownModel, texturedScenes } from './models.js';
 import { morphingSquare, readGlb, writeGlb } from '../testing/scene_glb.js';
 
-/** The share of pixels that may differ from the source: positions and texture coordinates are on a grid. */
+/**
+ * The maximum fraction of pixels that may differ from the source, because positions and texture
+ * coordinates are quantized.
+ */
 const MAX_DIFFERENCE = 0.001;
 
-/** The share that may differ from what `tristrip unpack` writes: triangles come in another order. */
+/**
+ * The maximum fraction of pixels that may differ from the output of `tristrip unpack`, whose
+ * triangles are in a different order.
+ */
 const ROUNDING = 0.00002;
 
 const STAGE = '/browser/pages/stage.html';
@@ -29,7 +36,7 @@ function pack(file) {
 }
 
 /**
- * Writes a model that is made of another one, and packs it.
+ * Writes a model derived from another one, and packs it.
  * @param {string} name
  * @param {Uint8Array} bytes
  */
@@ -52,7 +59,7 @@ async function openStage() {
 
 test('the full level looks like the source', { skip }, async (t) => {
   const { page, problems } = await openStage();
-  // Scenes with several parts per mesh and with tangents: these are only compared with what is unpacked.
+  // Scenes with several parts per mesh and with tangents are only compared with the unpacked model.
   const others = ['engine_2cylinder.glb', 'sheencloth.glb'].map((name) => largeModels && path.join(largeModels, name)).filter((name) => name !== undefined);
   for (const file of [ownModel('milktruck.glb'), ...texturedScenes, ...others]) {
     await t.test(path.basename(file), async () => {
@@ -64,7 +71,7 @@ test('the full level looks like the source', { skip }, async (t) => {
           await gltf.progressive.done;
           const expected = await new GLTFLoader().loadAsync(source);
           const unpacked = await new GLTFLoader().loadAsync(full);
-          // A skinned model is compared in two poses.
+          // Skinned models are compared in two poses.
           const times = gltf.animations.length > 0 ? [0, 0.4] : [undefined];
           const differences = times.map((time) => {
             const { pictures, box } = picturesOf(expected, { time });
@@ -97,7 +104,7 @@ test('the scene is there early, and refines while the rest arrives', { skip }, a
   const { page, problems } = await openStage();
   const found = await page.evaluate(async (packed) => {
     const { ProgressiveLoader, picturesOf, difference, trianglesOf, THREE } = window.stage;
-    // Shaders are compiled before, so that frames are short.
+    // Compile shaders in advance, so that frames are short.
     picturesOf({ scene: new THREE.Mesh(new THREE.BoxGeometry(), new THREE.MeshStandardMaterial()) }, { views: 1 });
     const gltf = await new ProgressiveLoader().loadAsync(packed);
     const box = new THREE.Box3().setFromObject(gltf.scene);
@@ -156,7 +163,7 @@ test('nothing stays on the GPU after dispose', { skip }, async () => {
     const scene = new THREE.Scene();
     const memory = [];
     const note = () => memory.push({ ...renderer.info.memory, ...live });
-    // The renderer has textures of its own for materials of this kind.
+    // The renderer creates its own textures for materials of this kind.
     const cube = new THREE.Mesh(new THREE.BoxGeometry(), new THREE.MeshStandardMaterial());
     renderer.render(cube, cameraAt(new THREE.Box3().setFromObject(cube), 0));
     cube.geometry.dispose();
@@ -377,14 +384,14 @@ test('a lost connection is retried where it was lost, also after it was given up
     const { progressive } = gltf;
     const events = [];
     for (const type of ['error', 'complete']) progressive.addEventListener(type, () => events.push(type));
-    // A retry ends the pause before the next try: the tries would take a minute otherwise.
+    // A retry skips the delay, which would otherwise add up to a minute.
     progressive.addEventListener('connection', ({ state }) => state === 'retrying' && setTimeout(() => progressive.retry(), 20));
     const kind = await progressive.done.catch((error) => error.kind);
     Object.assign(window, { gltf, events });
     return { kind, told: progressive.error?.kind, isClosed: progressive.isClosed, triangles: trianglesOf(gltf), received: progressive.progress.receivedBytes };
   }, packed);
   assert.deepEqual([lost.kind, lost.told, lost.isClosed], ['connection', 'connection', false]);
-  // What is on its way when a connection breaks may be lost with it.
+  // Data in flight are lost when a connection breaks.
   assert.ok(lost.received > 0 && lost.received <= drop, `${lost.received} of ${drop} bytes`);
   server.shape(packed);
   const found = await page.evaluate(async () => {
@@ -393,13 +400,13 @@ test('a lost connection is retried where it was lost, also after it was given up
     const error = gltf.progressive.error;
     await gltf.progressive.done;
     await new Promise((resolve) => setTimeout(resolve, 50));
-    // It is complete: this does nothing.
+    // The model is complete, so this has no effect.
     gltf.progressive.retry();
     return { error, events, triangles: stage.trianglesOf(gltf), isComplete: gltf.progressive.isComplete };
   });
   assert.deepEqual([found.error, found.events, found.isComplete], [undefined, ['error', 'complete'], true]);
   assert.ok(lost.triangles < found.triangles);
-  // What has come is not asked for again.
+  // Received bytes are not requested again.
   const firsts = server.requestsOf(packed).slice(known + 1).map(({ range }) => Number(/^bytes=(\d+)-$/.exec(range ?? '')?.[1]));
   assert.ok(firsts.every((first, i) => first >= (firsts[i - 1] ?? 1)), `${firsts}`);
   assert.equal(firsts.at(-1), lost.received);
@@ -420,7 +427,7 @@ test('nothing arrives while a model is paused', { skip }, async () => {
     const paused = new Promise((resolve) => progressive.addEventListener('connection', ({ state }) => state === 'paused' && resolve()));
     progressive.pause();
     await paused;
-    // What is on its way may still come.
+    // Data in flight may still arrive.
     await new Promise((resolve) => setTimeout(resolve, 500));
     const note = () => [trianglesOf(gltf), progressive.progress.receivedBytes];
     const before = note();
@@ -499,7 +506,7 @@ test('morph targets stay as they are beside a mesh that refines', { skip }, asyn
   const { json, binary } = readGlb(readFileSync(ownModel('milktruck.glb')));
   const square = morphingSquare({ mesh: [0.5, 0], node: [0.25, 1] });
   const own = readGlb(square.bytes);
-  // The square comes into the scene of the truck.
+  // Adds the square to the scene of the truck.
   const counts = { views: json.bufferViews.length, accessors: json.accessors.length, meshes: json.meshes.length, nodes: json.nodes.length };
   const start = (binary.length + 3) & ~3;
   const joined = new Uint8Array(start + own.binary.length);
@@ -581,7 +588,7 @@ test('a model that is disposed of or aborted while it is downloaded gets nothing
       async ({ packed, how }) => {
         const { ProgressiveLoader, renderer, live, THREE, cameraAt } = window.stage;
         const scene = new THREE.Scene();
-        // The renderer has a texture of its own for materials of this kind.
+        // The renderer creates its own texture for materials of this kind.
         const cube = new THREE.Mesh(new THREE.BoxGeometry(), new THREE.MeshStandardMaterial());
         renderer.render(cube, cameraAt(new THREE.Box3().setFromObject(cube), 0));
         cube.geometry.dispose();
@@ -593,7 +600,7 @@ test('a model that is disposed of or aborted while it is downloaded gets nothing
         const camera = cameraAt(new THREE.Box3().setFromObject(scene), 0.1);
         const events = [];
         for (const type of ['update', 'progress', 'connection', 'error', 'complete']) progressive.addEventListener(type, () => events.push(type));
-        // It ends in the middle of an update, when the picture was just drawn.
+        // Stop in the middle of an update, right after a frame was drawn.
         await new Promise((resolve) => {
           progressive.onUpdate(() => {
             renderer.render(scene, camera);
@@ -603,7 +610,7 @@ test('a model that is disposed of or aborted while it is downloaded gets nothing
           });
         });
         const done = await progressive.done.catch((error) => [error.name, error.message]);
-        // What ends an update is told of it before the end.
+        // The event that stops loading is dispatched before loading ends.
         const known = events.length;
         await new Promise((resolve) => setTimeout(resolve, 1500));
         progressive.pause();
@@ -618,7 +625,7 @@ test('a model that is disposed of or aborted while it is downloaded gets nothing
       },
       { packed, how },
     );
-    assert.deepEqual(found.done, how === 'abort' ? ['Error', 'enough'] : ['AbortError', 'The model is not loaded any more.'], how);
+    assert.deepEqual(found.done, how === 'abort' ? ['Error', 'enough'] : ['AbortError', 'Loading was cancelled.'], how);
     assert.deepEqual([found.more, found.isClosed, found.isComplete, found.children], [[], true, false, 0], how);
     assert.deepEqual(found.after, found.before, how);
   }

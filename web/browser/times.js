@@ -1,5 +1,6 @@
 /**
- * Measures the viewer with large models: the time to decode, the longest call on the main thread, the first picture. It has no bars: times depend on the machine.
+ * Measures the viewer with large models: decoding time, longest main-thread call, first image.
+ * There are no limits, because times depend on the machine.
  *
  *     TRISTRIP_MODELS=../../../shared/models node --test times.js
  */
@@ -38,7 +39,7 @@ test('decoding', { skip: missing }, async (t) => {
       });
     Object.assign(window, { load });
   });
-  // The first run includes the time to compile the decoder.
+  // The first run includes compilation of the decoder.
   for (let run = 0; run < RUNS; run++) {
     let decode = 0;
     const { sharing } = await traced(page, async () => {

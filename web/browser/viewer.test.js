@@ -1,6 +1,4 @@
-/**
- * The viewer page in a browser: what people see over a slow link, after errors, with keys, on a phone; and what it costs.
- */
+/** The viewer page in a browser: slow links, errors, keyboard, phones, and resource use. */
 import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -11,20 +9,28 @@ import { largeModels, ownModel, texturedScenes } from './models.js';
 import { difference } from './pictures.js';
 import { morphingSquare, sceneGlb } from '../testing/scene_glb.js';
 
-/** The share of pixels that may differ between two pictures that should be equal, and the least one between two that should not. */
+/**
+ * The maximum fraction of differing pixels between equal images, and the minimum between different
+ * ones.
+ */
 const EQUAL = 0.0005;
 const DIFFERENT = 0.002;
 
-/** The bytes of a large model that are enough for a first picture. */
+/** The number of bytes of a large model that suffice for a first image. */
 const FIRST_BYTES = 100_000;
 
-/** The bytes by which memory may grow while models are opened and closed, each of which takes more. */
+/**
+ * The maximum growth of memory in bytes while models are opened and closed; each model needs more.
+ */
 const MAX_GROWTH = 2 ** 21;
 
-/** How many models are opened: 50 in a night run. */
+/** The number of models opened; 50 in nightly runs. */
 const OPENED_MODELS = Number(process.env.TRISTRIP_OPENED_MODELS ?? 12);
 
-/** How long a model is orbited, a minute for the figure of a release, and the share by which memory may grow meanwhile. */
+/**
+ * How long a model is orbited in seconds (a minute before releases), and the maximum growth of
+ * memory in the meantime.
+ */
 const ORBIT_SECONDS = Number(process.env.TRISTRIP_ORBIT_SECONDS ?? 12);
 const MAX_ORBIT_GROWTH = 0.1;
 
@@ -57,7 +63,10 @@ if (!skip) {
   writeFileSync(path.join(models.folder, 'models.json'), JSON.stringify({ models: listed }));
 }
 
-/** A model with morph targets and two animations; its weights at rest are those of the first animation, or zeros. */
+/**
+ * A model with morph targets and two animations. Its weights at rest are those of the first
+ * animation, or zeros.
+ */
 const [morphed, unmorphed] = [{ node: [1, 0] }, {}].map((weights, i) => {
   const name = `morph${i}.glb`;
   const { bytes } = morphingSquare(weights);
@@ -68,7 +77,7 @@ const [morphed, unmorphed] = [{ node: [1, 0] }, {}].map((weights, i) => {
 /** @typedef {import('playwright-core').Page} Page */
 
 /**
- * Opens the viewer, with the gallery or a model.
+ * Opens the viewer with the gallery or a model.
  * @param {PackedModel} [model]
  * @param {import('playwright-core').BrowserContextOptions} [options]
  */
@@ -91,7 +100,7 @@ const waitForPicture = (page) => page.waitForFunction(() => window.tristrip.view
 const settle = (page) => page.waitForFunction(() => window.tristrip.viewer.renderer.isIdle);
 
 /**
- * Goes to another part of the address, and waits until the page has followed.
+ * Changes the hash of the address, and waits until the page has followed.
  * @type {(page: Page, hash: string) => Promise<void>}
  */
 const goTo = (page, hash) =>
@@ -106,12 +115,12 @@ const goTo = (page, hash) =>
     hash,
   );
 
-/** How long a check is repeated, in milliseconds. */
+/** The maximum duration of repeated checks, in milliseconds. */
 const PATIENCE = 60_000;
 
 /**
  * Repeats a check until it passes.
- * @param {() => Promise<void>} check throws while it does not pass
+ * @param {() => Promise<void>} check throws until it passes
  */
 async function eventually(check) {
   for (const end = Date.now() + PATIENCE; ; await sleep(100)) {
@@ -132,7 +141,7 @@ test('a model goes from its base to the full picture over a link that stops', { 
   await waitForState(reference.page, 'complete');
   const full = await picture(reference.page);
 
-  // The link stops at four places.
+  // The link stalls at four positions.
   const holds = [0.2, 0.4, 0.6, 0.8].map((share) => Math.floor(share * model.bytes));
   server.shape(model.url, { holdAfter: holds[0] });
   const { page, problems } = await openViewer(model);
@@ -181,7 +190,7 @@ test('a flipped bit shows a message, and the last good picture stays', { skip },
 
 test('a file that is not there, and one that is no GLB, show a message', { skip }, async () => {
   const { page } = await openViewer();
-  for (const [name, words] of /** @type {[string, RegExp][]} */ ([['models/none.glb', /does not give/], ['models/models.json', /not a GLB/]])) {
+  for (const [name, words] of /** @type {[string, RegExp][]} */ ([['models/none.glb', /refused/], ['models/models.json', /not a GLB/]])) {
     await goTo(page, `#model=${name}`);
     await page.locator('#message', { hasText: words }).waitFor();
   }
@@ -198,13 +207,13 @@ test('a scene without meshes, and an error after the context was lost, show a me
   await page.locator('#message', { hasText: 'nothing to show' }).waitFor();
   assert.ok(await page.locator('#busy').isHidden());
   await show('none.glb');
-  const error = page.locator('#message', { hasText: /does not give/ });
+  const error = page.locator('#message', { hasText: /refused/ });
   await error.waitFor();
   await page.evaluate(() => {
     window.loss = document.querySelector('canvas').getContext('webgl2').getExtension('WEBGL_lose_context');
     window.loss.loseContext();
   });
-  await page.locator('#message', { hasText: 'graphics memory' }).waitFor();
+  await page.locator('#message', { hasText: 'graphics context' }).waitFor();
   await page.evaluate(() => window.loss.restoreContext());
   await error.waitFor();
   await page.locator('#message button').click();
@@ -221,7 +230,7 @@ test('a lost connection is resumed where it was lost', { skip }, async () => {
   server.shape(model.url);
   const ranges = server.requestsOf(model.url).slice(known).map(({ range }) => range);
   assert.equal(ranges.length, 2, String(ranges));
-  // What is on its way when a connection breaks may be lost with it.
+  // Data in flight are lost when a connection breaks.
   const first = Number(/^bytes=(\d+)-$/.exec(ranges[1] ?? '')?.[1]);
   assert.ok(first > 0 && first <= drop, `${ranges[1]}, dropped after ${drop}`);
   assert.equal(await page.locator('#message').innerText(), '');
@@ -415,7 +424,7 @@ test('images in other files come from the folder of the model, and from nowhere 
   write('inner/images/a b.png', Buffer.from(pixel('red'), 'base64'));
   write('outside.png', Buffer.from(pixel('red'), 'base64'));
   const { page, problems } = await openViewer();
-  const missing = page.locator('#facts div', { hasText: 'Files missing' }).locator('dd');
+  const missing = page.locator('#facts div', { hasText: 'Missing files' }).locator('dd');
   const show = async (/** @type {string} */ uri) => {
     write('inner/model.glb', texturedSquare(uri));
     await goTo(page, '');
@@ -514,7 +523,7 @@ test('a file of the device that changes after it was chosen is not read, and is 
   await page.locator('#replay').click();
   await page.locator('#message', { hasText: /cannot be read/ }).waitFor();
   await page.reload();
-  await page.locator('#drop', { hasText: 'is not kept' }).waitFor();
+  await page.locator('#drop', { hasText: 'was not saved' }).waitFor();
   assert.equal(await page.evaluate(() => location.hash), '');
   assert.deepEqual(problems, []);
 });
@@ -605,7 +614,7 @@ test('the context is lost while a model loads, and while another one is opened',
     window.loss = document.querySelector('canvas').getContext('webgl2').getExtension('WEBGL_lose_context');
     window.loss.loseContext();
   });
-  const message = page.locator('#message', { hasText: 'graphics memory' });
+  const message = page.locator('#message', { hasText: 'graphics context' });
   await message.waitFor();
   await page.evaluate(() => window.loss.restoreContext());
   await waitForState(page, 'complete');
@@ -644,7 +653,7 @@ test('a texture that is uploaded while the context is lost is made again', { ski
     window.loss = document.querySelector('canvas').getContext('webgl2').getExtension('WEBGL_lose_context');
     window.loss.loseContext();
   });
-  await page.locator('#message', { hasText: 'graphics memory' }).waitFor();
+  await page.locator('#message', { hasText: 'graphics context' }).waitFor();
   await page.evaluate(() => window.loss.restoreContext());
   await page.waitForFunction(() => window.held.length === 2);
   // The texture of the new context comes first.

@@ -1,10 +1,14 @@
 /**
- * The base mesh as decisions.
+ * Decoding of the base mesh.
  *
- * The triangles come in the order of a walk: each edge that is still open is looked at once, in the order in which the edges arose, and is either a
- * border, or the edge of a new triangle, or one with another open edge. Where no edge is left, a new component begins. Then each fan, in the order of
- * its lowest corner, is a new vertex or a fan of an earlier one, each vertex is a new point or has the position of an earlier fan, and new points and
- * vertices have their values, expected by the parallelogram over the edge at which their first triangle was added.
+ * Triangles come in traversal order. Each open edge is visited once, in order of creation. It is a
+ * border, an edge of a new triangle, or it is joined to another open edge. When no open edge is
+ * left, a new component starts.
+ *
+ * Then each fan, ordered by its lowest corner, is a new vertex or a fan of an earlier vertex. Each
+ * new vertex is a new point or has the position of an earlier fan. The values of new points and
+ * vertices are predicted by the parallelogram over the edge at which their first triangle was
+ * added.
  * @module
  */
 import { SMALL_CONTEXTS, USUAL_SQUARE } from './constants.js';
@@ -22,11 +26,11 @@ import { next, NONE, previous, Surface } from './surface.js';
  * @import { RangeDecoder } from './range_coder.js'
  */
 
-/** What is beyond an open edge: decisions. */
+/** What is across an open edge. */
 const IS_TRIANGLE = 0;
 const IS_BORDER = 1;
 
-/** Decisions about fans. */
+/** Contexts of the flags of fans. */
 const SAME_VERTEX = 0;
 const SAME_POINT = 1;
 
@@ -50,7 +54,8 @@ export function decodeTriangles(coder, triangleCount) {
   for (let corner = 0; length < 3 * triangleCount; ) {
     // 1. A new component.
     push();
-    // 2. The edges in their order: each is named by the opposite corner, whose number is its place in the order.
+    // 2. The edges in order. Each is identified by its opposite corner, whose index is its position
+    //    in the order.
     for (; corner < length; corner++) {
       if (opposite[corner] !== NONE) continue;
       let other = length;
@@ -76,7 +81,7 @@ export function decodeTriangles(coder, triangleCount) {
  * @param {Surface} surface
  * @param {PlaceModel} placeModel
  * @param {ChannelModel[]} channels
- * @param {number} knownBits those of a coordinate
+ * @param {number} knownBits the known bits per coordinate
  * @returns {Fans}
  */
 export function decodeFans(coder, surface, placeModel, channels, knownBits) {
@@ -90,14 +95,14 @@ export function decodeFans(coder, surface, placeModel, channels, knownBits) {
     if (fan === 0 || !flags.decode(coder, context)) return NONE;
     return coder.bits(32 - clz32(fan)) % fan;
   };
-  // Fans have the order of their lowest corners.
+  // Fans are ordered by their lowest corners.
   for (let lowest = 0; fans.count < surface.fanCount; lowest += (lowest & 7) === 2 ? 6 : 1) {
     const fan = fans.count;
     if (surface.fan(lowest) !== fan) continue;
     // 1. The vertex, then the point.
     const sameVertex = earlier(SAME_VERTEX);
     const twin = sameVertex === NONE ? earlier(SAME_POINT) : sameVertex;
-    // 2. The fans beyond the edge at which the first triangle of the fan was added.
+    // 2. The fans across the edge at which the first triangle of the fan was added.
     const opposite = surface.opposite(lowest);
     const hasEdge = opposite !== NONE && opposite < lowest;
     const a = hasEdge ? surface.fan(next(lowest)) : fan;

@@ -1,8 +1,8 @@
 /**
- * Attributes of vertices as integers on a grid, the same grid for all levels.
+ * Vertex attributes as integers on a grid. All levels have the same grid.
  *
- * Each component of a new vertex is expected to be the mean of those of the vertices around it, and decoded as the difference; indices of joints are
- * expected to be those of the kept vertex.
+ * Each component of a new vertex is predicted as the mean of the surrounding vertices, and the
+ * residual is decoded. Joint indices are predicted by those of the kept vertex.
  * @module
  */
 import { CHANNEL_LEVEL, MAX_AXES } from './constants.js';
@@ -13,7 +13,10 @@ import { Simple } from './slots.js';
 
 /** @import { RangeDecoder } from './range_coder.js' */
 
-/** What the integers of a channel are: steps of a grid; a unit vector on an octahedron; the same and a sign, 0 or 1; names without an order. */
+/**
+ * The kinds of channels: grid steps; a unit vector on an octahedron; an octahedral vector and a
+ * sign, 0 or 1; unordered names.
+ */
 export const LINEAR = 0;
 export const OCTAHEDRAL = 1;
 export const TANGENT = 2;
@@ -22,14 +25,14 @@ export const NAMES = 3;
 const features = integers(3);
 
 /**
- * Returns the level of a number.
+ * Returns the level of a number: the binary logarithm of x + 1/2, in 1/16.
  * @param {number} x
  */
 function sizeOf(x) {
   return 2 * logarithm(2 * x + 1) - 16;
 }
 
-/** How a channel is decoded. */
+/** The model that decodes a channel. */
 export class ChannelModel {
   #numbers;
   #levels;
@@ -37,8 +40,8 @@ export class ChannelModel {
 
   /**
    * @param {number} kind
-   * @param {number} width the integers of each vertex
-   * @param {number} bits those of an integer at most
+   * @param {number} width integers per vertex
+   * @param {number} bits maximum bits per integer
    */
   constructor(kind, width, bits) {
     this.kind = kind;
@@ -53,7 +56,7 @@ export class ChannelModel {
   }
 
   /**
-   * Decodes the integers of the next vertex, given the vertices around it, the kept one first.
+   * Decodes the integers of the next vertex from the surrounding vertices, the kept one first.
    * @param {RangeDecoder} coder
    * @param {number} vertex
    * @param {Int32Array} around

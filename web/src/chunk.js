@@ -1,33 +1,34 @@
 /**
- * The framing of a stream: chunks with a head and a checksum each.
+ * The framing of a stream: chunks with a header and a checksum.
  *
  * ```text
  * chunk  ─▶ stream · bytes of the payload · visits · level · triangles · error · checksum · payload
  * ```
- * Numbers are written seven bits at a time, the lowest first, with the eighth bit of each byte but the last set.
+ * Numbers are encoded in groups of seven bits, lowest first; the eighth bit is set in all bytes but
+ * the last.
  * @module
  */
 import { MAX_HEAD_BYTES } from './constants.js';
 import { fail } from './error.js';
 
 /**
- * The head of a chunk.
+ * The header of a chunk.
  * @typedef {object} ChunkHead
- * @property {number} stream the number of the mesh that the chunk refines
+ * @property {number} stream the index of the mesh that the chunk refines
  * @property {number} payloadBytes
- * @property {number} visits the fans that it visits; 0 for a base mesh
- * @property {number} level the level that it leads to
- * @property {number} triangles those of that level
- * @property {number} error that of that level
+ * @property {number} visits the number of fans that it visits; 0 for a base mesh
+ * @property {number} level the level after the chunk
+ * @property {number} triangles the triangles of that level
+ * @property {number} error the error of that level
  * @property {number} checksum
- * @property {number} headBytes the length of the head, its checksum included
+ * @property {number} headBytes the length of the header, including the checksum
  */
 
-/** Reads from the start of bytes. */
+/** Reads values from bytes. */
 export class Reader {
   /**
    * @param {Uint8Array} bytes
-   * @param {string} expected what is missing where the bytes end
+   * @param {string} expected the expectation to report if the bytes end
    */
   constructor(bytes, expected) {
     this.bytes = bytes;
@@ -37,7 +38,7 @@ export class Reader {
   }
 
   /**
-   * Takes the next bytes; returns where they start.
+   * Consumes bytes, and returns their offset.
    * @param {number} count
    * @returns {number}
    */
@@ -53,7 +54,7 @@ export class Reader {
 
   /**
    * Reads a number of at most 32 bits.
-   * @param {string} expected what it is
+   * @param {string} expected the expectation to report on an error
    */
   number(expected) {
     let number = 0;
@@ -75,12 +76,12 @@ export class Reader {
 }
 
 /**
- * Reads the head of a chunk; returns `undefined` if the bytes end.
+ * Reads the header of a chunk. Returns `undefined` if the bytes end.
  * @param {Uint8Array} bytes
  * @returns {ChunkHead | undefined}
  */
 export function readChunkHead(bytes) {
-  // Zeros after the end are no part of it.
+  // Zero padding lets the reader run past the end; the result is discarded then.
   const padded = new Uint8Array(MAX_HEAD_BYTES);
   padded.set(bytes.subarray(0, MAX_HEAD_BYTES));
   const reader = new Reader(padded, '');
@@ -92,7 +93,7 @@ export function readChunkHead(bytes) {
   return headBytes > bytes.length ? undefined : { stream, payloadBytes, visits, level, triangles, error, checksum, headBytes };
 }
 
-/** The remainders of all bytes. */
+/** The CRC table. */
 const REMAINDERS = Int32Array.from({ length: 256 }, (_, byte) => {
   for (let i = 0; i < 8; i++) byte = byte & 1 ? (byte >>> 1) ^ 0xedb88320 : byte >>> 1;
   return byte;
@@ -110,7 +111,7 @@ export class Checksum {
   }
 
   /**
-   * Adds a number of 32 bits, the lowest byte first.
+   * Adds a 32-bit number, lowest byte first.
    * @param {number} number
    */
   addNumber(number) {

@@ -18,40 +18,49 @@ import { max, min } from './math.js';
  */
 
 /**
- * What a stream may ask for at most; streams of more are refused.
+ * Decoder limits. Streams that exceed them are rejected.
  * @typedef {object} StreamLimits
- * @property {number} meshes 256 unless told otherwise; each takes about 60 kilobytes beside its triangles, and 20 per attribute
- * @property {number} triangles those of all meshes: 2²⁶ unless told otherwise
- * @property {number} chunkBytes bytes of a chunk: 2²⁸ unless told otherwise
- * @property {number} corners visits of vertices by batches, and corners around those that are split, which the time depends on: 2³⁰ unless told otherwise
+ * @property {number} meshes by default 256. A mesh takes about 60 kB in addition to its triangles,
+ *   and 20 kB per attribute
+ * @property {number} triangles triangles of all meshes, by default 2²⁶
+ * @property {number} chunkBytes bytes per chunk, by default 2²⁸
+ * @property {number} corners work limit: vertices visited plus corners around split vertices, by
+ *   default 2³⁰. Decoding time is proportional to it
  */
 
 /**
- * What a decoder does beside decoding.
+ * Options for triangle strips.
  * @typedef {object} StripOptions
- * @property {typeof Strips} [strips] the class of the module strips.js, if strips are to be kept
- * @property {boolean} [isLazy] whether strips are only improved when their method `improve` is called, instead of after each chunk: then they depend on the calls, too
+ * @property {typeof Strips} [strips] the class `Strips` of strips.js, to maintain triangle strips
+ * @property {boolean} [isLazy] whether to improve strips only when their method `improve` is
+ *   called, instead of after each chunk; the strips then depend on these calls
  */
 
-/** @typedef {Partial<StreamLimits> & StripOptions} DecoderOptions what a stream may ask for at most, and what a decoder does beside decoding */
+/**
+ * Decoder limits and options for strips.
+ * @typedef {Partial<StreamLimits> & StripOptions} DecoderOptions
+ */
 
 /** @type {StreamLimits} */
 export const USUAL_LIMITS = { meshes: 256, triangles: 2 ** 26, chunkBytes: 2 ** 28, corners: 2 ** 30 };
 
-/** Streams have about two triangles in three bytes, more where surfaces are flat. For so many there is room before they come. */
+/**
+ * The preallocation limit in triangles per payload byte. Streams have about two triangles per three
+ * bytes, more on flat surfaces.
+ */
 const TRIANGLES_PER_BYTE = 64;
 
-/** @param {number} error that of a level */
+/** @param {number} error of a level */
 function checkError(error) {
   if (!(error >= 0 && Number.isFinite(error))) fail(`an error of ${error}`, 'a finite number of at least 0');
 }
 
-/** A mesh that a stream has built so far. */
+/** A mesh of a stream as decoded so far. */
 export class StreamPart {
   #head;
   #refiner;
   #error;
-  /** The bytes of its chunks, without their heads. */
+  /** The total payload bytes of its chunks. */
   #payloadBytes;
 
   /**
@@ -80,7 +89,7 @@ export class StreamPart {
   }
 
   /**
-   * Decodes a refinement. For the decoder only.
+   * Decodes a refinement. Called by the decoder.
    * @param {ChunkHead} chunk
    * @param {Uint8Array} payload
    * @param {number} mostTriangles
@@ -92,7 +101,7 @@ export class StreamPart {
     const refiner = this.#refiner;
     const { surface } = refiner;
     refiner.mostTriangles = chunk.triangles;
-    // Room for all that follows, unless so few bytes cannot be expected to build it.
+    // Reserves memory for the full mesh, limited by what the bytes received so far can build.
     this.#payloadBytes += payload.length;
     refiner.reserve(min(this.#head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes, mostTriangles));
     for (let i = 0; i < chunk.visits; i++) {
@@ -112,7 +121,7 @@ export class StreamPart {
   }
 
   /**
-   * Keeps strips of the triangles up: called after each chunk. For the decoder only.
+   * Updates the strips of the triangles after a chunk. Called by the decoder.
    * @param {typeof Strips} Strips
    * @param {boolean} [isLazy]
    */
@@ -122,53 +131,53 @@ export class StreamPart {
     else refiner.strips = new Strips(refiner.surface, refiner.fans);
   }
 
-  /** The strips of the triangles so far, if the decoder keeps them. */
+  /** The strips of the current triangles, if the decoder maintains them. */
   get strips() {
     return this.#refiner.strips;
   }
 
-  /** The visits, and the corners around the vertices that were split. For the decoder only. */
+  /** The work done: vertices visited plus corners around split vertices. Internal. */
   get corners() {
     return this.#refiner.corners;
   }
 
-  /** What the stream says of the mesh, and the mesh itself. For the package only. */
+  /** The base header and the data structures of the mesh. Internal. */
   get internals() {
     return { head: this.#head, refiner: this.#refiner };
   }
 
-  /** The level so far: the collapses that are undone. */
+  /** The current level: the number of collapses undone. */
   get level() {
     return this.#refiner.level;
   }
 
-  /** The level of the full mesh, as the stream says. */
+  /** The level of the full mesh, as declared by the stream. */
   get fullLevel() {
     return this.#head.levels;
   }
 
-  /** The triangles so far. */
+  /** The current number of triangles. */
   get triangleCount() {
     return this.#refiner.surface.triangleCount;
   }
 
-  /** The triangles of the full mesh, as the stream says. */
+  /** The number of triangles of the full mesh, as declared by the stream. */
   get fullTriangleCount() {
     return this.#head.triangles;
   }
 
-  /** The vertices so far. */
+  /** The current number of vertices. */
   get vertexCount() {
     return this.#refiner.fans.vertexCount;
   }
 
-  /** The error of the level, in mesh units. */
+  /** The error of the current level, in mesh units. */
   get error() {
     return this.#error;
   }
 
   /**
-   * Returns the vertices of the triangles so far, three per triangle.
+   * Returns the current triangles, three vertex indices each.
    * @returns {Uint32Array}
    */
   triangles() {
@@ -181,8 +190,9 @@ export class StreamPart {
   }
 
   /**
-   * Returns the positions of the vertices so far, three coordinates per vertex: each is the middle of what it may be.
-   * @param {number} [first] the vertices that there were after an earlier chunk, which are left out
+   * Returns the current positions, three coordinates per vertex. Each is the centre of its
+   * uncertainty interval.
+   * @param {number} [first] the first vertex to return
    * @returns {Float32Array}
    */
   positions(first = 0) {
@@ -193,7 +203,7 @@ export class StreamPart {
     const positions = new Float32Array(3 * (fans.vertexCount - first));
     for (let at = FAN_CELLS * (fans.count - 1); at >= 0; at -= FAN_CELLS) {
       const vertex = fans.cells[at + VERTEX] - first;
-      // Fans of later chunks have later vertices.
+      // Fans of later chunks have higher vertex indices.
       if (vertex < 0) break;
       for (let j = 0; j < 3; j++) positions[3 * vertex + j] = origin[j] + (fans.cells[at + j] * scale + half) * step;
     }
@@ -201,8 +211,8 @@ export class StreamPart {
   }
 
   /**
-   * Returns the attributes of the vertices so far. They never change.
-   * @param {number} [first] the first of the vertices that are returned
+   * Returns the attributes of the current vertices. The attributes of a vertex never change.
+   * @param {number} [first] the first vertex to return
    * @returns {Attribute[]}
    */
   attributes(first = 0) {
@@ -210,10 +220,10 @@ export class StreamPart {
   }
 }
 
-/** Decodes the chunks of a stream as their bytes arrive, in pieces of any size. */
+/** Decodes the chunks of a stream incrementally, from bytes in pieces of any size. */
 export class Decoder {
   #limits;
-  /** What has arrived of the next chunk. */
+  /** The bytes of the next, incomplete chunk. */
   #waiting = new Waiting();
   #offset = 0;
   #chunkCount = 0;
@@ -228,10 +238,10 @@ export class Decoder {
   }
 
   /**
-   * Takes the next bytes, and decodes the chunks that are complete. Returns how many that were.
+   * Consumes bytes and decodes all complete chunks. Returns their number.
    *
-   * Throws a `StreamError` if a chunk is damaged, or asks for more than the limits. What chunks before it have built stays; all further bytes are
-   * refused with the same error.
+   * Throws a `StreamError` if a chunk is damaged or exceeds the limits. The part decoded before the
+   * error remains. Later calls throw the same error.
    * @param {Uint8Array | ArrayBuffer} bytes
    * @returns {number}
    */
@@ -239,7 +249,7 @@ export class Decoder {
     if (this.#fault) throw this.#fault;
     const waiting = this.#waiting;
     const known = waiting.length;
-    // Complete chunks are decoded where they lie, unless bytes have waited for the first one.
+    // Complete chunks are decoded in place, unless the first one started in earlier bytes.
     let rest = arrayOf(bytes);
     if (known > 0) rest = waiting.add(rest);
     let decoded = 0;
@@ -252,7 +262,7 @@ export class Decoder {
   }
 
   /**
-   * Decodes the chunk at the start of bytes; returns its length, or 0 if it is not complete.
+   * Decodes the chunk at the start of bytes. Returns its length, or 0 if it is incomplete.
    * @param {Uint8Array} bytes
    */
   #nextChunk(bytes) {
@@ -275,7 +285,7 @@ export class Decoder {
   }
 
   /**
-   * Returns the payload of a chunk, or `undefined` if it is not complete.
+   * Returns the payload of a chunk, or `undefined` if it is incomplete.
    * @param {Uint8Array} bytes
    * @param {ChunkHead} head
    */
@@ -314,13 +324,13 @@ export class Decoder {
       if (part) part.refine(head, payload, most, max(mostCorners, 0));
       else this.#parts[head.stream] = new StreamPart(head, payload);
     } finally {
-      // What a faulty chunk has built stays.
+      // Strips must also match the part of an invalid chunk that was decoded.
       if (strips) this.#parts[head.stream]?.keepStrips(strips, isLazy);
     }
   }
 
   /**
-   * The meshes whose base has arrived, in the order of their numbers.
+   * The meshes whose base mesh has arrived, ordered by index.
    * @returns {StreamPart[]}
    */
   get parts() {
@@ -328,8 +338,8 @@ export class Decoder {
   }
 
   /**
-   * Returns a mesh, if its base has arrived.
-   * @param {number} stream its number
+   * Returns a mesh if its base mesh has arrived.
+   * @param {number} stream the index of the mesh
    * @returns {StreamPart | undefined}
    */
   part(stream) {
@@ -341,7 +351,7 @@ export class Decoder {
     return this.#chunkCount;
   }
 
-  /** The number of bytes of the chunks decoded: where to resume. */
+  /** The number of bytes of the decoded chunks: the offset at which to resume. */
   get offset() {
     return this.#offset;
   }

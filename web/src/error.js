@@ -1,9 +1,9 @@
-/** A fault of a stream: what came before it stays drawable. */
+/** An error in a stream. The part decoded before it can still be drawn. */
 export class StreamError extends Error {
   /**
-   * @param {string} at the chunk and the byte at which it starts
-   * @param {string} found what is there
-   * @param {string} expected what should be there
+   * @param {string} at the chunk and its byte offset
+   * @param {string} found
+   * @param {string} expected
    */
   constructor(at, found, expected) {
     super(`${at}: found ${found}, expected ${expected}`);
@@ -15,7 +15,7 @@ export class StreamError extends Error {
 }
 
 /**
- * Throws a fault whose place is known to the caller.
+ * Throws a stream error whose location the caller adds.
  * @param {string} found
  * @param {string} expected
  * @returns {never}

@@ -1,38 +1,40 @@
 import { grown, integers } from './growth.js';
 import { NONE } from './surface.js';
 
-/** The cells of a fan: its position, in steps of the current precision; then as follows. */
+/**
+ * The number of cells per fan. The first three are its position in steps of the current precision.
+ */
 export const FAN_CELLS = 16;
-/** The sum of the positions of the fans around, modulo 2³², and their number, modulo 2¹⁶. */
+/** The sum of the positions of the neighbouring fans, modulo 2³², and their count, modulo 2¹⁶. */
 export const SUM = 3;
 export const COUNT = 6;
 /** The fan that a batch visits after this one, or none. */
 export const NEXT = 7;
-/** The batch in which it arose; 0 for the base mesh. */
+/** The batch that created it; 0 for the base mesh. */
 export const BORN = 8;
-/** The corners that a batch has used, at most 255, and the number of the batch. */
+/** The number of corners used by a batch, at most 255, and the index of that batch. */
 export const USED = 9;
 export const USED_IN = 10;
-/** Whether it is open: 1 or 0. */
+/** Whether the fan is open: 1 or 0. */
 export const IS_OPEN = 11;
 export const VERTEX = 12;
-/** The next fan of the same point, of one fan alone itself; and the first fan of the point. */
+/** The next fan of the same point in a cycle, and the first fan of the point. */
 export const TWIN = 13;
 export const LEADER = 14;
 
-/** What is known of each fan. */
+/** The data of all fans. */
 export class Fans {
   count = 0;
   vertexCount = 0;
   cells = integers(0);
 
   /**
-   * Adds a fan; its position is to be set.
+   * Adds a fan; the caller sets its position.
    * @param {number} twin another fan of its point, or none
    * @param {number} vertex the next vertex, or that of another fan
    * @param {number} batch
    * @param {number} isOpen
-   * @returns {number} its number
+   * @returns {number} its index
    */
   push(twin, vertex, batch, isOpen) {
     const fan = this.count++;
@@ -56,10 +58,10 @@ export class Fans {
   }
 
   /**
-   * Adds positions to those around a fan.
+   * Adds positions to the sum of the neighbours of a fan.
    * @param {number} at the first cell of the fan
    * @param {number} x @param {number} y @param {number} z their sum
-   * @param {number} count their number
+   * @param {number} count their count
    */
   add(at, x, y, z, count) {
     const { cells } = this;
@@ -70,7 +72,7 @@ export class Fans {
   }
 
   /**
-   * Returns the corners that a batch has used, at most 255.
+   * Returns the number of corners used by a batch, at most 255.
    * @param {number} at the first cell of a fan
    * @param {number} batch
    */
@@ -79,7 +81,7 @@ export class Fans {
   }
 
   /**
-   * Counts corners that a batch has used, and takes others away that it had counted.
+   * Adds used corners of a batch, and subtracts corners that were counted twice.
    * @param {number} at the first cell of a fan
    * @param {number} batch
    * @param {number} count
@@ -93,7 +95,7 @@ export class Fans {
   }
 
   /**
-   * Returns how far the position of a fan is from the mean of those around, times their number.
+   * Returns the offset of a fan from the mean of its neighbours, times their count.
    * @param {number} at the first cell of the fan
    * @param {number} j the axis
    */

@@ -15,7 +15,7 @@ import { min } from './math.js';
 /** @import { DecoderOptions } from './decoder.js' */
 
 const VERSION = 1;
-/** The most bytes of the JSON, unless a limit says less. */
+/** The default maximum size of the JSON, in bytes. */
 const MAX_JSON_BYTES = 2 ** 28;
 
 /**
@@ -28,27 +28,33 @@ function failAt(at, found, expected) {
   throw new StreamError(`byte ${at}`, found, expected);
 }
 
-/** Takes a GLB file apart as its bytes arrive, in pieces of any size. */
+/** Splits a GLB file into its sections incrementally, from bytes in pieces of any size. */
 export class GlbReader {
   #mostJsonBytes;
-  /** What has arrived of the headers and of the JSON. */
+  /** The received bytes of the headers and the JSON. */
   #waiting = new Waiting();
-  /** The bytes before the stream that are still to come, and those of the stream. */
+  /** The remaining bytes before the stream, and of the stream. */
   #beforeLeft = 0;
   #streamLeft = 0;
-  /** @type {any} the glTF document, as soon as it has arrived */
+  /**
+   * The glTF document, once it has arrived.
+   * @type {any}
+   */
   json;
-  /** The byte of the file at which the stream starts; 0 if that is not known yet. */
+  /** The file offset of the stream; 0 if unknown. */
   streamStart = 0;
-  /** The length of the file, as its header says, and that of the binary chunk before the stream. */
+  /** The declared length of the file, and the length of the binary chunk before the stream. */
   fileBytes = 0;
   beforeBytes = 0;
-  /** @type {Uint8Array} of the bytes that were given last, those of the binary chunk before the stream */
+  /**
+   * The bytes of the binary chunk before the stream, among the bytes of the last call.
+   * @type {Uint8Array}
+   */
   before = new Uint8Array(0);
 
   /**
    * @param {number} [mostJsonBytes]
-   * @param {boolean} [isPlainToo] whether a file without a stream is taken as well
+   * @param {boolean} [isPlainToo] whether to accept files without a stream
    */
   constructor(mostJsonBytes = MAX_JSON_BYTES, isPlainToo = false) {
     this.#mostJsonBytes = mostJsonBytes;
@@ -56,9 +62,9 @@ export class GlbReader {
   }
 
   /**
-   * Takes the next bytes of the file; returns those of the stream among them.
+   * Consumes bytes of the file, and returns those that belong to the stream.
    *
-   * Throws a `StreamError` if they are not those of a GLB with a stream.
+   * Throws a `StreamError` if the bytes are not a GLB with a stream.
    * @param {Uint8Array | ArrayBuffer} bytes
    * @returns {Uint8Array}
    */
@@ -77,7 +83,8 @@ export class GlbReader {
   }
 
   /**
-   * Reads the headers of the file and the JSON. Returns where the data of the binary chunk start, or 0 if that has not arrived.
+   * Reads the headers of the file and the JSON. Returns the offset of the data of the binary chunk,
+   * or 0 if it has not arrived.
    * @param {Uint8Array} bytes
    */
   #readStart(bytes) {
@@ -124,7 +131,7 @@ export class GlbReader {
   }
 }
 
-/** Decodes the stream in a GLB file as the bytes of the file arrive, in pieces of any size. */
+/** Decodes the stream in a GLB file incrementally, from bytes in pieces of any size. */
 export class GlbDecoder {
   #reader;
   #decoder;
@@ -136,9 +143,10 @@ export class GlbDecoder {
   }
 
   /**
-   * Takes the next bytes of the file, and decodes the chunks that are complete. Returns how many that were.
+   * Consumes bytes of the file, and decodes all complete chunks. Returns their number.
    *
-   * Throws a `StreamError` if the bytes are not those of a GLB with a stream, or as `Decoder.update` does.
+   * Throws a `StreamError` if the bytes are not a GLB with a stream, or for the reasons of
+   * `Decoder.update`.
    * @param {Uint8Array | ArrayBuffer} bytes
    * @returns {number}
    */
@@ -147,21 +155,21 @@ export class GlbDecoder {
   }
 
   /**
-   * The glTF document, as soon as it has arrived. Primitives that the stream refines have `extensions.TRISTRIP_progressive.stream`: the number of
-   * their mesh.
+   * The glTF document, once it has arrived. Primitives that the stream refines have the index of
+   * their mesh in `extensions.TRISTRIP_progressive.stream`.
    */
   get json() {
     return this.#reader.json;
   }
 
-  /** The meshes whose base has arrived, in the order of their numbers. */
+  /** The meshes whose base mesh has arrived, ordered by index. */
   get parts() {
     return this.#decoder.parts;
   }
 
   /**
-   * Returns a mesh, if its base has arrived.
-   * @param {number} stream its number
+   * Returns a mesh if its base mesh has arrived.
+   * @param {number} stream the index of the mesh
    */
   part(stream) {
     return this.#decoder.part(stream);
@@ -172,7 +180,7 @@ export class GlbDecoder {
     return this.#decoder.chunkCount;
   }
 
-  /** The number of bytes of the file up to the end of the last chunk decoded; 0 before the stream begins. */
+  /** The file offset of the end of the last decoded chunk; 0 before the stream starts. */
   get offset() {
     return this.#reader.streamStart && this.#reader.streamStart + this.#decoder.offset;
   }

@@ -5,7 +5,7 @@ import { abs, clamped, floor, max } from './math.js';
 
 /** @typedef {Float32Array | Float64Array | Uint8Array | Int8Array | Uint16Array | Int16Array | Uint32Array | Int32Array} ValueArray */
 
-/** The types of values of attributes: their arrays, and for integers the bounds. */
+/** The value types of attributes: their arrays and, for integers, the bounds. */
 export const ARRAY_TYPES = [
   Float32Array,
   Float64Array,
@@ -17,32 +17,32 @@ export const ARRAY_TYPES = [
   Int32Array,
 ];
 
-/** The first type of integers. */
+/** The first integer type. */
 const FIRST_INTEGER = 2;
 
 /**
- * An attribute, and the grid on which its values are decoded.
+ * An attribute and the grid on which its values are decoded.
  * @typedef {object} Channel
  * @property {string} name
  * @property {number} valueType
  * @property {number} components
  * @property {boolean} normalized
- * @property {number[]} origins the least value of each component
+ * @property {number[]} origins the minimum of each component
  * @property {number} step
  * @property {ChannelModel} model with the integers
  */
 
 /**
- * An attribute of the vertices.
+ * A vertex attribute.
  * @typedef {object} Attribute
  * @property {string} name the glTF name if there is one (`NORMAL`, `TEXCOORD_0`, `COLOR_0`)
  * @property {number} components values per vertex
  * @property {boolean} normalized whether integers represent fractions of their range
- * @property {ValueArray} array the values, vertex after vertex
+ * @property {ValueArray} array the values, vertex by vertex
  */
 
 /**
- * Returns the attribute with the values of some vertices.
+ * Returns an attribute with the values of a vertex range.
  * @param {Channel} channel
  * @param {number} first
  * @param {number} end the vertex after the last one
@@ -74,10 +74,10 @@ export function attributeOf({ name, valueType, components, normalized, origins, 
 }
 
 /**
- * Finds the unit vector at a point of an octahedron that is unfolded to a square.
+ * Computes the unit vector at a point of an octahedron that is unfolded to a square.
  * @param {number} s from 0 to 1
  * @param {number} t from 0 to 1
- * @param {number[]} unit where the vector is written to
+ * @param {number[]} unit receives the vector
  */
 function unfold(s, t, unit) {
   const u = s * 2 - 1;

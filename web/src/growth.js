@@ -5,7 +5,8 @@
 export const integers = (length) => new Int32Array(length);
 
 /**
- * Returns an array of at least some length that starts with the same values: the same one, or one of twice the length.
+ * Returns an array of at least the given length that starts with the same values: the array itself,
+ * or one of twice the length.
  * @template {Int32Array | Float64Array | Uint8Array} T
  * @param {T} array
  * @param {number} length
@@ -19,13 +20,13 @@ export function grown(array, length) {
   return longer;
 }
 
-/** Bytes that wait for others. */
+/** A buffer of bytes that are not complete yet. */
 export class Waiting {
   #bytes = new Uint8Array(0);
   length = 0;
 
   /**
-   * Adds bytes; returns all.
+   * Appends bytes, and returns all of them.
    * @param {Uint8Array} bytes
    */
   add(bytes) {
@@ -38,7 +39,7 @@ export class Waiting {
 }
 
 /**
- * Returns bytes as an array.
+ * Returns bytes as a `Uint8Array`.
  * @param {Uint8Array | ArrayBuffer} bytes
  */
 export function arrayOf(bytes) {

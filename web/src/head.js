@@ -23,15 +23,15 @@ import { decodeSmall } from './numbers.js';
  */
 
 /**
- * What the first chunk of a mesh says before the base mesh.
+ * The header in the first chunk of a mesh.
  * @typedef {object} Head
- * @property {number} positionBits the bits of a coordinate
- * @property {number} unknownBits those that the base mesh does not tell yet
- * @property {number[]} origin that of the grid of the positions
+ * @property {number} positionBits bits per coordinate
+ * @property {number} unknownBits bits per coordinate that the base mesh does not contain
+ * @property {number[]} origin origin of the position grid
  * @property {number} step
  * @property {number} baseTriangles
- * @property {number} levels the collapses of the full mesh
- * @property {number} triangles those of the full mesh
+ * @property {number} levels number of collapses of the full mesh
+ * @property {number} triangles triangles of the full mesh
  * @property {number} vertices
  * @property {Channel[]} channels
  */
@@ -110,7 +110,7 @@ function readName(reader) {
 }
 
 /**
- * Decodes the weights of the estimates, as differences from the usual ones: 0, −1, 1, −2, 2, …
+ * Decodes the weights of the estimates, as differences from the defaults: 0, −1, 1, −2, 2, …
  * @param {RangeDecoder} coder
  * @returns {Int32Array}
  */

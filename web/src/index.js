@@ -1,5 +1,5 @@
 /**
- * Decodes meshes that are drawn after their first bytes and refined by the others.
+ * Decoder for progressive meshes, which render from the first bytes and refine as the rest arrives.
  * @module
  */
 export { Decoder, StreamPart } from './decoder.js';

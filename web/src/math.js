@@ -1,5 +1,5 @@
 /**
- * Functions of whole numbers.
+ * Integer functions.
  * @module
  */
 export const { abs, clz32, floor, imul, max, min } = Math;
@@ -16,8 +16,8 @@ export function clamped(x, least, most) {
 const view = new DataView(new ArrayBuffer(8));
 
 /**
- * Returns the binary logarithm of a whole number, at least 1, in 1/8, with straight lines between the powers of two: the exponent and the first bits of
- * the float that it is.
+ * Returns the binary logarithm of an integer of at least 1, in 1/8, linearly interpolated between
+ * powers of two: the exponent and the leading mantissa bits of its float.
  * @param {number} x below 2⁵³
  * @returns {number}
  */

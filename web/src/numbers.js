@@ -1,8 +1,10 @@
 /**
- * Numbers as decisions: the size as a bucket relative to what is expected, one of sixteen symbols, then the place within the bucket, and the sign.
+ * Decoding of numbers: the magnitude as a bucket relative to the expected one (one of sixteen
+ * symbols), then the position in the bucket and the sign.
  *
- * Buckets have the bounds 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, … : the bucket of a size is the whole part of twice its binary logarithm. The logarithm of the
- * size that is expected, the level, is a weighted sum of features, whose weights follow the gradient of the square of the error.
+ * Buckets have the bounds 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, …: the bucket of a magnitude is the
+ * integer part of twice its binary logarithm. The expected logarithm, called the level, is a
+ * weighted sum of features. The weights are learned by gradient descent on the squared error.
  *
  * Based on: Widrow, Hoff, "Adaptive Switching Circuits", 1960.
  * @module
@@ -14,7 +16,7 @@ import { Simple } from './slots.js';
 /** @import { RangeDecoder } from './range_coder.js' */
 
 /**
- * Expects the level of a number, in 1/16 of an octave.
+ * Predicts the level of a number, in 1/16 of an octave.
  * @param {Int32Array} weights of its features, in 1/65536
  * @param {Int32Array} features
  * @returns {number}
@@ -26,7 +28,7 @@ export function expectLevel(weights, features) {
 }
 
 /**
- * Learns from how far a level was from what was expected.
+ * Updates the weights by the prediction error of a level.
  * @param {Int32Array} weights
  * @param {Int32Array} features
  * @param {number} error
@@ -36,11 +38,11 @@ export function learnLevel(weights, features, error) {
   for (let i = 0; i < weights.length; i++) weights[i] += (error * features[i]) >> 3;
 }
 
-/** The model of numbers of one kind. */
+/** The model of one kind of numbers. */
 export class NumberModel {
   #symbols;
   #escapes = new Simple(SMALL_CONTEXTS);
-  /** How far the level of the last number is from what was expected. */
+  /** The prediction error of the level of the last number. */
   error = 0;
 
   /** @param {number} sets */
@@ -49,7 +51,7 @@ export class NumberModel {
   }
 
   /**
-   * Decodes a number of a set, and sets `error`.
+   * Decodes a number of a set, and updates `error`.
    * @param {RangeDecoder} coder
    * @param {number} set
    * @param {number} level
@@ -64,7 +66,7 @@ export class NumberModel {
     if (symbol === 0 && bucket > 0) bucket -= decodeSmall(coder, this.#escapes);
     else if (symbol === LAST_SYMBOL) bucket += decodeSmall(coder, this.#escapes);
     bucket = clamped(bucket, 0, MAX_BUCKET);
-    // 2. The place within the bucket, and the sign.
+    // 2. The position in the bucket, and the sign.
     const rest = bucket < 4 ? 0 : (bucket >> 1) - 1;
     const low = bucket > 0 ? coder.bits(rest + 1) : 0;
     const size = (bucket < 4 ? bucket : (2 | (bucket & 1)) << rest) | (low >> 1);
@@ -74,7 +76,7 @@ export class NumberModel {
 }
 
 /**
- * Decodes a number that is usually small, below 2²⁴.
+ * Decodes a number below 2²⁴ that is usually small.
  * @param {RangeDecoder} coder
  * @param {Simple} model of `SMALL_CONTEXTS`
  * @returns {number}

@@ -1,28 +1,36 @@
 /**
- * Paths over triangles, one per strip, with the vertices that they cost, and a local search that makes them cheaper.
+ * Paths over triangles, one per strip, with their cost in vertices, and a local search that reduces
+ * it.
  *
- * Half-edges are numbered by fours: edge e of triangle t, which begins at its corner e, is 4 t + e. A link joins two triangles over the half-edges of their edge, its two sides.
+ * Half-edges have indices in groups of four: edge e of triangle t, which starts at its corner e, is
+ * 4 t + e. A link joins two triangles across their common edge, through its two half-edges (sides).
  * A swap repeats a vertex, so that a strip can turn to the same side twice.
  *
- * The same steps with the same random numbers as `PricedPaths` and `LocalSearch` in Rust.
+ * The steps and random numbers are the same as in `PricedPaths` and `LocalSearch` in Rust.
  * @module
  */
 import { grown } from './growth.js';
 
-/** No half-edge: an edge of one triangle. */
+/** No half-edge: the edge has one triangle. */
 export const NONE = -1;
 
-/** By the edges over which a triangle is linked, one bit per edge: their number, and the lowest of them, or 3. */
+/**
+ * Indexed by the mask of linked edges, one bit per edge: the number of links, and the lowest linked
+ * edge, or 3.
+ */
 const DEGREES = Uint8Array.of(0, 1, 1, 2, 1, 2, 2, 3);
 export const LOWEST = Uint8Array.of(3, 0, 1, 0, 2, 0, 1, 0);
 
-/** What a strip costs beside one vertex per triangle. */
+/** The cost of a strip in addition to one vertex per triangle. */
 const STRIP = 2;
-/** Steps of a walk that are always allowed. */
+/** The number of walk steps that are always allowed. */
 const SHORT_WALK = 16;
-/** Moves of a search after its first cut. */
+/** The maximum number of moves of a search after its first cut. */
 const DEPTH = 4;
-/** From a triangle's first half-edge to the cell of its links and, at an end, the other end of its path. */
+/**
+ * The offset from a triangle's first half-edge to its state: the links and, at an end, the other
+ * end of its path.
+ */
 const STATE = 3;
 
 /**
@@ -37,15 +45,15 @@ function highProduct(a, b) {
   return (a >>> 16) * (b >>> 16) + (middle >>> 16) + (other >>> 16);
 }
 
-/** Random numbers of 64 bits (SplitMix64). */
+/** A generator of 64-bit random numbers (SplitMix64). */
 export class Random {
   #high = 0;
   #low = 0;
-  /** The halves of the last number: the high one, and the low one. */
+  /** The high and low halves of the last number. */
   high = 0;
   low = 0;
 
-  /** Draws the next number. */
+  /** Generates the next number. */
   next() {
     const sum = this.#low + 0x7f4a7c15;
     this.#low = sum >>> 0;
@@ -76,7 +84,7 @@ export class Random {
   }
 
   /**
-   * Draws a number below n.
+   * Returns a random number below n.
    * @param {number} n
    */
   below(n) {
@@ -86,8 +94,9 @@ export class Random {
 }
 
 /**
- * The side to which a path turns in a triangle, at 4 mask + edge, where the mask has the edges over which it is linked, and the path enters over one of them: 1 if it leaves over the next
- * edge, 2 over the one before, 0 if it ends.
+ * The direction in which a path turns in a triangle, indexed by 4 mask + edge. The mask has the
+ * linked edges, and the path enters across the edge. 1: it leaves across the next edge; 2: across
+ * the previous edge; 0: it ends.
  */
 const TURNS = new Uint8Array(32);
 for (let edge = 0; edge < 3; edge++) {
@@ -96,15 +105,18 @@ for (let edge = 0; edge < 3; edge++) {
   TURNS[4 * ((1 << edge) | (1 << next)) + next] = 2;
 }
 
-/** Paths, and the search that improves them. */
+/** Paths and the search that improves them. */
 export class Paths {
   #random = new Random();
-  /** The walks that searches may still take, in steps. */
+  /** The remaining walk steps of searches. */
   walkSteps = 0;
-  /** The moves of a search, to be undone: a half-edge, and of a join the outer ends of the two paths, of a cut `NONE`. */
+  /**
+   * The undo log of a search: a half-edge, then for a join the outer ends of both paths, for a cut
+   * `NONE`.
+   */
   #moves = new Int32Array(6 * DEPTH + 3);
   #moveCount = 0;
-  /** The end after a rotation. */
+  /** The new end after a rotation. */
   #end = 0;
   /** The ends of the path of a link. */
   #here = 0;
@@ -115,11 +127,11 @@ export class Paths {
     this.cells = new Int32Array(0);
     this.triangleCount = 0;
     this.stripCount = 0;
-    /** The vertices of all strips beside one per triangle. */
+    /** The vertices of all strips minus one per triangle. */
     this.cost = 0;
   }
 
-  /** Appends a triangle, as a strip by itself without neighbours. */
+  /** Appends a triangle as a separate strip without neighbours. */
   push() {
     const t = this.triangleCount++;
     const cells = (this.cells = grown(this.cells, 4 * t + 4));
@@ -130,7 +142,7 @@ export class Paths {
   }
 
   /**
-   * Makes two half-edges without links twins.
+   * Makes two unlinked half-edges twins.
    * @param {number} a
    * @param {number} b
    */
@@ -139,7 +151,10 @@ export class Paths {
     this.cells[b] = a;
   }
 
-  /** @param {number} t a triangle @returns {number} the edges over which it is linked, one bit per edge */
+  /**
+   * @param {number} t a triangle
+   * @returns {number} the linked edges, one bit per edge
+   */
   mask(t) {
     return this.cells[4 * t + STATE] & 7;
   }
@@ -154,7 +169,10 @@ export class Paths {
     return (this.mask(h >> 2) >> (h & 3)) & 1;
   }
 
-  /** @param {number} end @returns {number} the other end of its path */
+  /**
+   * @param {number} end
+   * @returns {number} the other end of its path
+   */
   partner(end) {
     return this.cells[4 * end + STATE] >>> 3;
   }
@@ -169,28 +187,43 @@ export class Paths {
     cells[4 * f + STATE] = (cells[4 * f + STATE] & 7) | (e << 3);
   }
 
-  /** @param {number} h @returns {number} the turn in its triangle of a path that enters over it */
+  /**
+   * @param {number} h
+   * @returns {number} the turn in its triangle of a path that enters across it
+   */
   #turn(h) {
     return TURNS[((this.cells[h | STATE] & 7) << 2) | (h & 3)];
   }
 
-  /** @param {number} link @returns {number} the swaps on it */
+  /**
+   * @param {number} link
+   * @returns {number} the swaps at the link
+   */
   #swapAt(link) {
     return (this.#turn(link) ^ this.#turn(this.cells[link])) === 3 ? 1 : 0;
   }
 
-  /** @param {number} link @returns {number} the swaps on the other link of its triangle */
+  /**
+   * @param {number} link
+   * @returns {number} the swaps at the other link of its triangle
+   */
   #swapBehind(link) {
     const behind = LOWEST[this.mask(link >> 2) & ~(1 << (link & 3))];
     return behind < 3 ? this.#swapAt((link & ~3) | behind) : 0;
   }
 
-  /** @param {number} link @returns {number} the swaps on a link and on those next to it */
+  /**
+   * @param {number} link
+   * @returns {number} the swaps at the link and at adjacent links
+   */
   #swapsAround(link) {
     return this.#swapAt(link) + this.#swapBehind(link) + this.#swapBehind(this.cells[link]);
   }
 
-  /** @param {number} end @returns {boolean} whether a strip from there begins with the turn that requires a swap */
+  /**
+   * @param {number} end
+   * @returns {boolean} whether a strip from this end starts with a turn that requires a swap
+   */
   beginsWithSwap(end) {
     const edge = LOWEST[this.mask(end)];
     return edge < 3 && this.#turn(this.cells[4 * end + edge]) === 1;
@@ -216,7 +249,8 @@ export class Paths {
   }
 
   /**
-   * Links two ends of different paths. Returns the rise of the cost, or `undefined` if the link would close a path.
+   * Links two ends of different paths. Returns the cost increase, or `undefined` if the link would
+   * close a path.
    * @param {number} link
    */
   join(link) {
@@ -235,7 +269,7 @@ export class Paths {
   }
 
   /**
-   * Removes a link between the ends e, on its side, and f. Returns the rise of the cost.
+   * Removes a link between the ends e (on its side) and f. Returns the cost increase.
    * @param {number} link
    * @param {number} e
    * @param {number} f
@@ -254,7 +288,8 @@ export class Paths {
   }
 
   /**
-   * Walks from a link both ways to the nearer end. Returns whether the steps that are left suffice.
+   * Walks from a link in both directions until one end is reached. Returns whether the remaining
+   * steps suffice.
    * @param {number} link
    */
   #findEnds(link) {
@@ -280,7 +315,7 @@ export class Paths {
   }
 
   /**
-   * Removes a link. Returns the rise of the cost, or `undefined` if both ends are too far.
+   * Removes a link. Returns the cost increase, or `undefined` if both ends are too far away.
    * @param {number} link
    */
   #tryCut(link) {
@@ -288,9 +323,9 @@ export class Paths {
   }
 
   /**
-   * Returns by how much a rotation raises the cost, without the repeats at the starts of paths.
-   * @param {number} link from an end, and of the triangle across the link that is cut
-   * @param {number} cut
+   * Returns the cost increase of a rotation, without the repeats at the starts of paths.
+   * @param {number} link from an end
+   * @param {number} cut the link to cut, in the triangle across `link`
    */
   #rotationRise(link, cut) {
     const { cells } = this;
@@ -317,7 +352,8 @@ export class Paths {
   }
 
   /**
-   * Puts the last triangle, which has no links, into a link: its half-edges a and b become the twins of the link's two sides.
+   * Inserts the last triangle, which has no links, into a link. Its half-edges a and b become the
+   * twins of the two sides.
    * @param {number} link
    * @param {number} a
    * @param {number} b
@@ -326,7 +362,8 @@ export class Paths {
     const twin = this.cells[link];
     const t = link >> 2;
     const u = twin >> 2;
-    // Only the turn in the triangle itself is new. The start of the path changes only if the link is next to an end.
+    // Only the turn in the inserted triangle is new. The start of the path changes only if the link
+    // is next to an end.
     const isFirst = this.degree(t) < 2;
     const hasEnd = isFirst || this.degree(u) < 2;
     const e = isFirst ? t : u;
@@ -341,7 +378,8 @@ export class Paths {
   }
 
   /**
-   * Joins a triangle to the ends beside it, over the edge that lowers the cost the most, until none does not raise it.
+   * Joins a triangle to adjacent ends, each time across the edge that reduces the cost most, while
+   * a join does not increase the cost.
    * @param {number} t
    */
   joinEnds(t) {
@@ -379,7 +417,8 @@ export class Paths {
   }
 
   /**
-   * Joins two ends unless that raises the cost by more than a limit. Returns whether it did.
+   * Joins two ends unless the cost would rise by more than a limit. Returns whether they were
+   * joined.
    * @param {number} link
    * @param {number} highest
    */
@@ -397,9 +436,10 @@ export class Paths {
   }
 
   /**
-   * Tries a join or a rotation at an end, chosen by the random number drawn. Returns 0 if it is refused, 1 if the end was linked to another one, 2 if another end replaces it.
+   * Tries a join or a rotation at an end, chosen by the current random number. Returns 0 if it is
+   * rejected, 1 if the end was linked to another one, 2 if another end replaces it.
    * @param {number} w
-   * @param {number} highest the most by which the cost may rise
+   * @param {number} highest the maximum cost increase
    */
   #moveEnd(w, highest) {
     const { high } = this.#random;
@@ -409,7 +449,7 @@ export class Paths {
     if (twin === NONE) return 0;
     const mask = this.mask(twin >> 2);
     if (DEGREES[mask] < 2) return this.#tryJoin(link, highest) ? 1 : 0;
-    // Another link of the triangle is cut.
+    // Cuts another link of the triangle.
     const cut = (twin & ~3) | (high >>> 31 ? LOWEST[mask] : 31 - Math.clz32(mask));
     const released = this.cells[cut] >> 2;
     if (released === w || this.#rotationRise(link, cut) > highest) return 0;
@@ -426,7 +466,8 @@ export class Paths {
   }
 
   /**
-   * Tries a chain of moves from a triangle. Within the chain the cost may rise by less than a strip; after it the cost has not risen.
+   * Tries a chain of moves from a triangle. Within the chain, the cost may rise by less than one
+   * strip; at its end it has not risen.
    * @param {number} t
    */
   improveAt(t) {

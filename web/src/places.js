@@ -1,25 +1,28 @@
 /**
- * Where the point of a split is: expected from the polygon around it, and decoded as the difference.
+ * The position of a split point: predicted from the surrounding polygon, and decoded as a residual.
  *
  * ```text
- *       a₂ ──── a₁             The polygon of the new point v is the kept point k and the points aₛ … aₑ around the corners that move. What is
- *      ╱  ╲    ╱  ╲            expected is the mean q of its points, and a weighted sum of how other estimates differ from q.
- *     a₃    v      a₀
+ *       a₂ ──── a₁             The polygon of the new point v consists of the kept point k and the
+ *      ╱  ╲    ╱  ╲            points aₛ … aₑ around the corners that move. The prediction is mean
+ *     a₃    v      a₀          q of its points plus weighted differences of other estimates from q.
  *      ╲  ╱    ╲  ╱
  *       k ──────
  * ```
- * 1. The estimates: the kept point; the middle of aₛ and aₑ; q and the mean of the Laplacians of the polygon's points; the centre of the polygon's
- *    area. They have weights along the normal of the polygon and others beside it: for each number of points in the polygon, and for each of three
- *    regimes of batches.
- * 2. The axes: the coordinates are decoded one after the other, that along which the normal is longest last. A difference in the first two says what
- *    to expect in the others, if the new point is in the plane of the polygon.
- * 3. The levels: how large a difference is expected to be. Features are the size of the polygon, projected to the axis; how far the expected point is
- *    from q; how wide the polygon is along the axis; how much the coordinate before has differed.
+ * 1. The estimates: the kept point; the midpoint of aₛ and aₑ; q plus the mean Laplacian of the
+ *    polygon's points; the centroid of the polygon's area. They have separate weights along the
+ *    normal of the polygon and perpendicular to it, per point count of the polygon and per batch
+ *    regime (three).
+ * 2. The axes: coordinates are decoded one at a time; the axis with the longest component of the
+ *    normal comes last. The residuals of the first two predict the others, assuming that the new
+ *    point is in the plane of the polygon.
+ * 3. The levels: the expected magnitude of a residual. The features are the size of the polygon
+ *    projected on the axis, the distance of the predicted point from q, the width of the polygon
+ *    along the axis, and the residual of the previous coordinate.
  *
- * All numbers are whole and below 2⁵³, and exact as floats; divisions round down.
+ * All numbers are integers below 2⁵³, exact as floats; divisions round down.
  *
- * Based on: Taubin, Guéziec, Horn, Lazarus, "Progressive Forest Split Compression", 1998; Alliez, Desbrun, "Progressive Compression for Lossless
- * Transmission of Triangle Meshes", 2001.
+ * Based on: Taubin, Guéziec, Horn, Lazarus, "Progressive Forest Split Compression", 1998; Alliez,
+ * Desbrun, "Progressive Compression for Lossless Transmission of Triangle Meshes", 2001.
  * @module
  */
 import { ALONG_LEVEL, BESIDE_LEVEL, ESTIMATES, MAX_CORNERS, MAX_LAPLACIAN, POLYGONS, WEIGHT_ONE } from './constants.js';
@@ -34,13 +37,13 @@ import { integers } from './growth.js';
  * @import { RangeDecoder } from './range_coder.js'
  */
 
-// Not those of math.js: calls of imported functions would take 5 % more time in all.
+// Not imported from math.js: calls of imported functions would take 5 % more time overall.
 const { floor, abs, max, min } = Math;
 
-/** The sets of numbers: coordinates beside the normal, those along it, and those of the base mesh. */
+/** The sets of numbers: coordinates perpendicular to the normal, along it, and of the base mesh. */
 const ALONG = 1;
 const OF_BASE = 2;
-/** Estimates are in 1/16 of a step, the expected point in 1/1024. */
+/** Estimates are in 1/16 of a step, the predicted point in 1/1024. */
 const ONE = 16 * WEIGHT_ONE;
 
 /**
@@ -59,15 +62,18 @@ function reciprocal(n) {
   return n > 0 ? floor(65536 / n) : 65536;
 }
 
-/** The points of the polygon relative to the kept one, which is not among them. */
+/** The points of the polygon relative to the kept point, without the kept point. */
 const points = integers(3 * (MAX_CORNERS + 2));
-/** The mean of the polygon, in 1/16, relative to the kept point; then how the estimates differ from it. */
+/**
+ * The mean of the polygon in 1/16, relative to the kept point; then the differences of the
+ * estimates from it.
+ */
 const estimates = new Float64Array(3 + 3 * ESTIMATES);
-/** The normal of the polygon, with eight bits along its longest axis. */
+/** The normal of the polygon, scaled to eight bits along its longest axis. */
 const normal = new Float64Array(3);
-/** The variance of its points along each axis, times the square of their number. */
+/** The variance of the points along each axis, times their count squared. */
 const spreads = new Float64Array(3);
-/** The expected point relative to the kept one. */
+/** The predicted point relative to the kept point. */
 const expected = new Float64Array(3);
 const features = Int32Array.of(32, 0, 0, 0, 0);
 
@@ -76,20 +82,23 @@ export class PlaceModel {
   #weights;
   #numbers = new NumberModel(3);
   #levels = [BESIDE_LEVEL, BESIDE_LEVEL, ALONG_LEVEL].map((weights) => Int32Array.from(weights));
-  /** @param {Int32Array} weights for each polygon and estimate, along the normal and beside it */
+  /**
+   * @param {Int32Array} weights per polygon class and estimate, along the normal and perpendicular
+   *   to it
+   */
   constructor(weights) {
     this.#weights = weights;
-    /** The last point. */
+    /** The last decoded point. */
     this.place = integers(3);
   }
 
   /**
-   * Decodes the position of a new point, to `place`.
+   * Decodes the position of a new point to `place`.
    * @param {RangeDecoder} coder
    * @param {Fans} fans
-   * @param {number} fan the kept one
+   * @param {number} fan the kept fan
    * @param {number} regime
-   * @param {number} most the largest coordinate
+   * @param {number} most the maximum coordinate
    */
   decode(coder, fans, fan, regime, most) {
     const kept = FAN_CELLS * fan;
@@ -114,7 +123,7 @@ export class PlaceModel {
     let far = ONE / 2;
     for (let j = 0; j < 3; j++) far += abs(expected[j] - WEIGHT_ONE * estimates[j]);
     const shift = 2 * logarithm(far) - 160 - whole;
-    // 2. The coordinates beside the normal, then that along it.
+    // 2. The coordinates perpendicular to the normal, then the one along it.
     let slope = 0;
     let ofNormal = 0;
     features[4] = 0;
@@ -130,20 +139,20 @@ export class PlaceModel {
       const difference = numbers.decode(coder, turn === 2 ? ALONG : 0, expectLevel(level, features));
       learnLevel(level, features, numbers.error);
       features[4] = clamped(numbers.error, -48, 48);
-      // Bytes that no encoder has written may lead beyond the grid.
+      // Invalid bytes can lead beyond the grid.
       const found = clamped((middle + difference) | 0, 0, most);
       this.place[j] = found;
-      // How far from what is expected of the polygon.
+      // The deviation from the prediction along the normal.
       ofNormal += normal[j] * (ONE * (found - fans.cells[kept + j]) - expected[j]);
       slope = turn === 0 ? quotient(-n1 * ofNormal, rest) : floor((floor((-ofNormal * Math.sign(n2)) / 256) * reciprocal(abs(n2))) / 256);
     }
   }
 
   /**
-   * Decodes the position of a point of the base mesh, to `place`, which holds one near to it.
+   * Decodes the position of a base-mesh point to `place`, which contains a nearby point.
    * @param {RangeDecoder} coder
-   * @param {number} square the square of the length of the sides of the triangles around
-   * @param {number} most the largest coordinate
+   * @param {number} square the squared side length of the surrounding triangles
+   * @param {number} most the maximum coordinate
    */
   decodeBase(coder, square, most) {
     for (let axis = 0; axis < 3; axis++) {
@@ -153,7 +162,7 @@ export class PlaceModel {
   }
 
   /**
-   * Sets the mean, the estimates, the normal and the spreads of a polygon; returns the number of its points.
+   * Computes the mean, estimates, normal and spreads of a polygon. Returns its point count.
    * @param {Fans} fans
    * @param {number} kept the first cell of the kept fan
    * @returns {number}
@@ -161,7 +170,7 @@ export class PlaceModel {
   #estimate(fans, kept) {
     const { cells } = fans;
     const { start, count } = split;
-    // 1. The points, their sum and that of their squares; the sum of the Laplacians.
+    // 1. The points, their sum and sum of squares, and the sum of the Laplacians.
     let fanCount = cells[kept + COUNT];
     let laplacianX = fans.laplacian(kept, 0);
     let laplacianY = fans.laplacian(kept, 1);
@@ -182,7 +191,7 @@ export class PlaceModel {
     const number = end / 3 + 1;
     const share = reciprocal(number);
     const ofFans = reciprocal(fanCount);
-    // Larger ones are those of fans with so many others around that their number has wrapped.
+    // Larger values come from fans with so many neighbours that the count has wrapped.
     const mean = (/** @type {number} */ laplacian) => clamped(floor((laplacian * ofFans) / 4096), -MAX_LAPLACIAN, MAX_LAPLACIAN);
     estimates[9] = mean(laplacianX);
     estimates[10] = mean(laplacianY);
@@ -202,7 +211,7 @@ export class PlaceModel {
       spreads[j] = number * squares - sum * sum;
       size += squares;
     }
-    // 2. The triangles between the kept point and the others, with at most eleven bits.
+    // 2. The triangles between the kept point and the others, reduced to eleven bits.
     const surplus = max((logarithm(size) >> 4) - 10, 0);
     let area = 0;
     let normalX = 0;
@@ -246,7 +255,7 @@ export class PlaceModel {
   }
 
   /**
-   * Sets the expected point.
+   * Computes the predicted point.
    * @param {number} count
    * @param {number} regime
    */

@@ -1,17 +1,21 @@
 /**
- * A range decoder: turns bytes into decisions with known probabilities.
+ * A range decoder: converts bytes to decisions with known probabilities.
  *
- * Based on: Martin, "Range encoding: an algorithm for removing redundancy from a digitised message", 1979.
+ * Based on: Martin, "Range encoding: an algorithm for removing redundancy from a digitised
+ * message", 1979.
  * @module
  */
 import { MIN_RANGE, MAX_TRIMMED } from './constants.js';
 
-/** Reads decisions. Zeros follow the bytes. */
+/** Reads decisions. The bytes are followed by implicit zeros. */
 export class RangeDecoder {
   #bytes;
   #end;
   #at = 0;
-  /** The range, and where in it the bytes are. A typed array, since a field holds only 31 bits without an allocation. */
+  /**
+   * The range, and the position of the bytes in it. A typed array, because a field with more than
+   * 31 bits would be allocated.
+   */
   #state = Uint32Array.of(0xffffffff, 0);
 
   /** @param {Uint8Array} bytes */
@@ -22,7 +26,7 @@ export class RangeDecoder {
   }
 
   /**
-   * Decodes a decision that is true in `probability` of `WHOLE` cases: 1 or 0.
+   * Decodes a decision that is true with probability `probability` / `WHOLE`. Returns 1 or 0.
    * @param {number} probability
    * @returns {number}
    */
@@ -30,7 +34,7 @@ export class RangeDecoder {
     const state = this.#state;
     const bound = Math.imul(state[0] >>> 16, probability) >>> 0;
     const bit = state[1] < bound ? 1 : 0;
-    // Which one it is cannot be predicted, so that a branch would be expensive.
+    // The outcome is unpredictable, so a branch would be expensive.
     const no = bit - 1;
     state[1] -= bound & no;
     state[0] = (state[0] & no) + ((bound ^ no) - no);
@@ -42,7 +46,8 @@ export class RangeDecoder {
   }
 
   /**
-   * Cuts the range into two to the power of `bits` equal parts, at most 2¹⁶; returns the part that is meant, or the last one. `take` follows.
+   * Divides the range into 2^`bits` equal parts, `bits` at most 16. Returns the index of the
+   * current part, or the last one. Call `take` afterwards.
    * @param {number} bits
    * @returns {number}
    */
@@ -53,7 +58,7 @@ export class RangeDecoder {
   }
 
   /**
-   * Takes some of the parts, that one among them.
+   * Narrows the range to some parts, which include the current one.
    * @param {number} start
    * @param {number} size
    */
@@ -74,7 +79,7 @@ export class RangeDecoder {
   }
 
   /**
-   * Decodes the lowest bits of a number, each as likely as not.
+   * Decodes equiprobable bits.
    * @param {number} count at most 32
    * @returns {number}
    */
@@ -85,7 +90,7 @@ export class RangeDecoder {
     return high + low;
   }
 
-  /** Whether more has been read than there is: what follows was not written by an encoder. */
+  /** Whether more bytes were read than exist; the rest was not written by an encoder. */
   get isPastEnd() {
     return this.#at > this.#end + MAX_TRIMMED;
   }

@@ -1,5 +1,5 @@
 /**
- * A mesh that batches of splits refine. Every decision is valid, so that any bytes build some mesh.
+ * A mesh refined by batches of splits. Every decision is valid, so any bytes decode to some mesh.
  * @module
  */
 import { MAX_CORNERS, MAX_TWINS } from './constants.js';
@@ -18,33 +18,36 @@ import { around, corners, next, NONE, previous, ring, split } from './surface.js
  * @import { Surface } from './surface.js'
  */
 
-/** Contexts of single flags. */
+/** Contexts of flags. */
 const MORE_REFINING = 0;
 const REGIME = 1;
 const MORE_IN_GROUP = 3;
 const SAME_VERTEX = 5;
 const FLAGS = 6;
 
-/** The vertices around a new point, that of the kept fan first. */
+/** The vertices around a new point, starting with that of the kept fan. */
 const vertices = integers(MAX_CORNERS + 2);
 
-/** A mesh with what is known for the next split. */
+/** A mesh and the state for the next split. */
 export class Refiner {
   #channels;
   #placeModel;
   #positionBits;
   #splits;
   #flags = new Simple(FLAGS);
-  /** The batches that have begun. */
+  /** The number of batches started. */
   batch = 0;
   #regime = 0;
-  /** @type {Strips | undefined} the strips of the mesh, if they are kept */
+  /**
+   * The strips of the mesh, if they are maintained.
+   * @type {Strips | undefined}
+   */
   strips;
-  /** The collapses that have been undone. */
+  /** The number of collapses undone. */
   level = 0;
-  /** The corners around the fans that were visited. */
+  /** The number of corners around the visited fans. */
   corners = 0;
-  /** The most triangles of the level to decode. */
+  /** The triangle count of the level being decoded. */
   mostTriangles = 0;
   /** The next fan to visit, or none at the end of a batch. */
   next = NONE;
@@ -54,8 +57,8 @@ export class Refiner {
    * @param {Fans} fans
    * @param {ChannelModel[]} channels
    * @param {PlaceModel} placeModel
-   * @param {number} positionBits the bits of a coordinate
-   * @param {number} unknownBits those that are still unknown
+   * @param {number} positionBits bits per coordinate
+   * @param {number} unknownBits bits per coordinate that are still unknown
    */
   constructor(surface, fans, channels, placeModel, positionBits, unknownBits) {
     this.surface = surface;
@@ -74,7 +77,8 @@ export class Refiner {
   }
 
   /**
-   * Makes room for a number of triangles, and for as many fans as a closed surface has, with a few borders.
+   * Reserves memory for a number of triangles, and for as many fans as a closed surface with a few
+   * borders has.
    * @param {number} triangles
    */
   reserve(triangles) {
@@ -87,7 +91,7 @@ export class Refiner {
   }
 
   /**
-   * Begins a batch: decodes whether the positions get another bit, and the regime.
+   * Starts a batch: decodes whether positions get another bit, and the regime.
    * @param {RangeDecoder} coder
    */
   beginBatch(coder) {
@@ -119,7 +123,7 @@ export class Refiner {
    */
   visit(coder) {
     const fan = this.next;
-    // The fans of this batch come before it.
+    // The new fans of this batch precede it.
     this.next = this.fans.cells[FAN_CELLS * fan + NEXT];
     for (let done = 0; ; done = 1) {
       this.corners++;
@@ -132,7 +136,7 @@ export class Refiner {
   }
 
   /**
-   * Returns whether more has been built than the bytes may build.
+   * Returns whether the mesh exceeds the limits of the chunk.
    * @param {RangeDecoder} coder
    */
   #isTooLarge(coder) {
@@ -140,7 +144,7 @@ export class Refiner {
   }
 
   /**
-   * Decodes the splits of one collapse: one, or on a seam one for each fan of the new point.
+   * Decodes the splits of one collapse: one split, or on a seam one per fan of the new point.
    * @param {RangeDecoder} coder
    * @param {number} fan
    */
@@ -151,12 +155,13 @@ export class Refiner {
     do {
       this.#decodeSplit(coder, of, firstNew);
       const hasTwins = fans.cells[FAN_CELLS * fan + TWIN] !== fan ? 1 : 0;
-      // Only where a surface has borders a point has several fans.
+      // A point has several fans only at borders.
       if (!ring.isOpen || !this.#flags.decode(coder, MORE_IN_GROUP + hasTwins)) break;
       of = this.#decodeTwin(coder, fan);
       surface.collect(of, this.batch);
     } while (ring.length > 0 && ring.length <= MAX_CORNERS && !this.#isTooLarge(coder));
-    // New fans are visited after this one, from the next batch on, so that fans near each other are visited one after the other.
+    // New fans are visited after this one, from the next batch on. This keeps neighbouring fans
+    // close in the order.
     const { cells } = fans;
     let after = cells[FAN_CELLS * fan + NEXT];
     for (let made = fans.count - 1; made >= firstNew; after = made--) cells[FAN_CELLS * made + NEXT] = after;
@@ -165,7 +170,7 @@ export class Refiner {
   }
 
   /**
-   * Decodes a fan of the point of another one, whose number is counted from it.
+   * Decodes another fan of the same point, as an offset in the cycle of its fans.
    * @param {RangeDecoder} coder
    * @param {number} fan
    */
@@ -190,7 +195,7 @@ export class Refiner {
     this.corners += ring.length;
     // 1. The corners that move.
     this.#splits.decodeSplit(coder, fan);
-    // 2. The point. The fans of a group have the position of the first one.
+    // 2. The point. All fans of a group have the position of the first one.
     if (isFirst) this.#placeModel.decode(coder, fans, fan, this.#regime, (1 << (this.#positionBits - this.unknownBits)) - 1);
     // 3. The vertex.
     let vertex = fans.vertexCount;
@@ -204,7 +209,7 @@ export class Refiner {
       for (let i = 0; i <= count; i++) vertices[i + 1] = fans.cells[FAN_CELLS * around[start + i] + VERTEX];
       for (const channel of this.#channels) channel.decode(coder, vertex, vertices, count + 2);
     }
-    // 4. Do it.
+    // 4. Apply the split.
     const made = fans.push(isFirst ? NONE : firstNew, vertex, this.batch, split.addsStart && split.addsEnd ? 0 : 1);
     fans.cells.set(place, FAN_CELLS * made);
     this.#updateAround(FAN_CELLS * fan, FAN_CELLS * made);
@@ -212,7 +217,7 @@ export class Refiner {
     this.strips?.followSplit(split.addsStart, split.addsEnd);
   }
 
-  /** Counts the fans around all fans, and sums up their positions. */
+  /** Counts the neighbours of all fans, and sums their positions. */
   #sumAround() {
     const { surface, fans } = this;
     const { cells } = fans;
@@ -228,8 +233,8 @@ export class Refiner {
   }
 
   /**
-   * Changes what is known of the fans around a new fan, before it is split off: the corners that are used, the number of fans around and the sum of their
-   * positions.
+   * Updates the neighbours of a new fan before it is split off: used corners, neighbour counts and
+   * position sums.
    * @param {number} kept @param {number} made the first cells of the kept and the new fan
    */
   #updateAround(kept, made) {
@@ -251,13 +256,13 @@ export class Refiner {
       let used = 0;
       if (i < count) {
         const corner = corners[start + i];
-        // It may be used already where a group has several splits.
+        // It may already be used if a group has several splits.
         if (surface.mark(corner) === batch) notFree++;
         else used = 1;
         surface.setMark(corner, batch);
       }
       const at = FAN_CELLS * around[start + i];
-      // The first and the last one stay neighbours of the kept fan if a triangle is added there.
+      // The first and last fan remain neighbours of the kept fan if a triangle is added there.
       const stays = count === 0 || (i === 0 && addsStart) || (i === count && addsEnd);
       fans.use(at, batch, before + used + (stays ? 1 : 0), 0);
       before = used;

@@ -1,5 +1,5 @@
 /**
- * Probabilities of decisions, learned while decoding. A slot is a probability of 24 bits above a count of 8 bits.
+ * Adaptive probabilities of decisions. A slot is a 24-bit probability above an 8-bit count.
  * @module
  */
 import { MAX_COUNT } from './constants.js';
@@ -10,11 +10,11 @@ import { integers } from './growth.js';
 /** 2¹⁵ / (count + 1.5). */
 const RATES = Int32Array.from({ length: MAX_COUNT + 1 }, (_, count) => Math.floor(65536 / (2 * count + 3)));
 
-/** Decisions with a probability in each of some contexts. */
+/** Binary decisions with one probability per context. */
 export class Simple {
   #slots;
 
-  /** @param {number} size the contexts */
+  /** @param {number} size the number of contexts */
   constructor(size) {
     this.#slots = integers(size).fill(1 << 31);
   }
@@ -31,13 +31,14 @@ export class Simple {
     const count = slot & 255;
     const bit = coder.decode((slot >>> 16) | 1);
     const change = Math.imul(((-bit & 0xffffff) - (slot >>> 8)) >> 8, RATES[count]);
-    // One more, up to the limit.
+    // Increment the count, up to the limit.
     slots[context] = slot + ((change << 1) & ~255) + ((count - MAX_COUNT) >>> 31);
     return bit;
   }
 
   /**
-   * Decodes a number of up to four bits by as many decisions, the highest bit first. Each context has 16 slots.
+   * Decodes a number of up to four bits, highest bit first, one decision per bit. Each context has
+   * 16 slots.
    * @param {RangeDecoder} coder
    * @param {number} context
    * @param {number} bits

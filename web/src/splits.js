@@ -1,14 +1,17 @@
 /**
- * Which fans a batch splits, and which of their corners move.
+ * The fans that a batch splits, and the corners that move.
  *
- * In each batch, triangles that a split has moved or added are used: no other split of the batch moves them. For each fan, in the order of the batch:
+ * Triangles that a split has moved or added are used: no other split of the same batch moves them.
+ * For each fan, in batch order:
  *
- * 1. Is there a (further) split? Features: the valence and the free corners, the age of the fan, and how far it is from the mean of its neighbours.
- * 2. An open fan: is a triangle only added at its end, and at which one?
- * 3. How many corners move, given the valence and how many free corners follow one another.
- * 4. The first of them, as one choice among all that so many free corners follow. An edge of the fan is the first of a run, the last, within, or not of
- *    it. Its features are its length, compared with the other edges, and the valence at its other end.
- * 5. Corners at the end of an open fan: is there a triangle beyond?
+ * 1. Is there a (further) split? Features: valence and free corners, age of the fan, and its
+ *    distance from the mean of its neighbours.
+ * 2. For an open fan: is only a triangle added at an end, and at which one?
+ * 3. The number of corners that move, given the valence and the lengths of runs of free corners.
+ * 4. The first of these corners, as one choice among all corners that start such a run. Each edge
+ *    of the fan is the first edge of the run, its last edge, inside it, or outside. The features of
+ *    an edge are its relative length and the valence at its other end.
+ * 5. For corners at the end of an open fan: is there a triangle beyond it?
  *
  * Based on: Pajarola, Rossignac, "Compressed Progressive Meshes", 2000.
  * @module
@@ -29,14 +32,15 @@ import { integers } from './growth.js';
  * @import { Surface } from './surface.js'
  */
 
-/** What an edge is to a run of corners: its first edge, one within, or its last one. */
+/** The role of an edge in a run of corners: first, inside, or last. */
 const [FIRST, WITHIN, LAST] = [0, 1, 2];
 
-/** Edges of a fan with choices by scores. */
+/** The maximum number of edges of a fan with scored choices. */
 const EDGES = MAX_CHOICES + 1;
 
-// What is known while a run is decoded: the first corners of runs of each number of corners, as bits; of each edge the rows of its features and scores;
-// of each choice its first corner and share; the errors of all corners, as if they were repeated before the first one.
+// Scratch arrays for decoding a run: the start corners of runs by length, as bits; per edge, the
+// rows of its features and its scores; per choice, its start corner and probability; the errors of
+// all corners, repeated once before the first.
 const starts = integers(EDGES);
 const ofLengths = integers(EDGES);
 const ofValences = integers(EDGES);
@@ -46,14 +50,14 @@ const choices = integers(EDGES);
 const shares = integers(EDGES);
 const errors = integers(2 * EDGES + 1);
 
-/** The models of splits. */
+/** The models for splits. */
 export class SplitModel {
   #surface;
   #fans;
   #marks = new Scores(MARK_FEATURES);
   #sides = new Simple(4);
   #counts = new Simple(16 * 16 * 16);
-  /** The scores of lengths and valences, a row of roles each. */
+  /** The scores of lengths and valences, one row of roles each. */
   #scores = integers(ROLES * (LENGTHS + VALENCES));
 
   /**
@@ -63,7 +67,7 @@ export class SplitModel {
   constructor(surface, fans) {
     this.#surface = surface;
     this.#fans = fans;
-    /** The number of the batch. */
+    /** The index of the batch. */
     this.batch = 0;
   }
 
@@ -71,7 +75,7 @@ export class SplitModel {
    * Decodes whether a fan is split.
    * @param {RangeDecoder} coder
    * @param {number} fan
-   * @param {number} done the splits of this batch: 1 stands for more
+   * @param {number} done the number of splits in this batch; 1 means one or more
    * @returns {number} 1 or 0
    */
   decodeMark(coder, fan, done) {
@@ -94,9 +98,9 @@ export class SplitModel {
   }
 
   /**
-   * Decodes which corners of a fan move: `split`.
+   * Decodes which corners of a fan move, to `split`.
    * @param {RangeDecoder} coder
-   * @param {number} fan the one whose corners were collected
+   * @param {number} fan whose corners were collected
    */
   decodeSplit(coder, fan) {
     const sides = this.#sides;
@@ -128,7 +132,7 @@ export class SplitModel {
   }
 
   /**
-   * Decodes a run of free corners where there are many.
+   * Decodes a run of free corners in a fan with many corners.
    * @param {RangeDecoder} coder
    */
   #decodePlain(coder) {
@@ -145,7 +149,7 @@ export class SplitModel {
   }
 
   /**
-   * Decodes a run of free corners: their number, and the first one.
+   * Decodes a run of free corners: its length and its first corner.
    * @param {RangeDecoder} coder
    * @param {number} fan
    */
@@ -155,7 +159,7 @@ export class SplitModel {
       this.#decodePlain(coder);
       return;
     }
-    // 1. Where so many free corners follow one another; around a closed fan not all.
+    // 1. The starts of runs of this length. A run never covers a whole closed fan.
     const twice = isOpen ? free : free | (free << n);
     const largest = isOpen ? n : n - 1;
     let longest = 1;
@@ -172,8 +176,8 @@ export class SplitModel {
     let rest = starts[count];
     split.start = 31 - Math.clz32(rest);
     if ((rest & (rest - 1)) === 0) return;
-    // 3. The scores of where it starts: those of its first edge, of the edges within, and of the last edge. Around a closed fan, edges are counted
-    //    twice.
+    // 3. The scores of the start: of the first edge, the edges inside, and the last edge. Around a
+    //    closed fan, edges are repeated.
     const scores = this.#scores;
     const edgeCount = isOpen ? n + 1 : n;
     this.#lookAround(fan, edgeCount);
@@ -195,14 +199,14 @@ export class SplitModel {
       shares[number++] = score;
       if (score > most) most = score;
     }
-    // 4. Their shares of the whole.
+    // 4. The probabilities.
     let all = 0;
     for (let c = 0; c < number; c++) {
       const place = (most - shares[c]) >>> 11;
       all += shares[c] = WEIGHTS[place < 255 ? place : 255];
     }
     const unit = Math.floor(0xffffffff / all);
-    // 5. The choice. What rounding has left belongs to the last one.
+    // 5. The choice. The last one gets the rounding remainder.
     const part = coder.seek(16);
     let choice = 0;
     let passed = 0;
@@ -220,7 +224,7 @@ export class SplitModel {
     coder.take(passed, choice < number - 1 ? shares[choice] : WHOLE - passed);
     const start = choices[choice];
     split.start = start;
-    // 6. Learn. An edge is within the runs that have begun before it and not ended.
+    // 6. Learn. An edge is inside the runs that started before it and have not ended.
     errors[EDGES + start] = (WHOLE - shares[choice]) >> SCORE_RATE;
     let open = 0;
     for (let by = 1; by <= count && !isOpen; by++) {
@@ -243,7 +247,7 @@ export class SplitModel {
   }
 
   /**
-   * Finds the features of the edges of a fan.
+   * Computes the features of the edges of a fan.
    * @param {number} fan
    * @param {number} edgeCount
    */

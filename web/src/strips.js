@@ -1,11 +1,14 @@
 /**
- * Triangle strips of a mesh that is refined. They are kept up while splits add triangles, and are never searched for from scratch.
+ * Triangle strips of a mesh during refinement. They are maintained while splits add triangles, and
+ * never rebuilt from scratch.
  *
- * A split inserts a triangle between the two sides of an edge. A strip that crosses the edge goes through the triangle afterwards; no other link changes. After a chunk the other
- * new triangles are joined to strips beside them, and a local search starts from the triangles nearest to the new ones. The strips are the same as those that
- * the decoder in Rust keeps up.
+ * A split inserts a triangle between the two sides of an edge. A strip that crosses the edge then
+ * passes through the triangle; other links are unchanged. After a chunk, the other new triangles
+ * are joined to adjacent strips, and a local search starts from the triangles nearest to the new
+ * ones. The decoder in Rust produces the same strips.
  *
- * A decoder takes this class as an option, so that it is only loaded where it is used: `new Decoder({ strips: Strips })`.
+ * The class is passed to a decoder as an option, so that it is loaded only where needed:
+ * `new Decoder({ strips: Strips })`.
  * @module
  */
 import { FAN_CELLS, VERTEX } from './fans.js';
@@ -17,12 +20,18 @@ import { LOWEST, NONE, Paths } from './paths.js';
  * @import { Surface } from './surface.js'
  */
 
-/** The triangles from which the search after a chunk starts, per new triangle; how often it starts from ends, and from all of them, also of a base mesh. */
+/**
+ * Search parameters: start triangles per new triangle; rounds from path ends; rounds from all start
+ * triangles; the same for a base mesh.
+ */
 const NEAR = 4;
 const ROUNDS_OF_ENDS = 4;
 const ROUNDS = 1;
 const BASE_ROUNDS = 10;
-/** The most steps of the walks of a search, and those for each triangle that it starts from. */
+/**
+ * The maximum number of walk steps of a search: a constant, and an amount per start triangle and
+ * round.
+ */
 const WALK_STEPS = 2 ** 14;
 const WALK_STEPS_PER_SEARCH = 128;
 
@@ -35,22 +44,22 @@ function oppositeSide(corner) {
   return 4 * (corner >> 3) + (e === 2 ? 0 : e + 1);
 }
 
-/** The strips of a mesh that is refined. */
+/** The strips of a mesh during refinement. */
 export class Strips {
   #surface;
   #fans;
   #paths = new Paths();
-  /** The triangles before the chunk. */
+  /** The number of triangles before the chunk. */
   #known = 0;
   /** The triangles near the new ones, and the last search that reached each triangle. */
   #near = new Int32Array(0);
   #marks = new Int32Array(0);
   #search = 0;
-  /** The triangles of the strip that was sent last. */
+  /** The triangle count of the strip sent last. */
   sentTriangles = 0;
 
   /**
-   * Builds the strips of a base mesh. For the decoder only.
+   * Builds the strips of a base mesh. Called by the decoder.
    * @param {Surface} surface
    * @param {Fans} fans
    */
@@ -69,9 +78,9 @@ export class Strips {
   }
 
   /**
-   * Follows a split that was done. For the decoder only.
-   * @param {boolean} addsStart whether it has added a triangle before the corners that moved, and after them
-   * @param {boolean} addsEnd
+   * Applies a split. Called by the decoder.
+   * @param {boolean} addsStart whether a triangle was added before the corners that moved
+   * @param {boolean} addsEnd whether a triangle was added after them
    */
   followSplit(addsStart, addsEnd) {
     const end = 8 * this.#surface.triangleCount - 8;
@@ -84,7 +93,7 @@ export class Strips {
   /**
    * Inserts a triangle between the two sides of an edge.
    * @param {number} a
-   * @param {number} b its corners that are opposite to its edges there
+   * @param {number} b its corners opposite to its edges there
    */
   #insert(a, b) {
     const paths = this.#paths;
@@ -100,7 +109,10 @@ export class Strips {
     if (beyondB !== NONE) paths.pair(oppositeSide(b), oppositeSide(beyondB));
   }
 
-  /** Joins the triangles that are new since the last call to strips, and improves the strips around them. The decoder calls it after each chunk, unless it is told to be lazy. */
+  /**
+   * Joins the triangles added since the last call to strips, and improves the strips around them.
+   * The decoder calls it after each chunk, unless `isLazy` is set.
+   */
   improve() {
     this.#finishChunk(ROUNDS);
   }
@@ -122,7 +134,10 @@ export class Strips {
     this.#known = triangleCount;
   }
 
-  /** Finds the triangles nearest to the new ones, these included, in breadth-first order; returns their number. */
+  /**
+   * Finds the triangles nearest to the new ones, including them, in breadth-first order. Returns
+   * their number.
+   */
   #findNear() {
     const { cells, triangleCount } = this.#paths;
     const most = Math.min(NEAR * (triangleCount - this.#known), triangleCount);
@@ -150,14 +165,15 @@ export class Strips {
     return this.#paths.stripCount;
   }
 
-  /** The vertices of all strips, without the indices between them. */
+  /** The vertices of all strips, without restarts. */
   get verticesSent() {
     return this.#paths.triangleCount + this.#paths.cost;
   }
 
   /**
-   * Returns the strips as an index buffer for `drawElements(TRIANGLE_STRIP, …)`, with the index of primitive restart between them: 65535 in an array of 16 bits, which is returned if the
-   * vertices fit, otherwise 4294967295.
+   * Returns the strips as an index buffer for `drawElements(TRIANGLE_STRIP, …)` with primitive
+   * restart. The array has 16-bit indices with restart index 65535 if all vertices fit, otherwise
+   * 32-bit indices with restart index 4294967295.
    * @returns {Uint16Array | Uint32Array}
    */
   indices() {
@@ -175,18 +191,18 @@ export class Strips {
   }
 
   /**
-   * Writes the vertices of the strip of a triangle to an array; returns where they end.
+   * Writes the vertices of the strip of a triangle to an array. Returns their end.
    * @param {number} t
    * @param {Uint16Array | Uint32Array} indices
-   * @param {number} start where they start
-   * @param {Int32Array} path where the triangles of the strip are written to, in their order: `sentTriangles` of them
+   * @param {number} start
+   * @param {Int32Array} path receives the triangles of the strip in order, `sentTriangles` of them
    */
   send(t, indices, start, path) {
     return this.#sendPath(this.#startOf(t), indices, start, path);
   }
 
   /**
-   * Returns the edges over which a triangle is linked to others of its strip, one bit per edge.
+   * Returns the edges across which a triangle is linked, one bit per edge.
    * @param {number} t
    */
   links(t) {
@@ -194,7 +210,8 @@ export class Strips {
   }
 
   /**
-   * Returns the end from which the path of a triangle is sent: the one in the direction of its first link, unless only a strip from the other end begins without a swap.
+   * Returns the end from which the path of a triangle is sent: the end in the direction of its
+   * first link, unless only a strip from the other end starts without a swap.
    * @param {number} t
    */
   #startOf(t) {
@@ -210,17 +227,17 @@ export class Strips {
   }
 
   /**
-   * Writes the vertices of a path to an index buffer; returns its new length.
+   * Writes the vertices of a path to an index buffer. Returns the new length.
    * @param {number} t the first triangle
    * @param {Uint16Array | Uint32Array} indices
    * @param {number} length
-   * @param {Int32Array} path where its triangles are written to
+   * @param {Int32Array} path receives its triangles
    */
   #sendPath(t, indices, length, path) {
     const paths = this.#paths;
     const { cells } = this.#surface;
     const fans = this.#fans.cells;
-    // Edges and corners are counted on beyond 2.
+    // Edge and corner indices continue beyond 2.
     const vertex = (/** @type {number} */ corner) => fans[FAN_CELLS * cells[8 * t + (corner > 2 ? corner - 3 : corner)] + VERTEX];
     let exit = LOWEST[paths.mask(t)];
     const first = exit < 3 ? exit : 1;

@@ -1,30 +1,36 @@
 /**
- * The triangles that a stream has built so far, with their neighbours: a corner table whose vertices are fans.
+ * The triangles of a stream as decoded so far, as a corner table whose vertices are fans.
  *
- * A fan is a run of triangles around a point in which each shares an edge with the next: closed around an inner point, open on a border. A point where
- * a surface touches itself, or at which attributes differ, has several fans.
+ * A fan is a sequence of triangles around a point, each sharing an edge with the next. It is closed
+ * around an interior point and open at a border. A point has several fans where the surface touches
+ * itself or where attributes differ.
  *
  * ```text
- *        a₂ ───── a₁              The corners around k, counterclockwise: (k a₀ a₁), (k a₁ a₂), …
+ *        a₂ ───── a₁          The corners around k, counterclockwise: (k a₀ a₁), (k a₁ a₂), …
  *       ╱  ╲     ╱  ╲
- *      ╱    ╲   ╱    ╲            A split moves the triangles of some successive corners to a new fan v, and adds the triangles
- *    a₃ ───── k ───── a₀          S = (k aₛ v) before them and E = (k v aₑ) after them.
+ *      ╱    ╲   ╱    ╲        A split moves the triangles of consecutive corners to a new fan v,
+ *    a₃ ───── k ───── a₀      and adds triangles S = (k aₛ v) before and E = (k v aₑ) after them.
  * ```
- * A split takes time in proportion to the corners that move; a triangle takes 32 bytes, and a fan 4.
+ * A split takes time proportional to the number of corners that move. A triangle takes 32 bytes and
+ * a fan 4.
  * @module
  */
 import { MAX_CORNERS } from './constants.js';
 import { grown, integers } from './growth.js';
 
-/** No corner: an edge of one triangle. */
+/** No corner: the edge has one triangle. */
 export const NONE = -1;
 
-/** From the cell of a corner's fan to that of what is opposite, and from a triangle to its mark. */
+/**
+ * The offsets from the cell of a corner's fan to that of its opposite corner, and from a triangle
+ * to its mark.
+ */
 const OPPOSITE = 4;
 const MARK = 3;
 
 /**
- * Returns the next corner of the same triangle. Which one it is cannot be predicted, so that a branch would be expensive.
+ * Returns the next corner of the same triangle. The result is unpredictable, so a branch would be
+ * expensive.
  * @param {number} corner
  */
 export function next(corner) {
@@ -32,7 +38,7 @@ export function next(corner) {
 }
 
 /**
- * Returns the corner before in the same triangle.
+ * Returns the previous corner of the same triangle.
  * @param {number} corner
  */
 export function previous(corner) {
@@ -40,34 +46,41 @@ export function previous(corner) {
 }
 
 /**
- * The corners of a fan, counterclockwise, at most `MAX_CORNERS` and one more; and the fans at the other ends of its edges, one more. Both twice, so that
- * runs need not end at the last one.
+ * The corners of the last collected fan, counterclockwise, at most `MAX_CORNERS` and one more; and
+ * the fans at the other ends of its edges, one more. Both are repeated, so that runs can wrap
+ * around.
  */
 export const corners = integers(2 * MAX_CORNERS + 2);
 export const around = integers(2 * MAX_CORNERS + 2);
 
-/** What else is known of that fan: which of the first 32 corners are free, if there are not more. */
+/**
+ * The state of that fan: `free` has the free corners among the first 32 as bits, if there are no
+ * more.
+ */
 export const ring = { length: 0, isOpen: false, free: 0 };
 
-/** What a split of that fan does: the first of the corners that move, their number, and whether a triangle is added before and after these corners. */
+/**
+ * A split of that fan: the first corner that moves, the number of corners, and whether a triangle
+ * is added before and after them.
+ */
 export const split = { start: 0, count: 0, addsStart: false, addsEnd: false };
 
-/** Triangles with neighbours. */
+/** Triangles with adjacency. */
 export class Surface {
   /**
-   * Builds the table of triangles from what is opposite to each corner, where corners are counted three to a triangle. The fans get numbers in the order
-   * of their lowest corners.
+   * Builds the table from the corner opposite to each corner, with three corner indices per
+   * triangle. Fans are ordered by their lowest corners.
    * @param {Int32Array} opposite
    * @param {number} triangleCount
    */
   constructor(opposite, triangleCount) {
     /**
-     * Eight cells for each triangle: the fans of its three corners, a mark, what is opposite to its corners, and one that is not used. A corner is the
-     * place of its fan.
+     * Eight cells per triangle: the fans of its three corners, a mark, the opposite corners, and
+     * one unused cell. A corner is the index of the cell of its fan.
      */
     this.cells = integers(8 * triangleCount);
     this.triangleCount = triangleCount;
-    /** A corner of each fan, the first one counterclockwise if the fan is open. */
+    /** A corner of each fan; the first one counterclockwise if the fan is open. */
     this.first = integers(triangleCount);
     this.fanCount = 0;
     const cornerOf = (/** @type {number} */ i) => i + 5 * Math.floor(i / 3);
@@ -93,7 +106,7 @@ export class Surface {
   }
 
   /**
-   * Returns the corner with which the fan of a corner starts: this one if the fan is closed.
+   * Returns the first corner of the fan of a corner: the corner itself if the fan is closed.
    * @param {number} corner
    */
   #firstAround(corner) {
@@ -115,7 +128,7 @@ export class Surface {
   }
 
   /**
-   * Returns the corner on the other side of the edge opposite to a corner, or `NONE`.
+   * Returns the corner across the edge opposite to a corner, or `NONE`.
    * @param {number} corner
    */
   opposite(corner) {
@@ -123,7 +136,7 @@ export class Surface {
   }
 
   /**
-   * Returns the mark of the triangle of a corner: 0 unless it was set.
+   * Returns the mark of the triangle of a corner, initially 0.
    * @param {number} corner
    */
   mark(corner) {
@@ -147,7 +160,7 @@ export class Surface {
     return opposite === NONE ? NONE : next(opposite);
   }
 
-  /** Returns whether the three corners of each triangle are in different fans. */
+  /** Returns whether the three corners of every triangle are in different fans. */
   hasDistinctFans() {
     const { cells } = this;
     for (let first = 0; first < 8 * this.triangleCount; first += 8) {
@@ -187,7 +200,7 @@ export class Surface {
   }
 
   /**
-   * Sets what is opposite to a corner, or to `NONE`.
+   * Sets the opposite of a corner, possibly `NONE`.
    * @param {number} corner
    * @param {number} opposite
    */
@@ -196,10 +209,10 @@ export class Surface {
   }
 
   /**
-   * Appends a triangle; returns its first corner.
+   * Appends a triangle, and returns its first corner.
    * @param {number} a @param {number} b @param {number} c its fans
    * @param {number} mark
-   * @param {number} ofA @param {number} ofB @param {number} ofC what is opposite to its corners
+   * @param {number} ofA @param {number} ofB @param {number} ofC the corners opposite to its corners
    */
   #push(a, b, c, mark, ofA, ofB, ofC) {
     const corner = 8 * this.triangleCount++;
@@ -218,8 +231,9 @@ export class Surface {
   }
 
   /**
-   * Moves successive corners of a fan to a new fan, and adds the triangles before and after them, which get a mark.
-   * @param {number} fan the one whose corners were collected
+   * Moves consecutive corners of a fan to a new fan, and adds and marks the triangles before and
+   * after them.
+   * @param {number} fan whose corners were collected
    * @param {number} mark
    */
   split(fan, mark) {
@@ -227,20 +241,23 @@ export class Surface {
     const { length: n, isOpen } = ring;
     const made = this.fanCount;
     const end = start + count;
-    // 1. The edges on both sides of the corners that move. Each is named by the corner opposite to it.
+    // 1. The edges on both sides of the corners that move. Each is identified by its opposite
+    //    corner.
     const before = start > 0 ? next(corners[start - 1]) : isOpen ? NONE : next(corners[n - 1]);
     const after = isOpen && end === n ? NONE : previous(corners[end < n ? end : end - n]);
     const first = count > 0 ? previous(corners[start]) : NONE;
     const last = count > 0 ? next(corners[end - 1]) : NONE;
     // 2. Move.
     for (let i = start; i < end; i++) this.cells[corners[i]] = made;
-    // 3. Add. In S = (k aₛ v), the edge to v is opposite to corner 0, that from v to k to corner 1, that from k to corner 2. In E = (k v aₑ), the edge
-    //    from v to aₑ is opposite to corner 0, that from aₑ to k to corner 1, that from k to v to corner 2.
+    // 3. Add. In S = (k aₛ v), the edge to v is opposite to corner 0, the edge from v to k to
+    //    corner 1, and the edge from k to corner 2. In E = (k v aₑ), the edge from v to aₑ is
+    //    opposite to corner 0, the edge from aₑ to k to corner 1, and the edge from k to v to
+    //    corner 2.
     let addedStart = NONE;
     let addedEnd = NONE;
     if (addsStart) addedStart = this.#push(fan, around[start], made, mark, first, NONE, before);
     if (addsEnd) addedEnd = this.#push(fan, made, around[end], mark, last, after, addsStart ? addedStart + 1 : NONE);
-    // 4. The first corners. An open fan starts where there is nothing clockwise.
+    // 4. The first corners. An open fan starts where no corner is clockwise.
     this.#pushFan(addsStart ? addedStart + 2 : count > 0 ? corners[start] : addedEnd + 1);
     const firsts = this.first;
     if (addsEnd && after === NONE) firsts[around[end]] = addedEnd + 2;

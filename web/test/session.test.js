@@ -291,7 +291,7 @@ test('a file that changes, and one that is not there, are errors', async () => {
   changed.close();
   const missing = await serve([(request, response) => response.writeHead(404).end()]);
   const { kind, message } = await new Page(missing.url).error();
-  assert.deepEqual([kind, message], ['status', 'The server answers 404 Not Found']);
+  assert.deepEqual([kind, message], ['status', 'The server responded with 404 Not Found']);
   missing.close();
 });
 

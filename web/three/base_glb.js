@@ -1,8 +1,9 @@
 /**
- * The part of a progressive GLB before its stream, as a GLB that ends there: GLTFLoader reads it while the stream arrives.
+ * The part of a progressive GLB before its stream, as a complete GLB that GLTFLoader can read while
+ * the stream arrives.
  *
  * ```text
- * header │ JSON │ BIN: base meshes, textures, … │ (the chunks are left out)
+ * header │ JSON │ BIN: base meshes, textures, … │ (chunks omitted)
  * ```
  * @module
  */
@@ -15,9 +16,9 @@ const SPACE = 0x20;
 const padded = (byteCount) => (byteCount + 3) & ~3;
 
 /**
- * Returns the bytes of a GLB with the document and the binary chunk before the stream. The buffer of the document is cut there, and the buffer view of
- * the stream is empty.
- * @param {any} json the document, which is changed
+ * Returns a GLB with the document and the binary chunk before the stream. The buffer in the
+ * document is truncated there, and the buffer view of the stream becomes empty.
+ * @param {any} json the document, which is modified
  * @param {Uint8Array[]} pieces the bytes of the binary chunk before the stream, in order
  * @returns {ArrayBuffer}
  */

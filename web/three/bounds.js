@@ -1,6 +1,6 @@
 /**
- * Bounds for frustum culling and raycasting. They are grown by the vertices that change, so that an update takes no time for the others; they never
- * shrink, and include what the base mesh had.
+ * Bounds for frustum culling and raycasting. An update extends them by the changed vertices only.
+ * They never shrink, and always include the base mesh.
  * @module
  */
 import { Sphere } from 'three';
@@ -8,10 +8,10 @@ import { Sphere } from 'three';
 /** @import { Box3, BufferGeometry, InstancedMesh, SkinnedMesh } from 'three' */
 
 /**
- * Grows a box by vertices.
+ * Extends a box by vertices.
  * @param {Box3} box
  * @param {ArrayLike<number>} positions three coordinates per vertex
- * @param {ArrayLike<number>} [indices] the vertices that count; all unless they are given
+ * @param {ArrayLike<number>} [indices] the vertices to include; all by default
  */
 export function growBox({ min, max }, positions, indices) {
   let { x: minX, y: minY, z: minZ } = min;
@@ -34,20 +34,25 @@ export function growBox({ min, max }, positions, indices) {
 }
 
 /**
- * Sets the bounding sphere of a geometry to that of its box, as GLTFLoader does.
- * @param {BufferGeometry} geometry with a box
+ * Sets the bounding sphere of a geometry from its box, as GLTFLoader does.
+ * @param {BufferGeometry} geometry with a bounding box
  */
 export function boundSphere(geometry) {
   geometry.boundingSphere ??= new Sphere();
   geometry.boundingBox?.getBoundingSphere(geometry.boundingSphere);
 }
 
-/** The bounds of skinned meshes that include a margin already. @type {WeakSet<object>} */
+/**
+ * Skinned meshes whose bounds already include a margin.
+ * @type {WeakSet<object>}
+ */
 const grown = new WeakSet();
 
 /**
- * Grows the bounds of a mesh that has its own ones, which three.js computes once: those of a skinned mesh, in the pose of the first frame, by the distance that
- * vertices to come may have from the mesh as it is. Those of an instanced mesh are computed again from its geometry when they are needed.
+ * Extends the bounds of a mesh that has its own, which three.js computes only once. The bounds of a
+ * skinned mesh, in the pose of the first frame, grow by the maximum distance of future vertices
+ * from the current mesh. The bounds of an instanced mesh are recomputed from its geometry when
+ * needed.
  * @param {SkinnedMesh | InstancedMesh} mesh
  * @param {number} margin in mesh units
  */

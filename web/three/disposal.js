@@ -1,5 +1,6 @@
 /**
- * What a loaded scene holds beside JavaScript objects: GPU buffers and textures, and decoded images.
+ * Resources of a loaded scene that need explicit disposal: GPU buffers, textures and decoded
+ * images.
  * @module
  */
 
@@ -8,7 +9,10 @@
  * @import { GLTF } from 'three/addons/loaders/GLTFLoader.js'
  */
 
-/** What a scene uses. It is collected when the scene is loaded, so that what a page adds to it stays the page's. */
+/**
+ * The resources of a scene, collected when it is loaded. Resources that a page adds later remain
+ * the page's responsibility.
+ */
 export class Resources {
   /** @type {Set<BufferGeometry>} */
   geometries = new Set();
@@ -32,13 +36,13 @@ export class Resources {
     for (const one of [material].flat()) if (one) this.materials.add(one);
   }
 
-  /** Frees all, and takes the scenes out of those that they are in. */
+  /** Frees all resources, and removes the scenes from their parents. */
   dispose() {
     const { scenes, parser } = this.#gltf;
     for (const scene of scenes) scene.removeFromParent();
     /** @type {Set<Texture>} */
     const textures = new Set();
-    // Materials of variants, which are loaded later, are known to the parser.
+    // Materials of variants are loaded later; the parser knows them.
     for (const object of parser.associations.keys()) {
       if (/** @type {Partial<Material>} */ (object).isMaterial) this.materials.add(/** @type {Material} */ (object));
       if (/** @type {Partial<Texture>} */ (object).isTexture) textures.add(/** @type {Texture} */ (object));
@@ -54,7 +58,7 @@ export class Resources {
     }
     for (const geometry of this.geometries) geometry.dispose();
     for (const skeleton of this.skeletons) skeleton.dispose();
-    // InstancedMesh and the like have buffers of their own.
+    // InstancedMesh and similar objects have their own buffers.
     for (const scene of scenes) scene.traverse((object) => /** @type {{ dispose?: () => void }} */ (object).dispose?.());
   }
 }

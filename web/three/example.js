@@ -1,5 +1,6 @@
 /**
- * Shows the model that the address names: `example.html?model=model.glb`, a file that `tristrip pack` has written.
+ * Shows the model named in the address: `example.html?model=model.glb`, a file written by
+ * `tristrip pack`.
  */
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
@@ -35,7 +36,7 @@ renderer.setAnimationLoop(() => {
 
 const output = /** @type {HTMLOutputElement} */ (document.querySelector('output'));
 try {
-  // The base mesh and the textures are there; the scene refines by itself while it is drawn.
+  // The base mesh and textures have loaded; the scene refines during rendering.
   const gltf = await new ProgressiveLoader().loadAsync(new URLSearchParams(location.search).get('model') ?? 'model.glb');
   scene.add(gltf.scene);
   const { center, radius } = new THREE.Box3().setFromObject(gltf.scene).getBoundingSphere(new THREE.Sphere());
@@ -47,7 +48,7 @@ try {
   if (gltf.animations.length > 0) mixer.clipAction(gltf.animations[0], gltf.scene).play();
 
   gltf.progressive.addEventListener('progress', ({ progress }) => {
-    output.textContent = `${progress.shownBytes} of ${progress.totalBytes} bytes are shown`;
+    output.textContent = `${progress.shownBytes} of ${progress.totalBytes} bytes shown`;
   });
   gltf.progressive.addEventListener('error', ({ error }) => (output.textContent = error.message));
   await gltf.progressive.done;

@@ -1,5 +1,5 @@
 /**
- * `ProgressiveLoader`: loads progressive GLB files as GLTFLoader loads others.
+ * `ProgressiveLoader` loads progressive GLB files in the way GLTFLoader loads glTF.
  * @module
  */
 import { Loader, LoaderUtils } from 'three';
@@ -15,32 +15,39 @@ import { createPlugin } from './plugin.js';
  */
 
 /**
- * How a loader works.
+ * Options of a loader.
  * @typedef {object} ProgressiveLoaderOptions
- * @property {Client} [client] the client, with the worker that decodes; all loaders share one unless told otherwise
- * @property {GLTFLoader} [gltfLoader] reads the document, the base meshes and all else: one with DRACOLoader, KTX2Loader or plugins
+ * @property {Client} [client] the client, whose worker decodes; by default shared by all loaders
+ * @property {GLTFLoader} [gltfLoader] the loader for the document, base meshes and everything else;
+ *   pass one with DRACOLoader, KTX2Loader or plugins if needed
  */
 
 /**
- * How a model is loaded.
+ * Options of a model.
  * @typedef {object} ProgressiveLoadOptions
- * @property {AbortSignal} [signal] stops to load, before or after the scene is there
- * @property {(event: ProgressEvent) => void} [onProgress] bytes have arrived, also of refinements
- * @property {number} [priority] the priority until `setPriority`, `setView` or `updatePriorities`; 1 unless told otherwise, that of a model that fills the view
- * @property {LoadOptions['limits']} [limits]
+ * @property {AbortSignal} [signal] stops loading, before or after the scene is available
+ * @property {(event: ProgressEvent) => void} [onProgress] called when bytes arrive, also during
+ *   refinement
+ * @property {number} [priority] the priority until `setPriority`, `setView` or `updatePriorities`
+ *   is called; by default 1, as for a model that fills the view
+ * @property {LoadOptions['limits']} [limits] decoder limits
  */
 
-/** A model without a place in the world yet: its base comes as if it filled the view. */
+/** The priority of a model before it is placed in a scene, as if it filled the view. */
 const FIRST_PRIORITY = 1;
 
 /** @type {Client | undefined} */
 let sharedClient;
 
-/** The loaders that have the plugin. @type {WeakSet<GLTFLoader>} */
+/**
+ * The loaders that already have the plugin.
+ * @type {WeakSet<GLTFLoader>}
+ */
 const extended = new WeakSet();
 
 /**
- * Loads progressive GLB files, and others as GLTFLoader does. `onLoad` is called when the base meshes and textures are there; the scene then refines by itself.
+ * Loads progressive GLB files, and other files as GLTFLoader does. `onLoad` is called when base
+ * meshes and textures are available; the scene then refines in the background.
  *
  * ```js
  * const gltf = await new ProgressiveLoader().loadAsync('model.glb');
@@ -52,7 +59,10 @@ const extended = new WeakSet();
 export class ProgressiveLoader extends Loader {
   #client;
   #gltfLoader;
-  /** The models that may still be refined. @type {Set<ProgressiveModel>} */
+  /**
+   * The models that may still refine.
+   * @type {Set<ProgressiveModel>}
+   */
   #models = new Set();
 
   /**
@@ -67,7 +77,7 @@ export class ProgressiveLoader extends Loader {
     extended.add(gltfLoader);
   }
 
-  /** The client with the worker: it begins with the first model. */
+  /** The client with the worker, which starts with the first model. */
   get client() {
     return (this.#client ??= sharedClient ??= new Client());
   }
@@ -77,8 +87,10 @@ export class ProgressiveLoader extends Loader {
    * @override
    * @param {string} url
    * @param {(gltf: ProgressiveGLTF) => void} onLoad
-   * @param {(event: ProgressEvent) => void} [onProgress] also of refinements
-   * @param {(error: unknown) => void} [onError] only before `onLoad`; afterwards there is the event `error` of `gltf.progressive`
+   * @param {(event: ProgressEvent) => void} [onProgress] called when bytes arrive, also during
+   *   refinement
+   * @param {(error: unknown) => void} [onError] called for errors before `onLoad`; later errors are
+   *   `error` events of `gltf.progressive`
    * @param {ProgressiveLoadOptions} [options]
    */
   load(url, onLoad, onProgress, onError, options = {}) {
@@ -98,7 +110,8 @@ export class ProgressiveLoader extends Loader {
    * Loads a model.
    * @override
    * @param {string} url
-   * @param {ProgressiveLoadOptions | ((event: ProgressEvent) => void)} [options] or only `onProgress`
+   * @param {ProgressiveLoadOptions | ((event: ProgressEvent) => void)} [options] options, or only
+   *   `onProgress`
    * @returns {Promise<ProgressiveGLTF>}
    */
   loadAsync(url, options = {}) {
@@ -109,7 +122,7 @@ export class ProgressiveLoader extends Loader {
   /**
    * Loads a model from the bytes of a file.
    * @param {Blob | ArrayBuffer | Uint8Array} data
-   * @param {string} path where external textures are
+   * @param {string} path base path of external textures
    * @param {(gltf: ProgressiveGLTF) => void} onLoad
    * @param {(error: unknown) => void} [onError]
    * @param {ProgressiveLoadOptions} [options]
@@ -121,7 +134,7 @@ export class ProgressiveLoader extends Loader {
   /**
    * Loads a model from the bytes of a file.
    * @param {Blob | ArrayBuffer | Uint8Array} data
-   * @param {string} [path] where external textures are
+   * @param {string} [path] base path of external textures
    * @param {ProgressiveLoadOptions} [options]
    * @returns {Promise<ProgressiveGLTF>}
    */
@@ -130,9 +143,10 @@ export class ProgressiveLoader extends Loader {
   }
 
   /**
-   * Sets the priority of each model to its height on screen, as a fraction of the view: models out of view wait for those that are in it.
+   * Sets the priority of each model to its height on screen as a fraction of the view, so that
+   * models in view load first.
    *
-   * Takes the time to update the matrices of models that are not complete: a few calls per second are enough.
+   * This updates the matrices of incomplete models; call it a few times per second.
    * @param {Camera} camera
    */
   updatePriorities(camera) {
@@ -140,7 +154,7 @@ export class ProgressiveLoader extends Loader {
   }
 
   /**
-   * Stops to load all models, also those whose scenes are there: these stay as they are.
+   * Stops loading all models. Scenes that are already available are unchanged.
    * @override
    */
   abort() {

@@ -1,9 +1,9 @@
 /**
- * One progressive model: follows what the client reports of it, and refines its scene.
+ * One progressive model: handles the events of the client and refines the scene.
  *
  * ```text
  * document ─▶ binary ─▶ GLTFLoader.parse ─▶ the scene (`loaded`)
- *                └─▶ update ─▶ update ─▶ … StreamMesh: buffers, from the first update on; geometries get them with the scene
+ *                └─▶ update ─▶ update ─▶ … StreamMesh: buffers, attached with the scene
  * ```
  * @module
  */
@@ -21,37 +21,43 @@ import { sizeOnScreen } from './view.js';
  * @import { Client, ConnectionState, LoadOptions, Model, ModelError, Progress, Source, Update } from '../src/client/client.js'
  */
 
-/** @typedef {GLTF & { progressive: ProgressiveModel }} ProgressiveGLTF what GLTFLoader returns, and how the refinement is followed */
+/**
+ * The result of GLTFLoader, extended by the refinement.
+ * @typedef {GLTF & { progressive: ProgressiveModel }} ProgressiveGLTF
+ */
 
 /**
  * The events of a model.
  * @typedef {object} ProgressiveEventMap
- * @property {{ update: Update }} update geometries have changed: render again
+ * @property {{ update: Update }} update geometries have changed; render again
  * @property {{ progress: Progress }} progress bytes have arrived
- * @property {{ state: ConnectionState, seconds: number }} connection
- * @property {{ error: ProgressiveError }} error the refinement has ended early; the geometries stay as they are
- * @property {{}} complete the full model is there
+ * @property {{ state: ConnectionState, seconds: number }} connection the state of the connection
+ *   has changed
+ * @property {{ error: ProgressiveError }} error the refinement ended early; geometries are
+ *   unchanged
+ * @property {{}} complete the full model is available
  */
 
 /**
- * A priority changes by at least this factor before the worker is told: the camera moves in each frame.
+ * The minimum factor of a priority change that is sent to the worker, because the camera can move
+ * every frame.
  */
 const PRIORITY_STEP = 1.125;
 
-/** Why a model could not be loaded, or why its refinement has ended early. */
+/** Why a model could not be loaded, or why its refinement ended early. */
 export class ProgressiveError extends Error {
   name = 'ProgressiveError';
 
   /** @param {ModelError} error */
   constructor({ kind, message }) {
     super(message);
-    /** Who can act on it: see `ModelError`. */
+    /** The cause; see `ModelError`. */
     this.kind = kind;
   }
 }
 
 /**
- * The refinement of a model: `gltf.progressive`.
+ * The refinement of a model, available as `gltf.progressive`.
  * @extends {EventDispatcher<ProgressiveEventMap>}
  */
 export class ProgressiveModel extends EventDispatcher {
@@ -64,7 +70,10 @@ export class ProgressiveModel extends EventDispatcher {
   #forget;
   /** @type {any} */
   #json;
-  /** What has arrived of the binary chunk before the stream. @type {Uint8Array[]} */
+  /**
+   * The received bytes of the binary chunk before the stream.
+   * @type {Uint8Array[]}
+   */
   #pieces = [];
   #missingBytes = 0;
   /** @type {Map<number, StreamMesh>} */
@@ -90,13 +99,13 @@ export class ProgressiveModel extends EventDispatcher {
   #rejectDone = () => {};
 
   /**
-   * Begins to load a model. For the loader only.
+   * Starts loading a model. Called by the loader.
    * @param {Client} client
    * @param {Source} source
    * @param {GLTFLoader} gltfLoader with the plugin
-   * @param {string} path where the document's external files are
+   * @param {string} path base path of external files
    * @param {LoadOptions} options
-   * @param {(model: ProgressiveModel) => void} forget called when nothing more will come
+   * @param {(model: ProgressiveModel) => void} forget called when no more data will arrive
    */
   constructor(client, source, gltfLoader, path, { signal, ...options }, forget) {
     super();
@@ -105,12 +114,19 @@ export class ProgressiveModel extends EventDispatcher {
     this.#priority = options.priority ?? 0;
     this.#signal = signal;
     this.#forget = forget;
-    /** Resolves with the scene when its base meshes are there. @type {Promise<ProgressiveGLTF>} */
+    /**
+     * Resolves with the scene when its base meshes are available.
+     * @type {Promise<ProgressiveGLTF>}
+     */
     this.loaded = new Promise((resolve, reject) => {
       this.#resolveLoaded = resolve;
       this.#rejectLoaded = reject;
     });
-    /** Resolves when the full model is there; rejects if it ends before. `retry` begins another one. @type {Promise<void>} */
+    /**
+     * Resolves when the full model is available; rejects if it ends early. `retry` creates a new
+     * promise.
+     * @type {Promise<void>}
+     */
     this.done = this.#promiseEnd();
     this.#model = client.load(
       source,
@@ -134,35 +150,35 @@ export class ProgressiveModel extends EventDispatcher {
       this.#resolveDone = resolve;
       this.#rejectDone = reject;
     });
-    // A page that does not ask for the end is not told of it by the console.
+    // Avoids unhandled-rejection messages on pages that do not use `done`.
     done.catch(() => {});
     return done;
   }
 
-  /** How far the model is; `undefined` before anything has arrived. */
+  /** The progress; `undefined` before any data have arrived. */
   get progress() {
     return this.#progress;
   }
 
-  /** Why the refinement has ended early, if it has. */
+  /** Why the refinement ended early, if it did. */
   get error() {
     return this.#error;
   }
 
-  /** Whether nothing more will come: the model is complete or cancelled. */
+  /** Whether no more data will arrive: the model is complete or cancelled. */
   get isClosed() {
     return this.#isClosed;
   }
 
-  /** Whether the full model is there. */
+  /** Whether the full model is available. */
   get isComplete() {
     return this.#isComplete;
   }
 
   /**
-   * Calls a function after each update of the geometries: to render again, on pages that do not do so all the time.
+   * Calls a function after each update of the geometries. Use it on pages that render on demand.
    * @param {(update: Update) => void} listener
-   * @returns {() => void} ends this
+   * @returns {() => void} removes the listener
    */
   onUpdate(listener) {
     const onUpdate = (/** @type {{ update: Update }} */ { update }) => listener(update);
@@ -170,22 +186,25 @@ export class ProgressiveModel extends EventDispatcher {
     return () => this.removeEventListener('update', onUpdate);
   }
 
-  /** Stops to download and to refine. */
+  /** Pauses the download and the refinement. */
   pause() {
     this.#model.pause();
   }
 
-  /** Goes on after `pause`. */
+  /** Resumes after `pause`. */
   resume() {
     this.#model.resume();
   }
 
-  /** Tries again after an error of the connection, from where it was lost; or at once, while it is tried again by itself. */
+  /**
+   * Resumes a download after a connection error, or skips the delay before the next automatic
+   * retry.
+   */
   retry() {
     if (this.#isClosed) return;
     if (this.#error) {
       if (this.#error.kind !== 'connection') return;
-      // It may not be told yet.
+      // The error may not have been reported yet.
       this.#rejectDone(this.#error);
       this.#error = undefined;
       this.done = this.#promiseEnd();
@@ -194,8 +213,9 @@ export class ProgressiveModel extends EventDispatcher {
   }
 
   /**
-   * Sets which models come first.
-   * @param {number} priority models of the highest one are downloaded before others; those of one priority share the connection
+   * Sets the priority of the model.
+   * @param {number} priority models with the highest priority are downloaded first; models with
+   *   equal priority share the connection
    */
   setPriority(priority) {
     if (priority === this.#priority) return;
@@ -204,9 +224,10 @@ export class ProgressiveModel extends EventDispatcher {
   }
 
   /**
-   * Sets the priority to the height of the model on screen as a fraction of the view; 0 if it is out of view.
+   * Sets the priority to the height of the model on screen as a fraction of the view, or 0 if it is
+   * out of view.
    *
-   * Takes the time to update the matrices of the scene: a few calls per second are enough.
+   * This updates the matrices of the scene; call it a few times per second.
    * @param {Camera} camera
    */
   setView(camera) {
@@ -216,12 +237,15 @@ export class ProgressiveModel extends EventDispatcher {
     if (small === 0 || large > PRIORITY_STEP * small) this.setPriority(size);
   }
 
-  /** Stops to load and to refine. The scene stays as it is. */
+  /** Stops loading and refining. The scene is unchanged. */
   cancel() {
     this.#cancel();
   }
 
-  /** Stops to load, takes the scenes out of those that they are in, and frees the geometries, materials and textures that came with them. */
+  /**
+   * Stops loading, removes the scenes from their parents, and frees their geometries, materials and
+   * textures.
+   */
   dispose() {
     this.#cancel();
     this.#resources?.dispose();
@@ -232,10 +256,10 @@ export class ProgressiveModel extends EventDispatcher {
 
   #cancel = () => {
     if (this.#isClosed) return;
-    this.#end(this.#signal?.aborted ? this.#signal.reason : new DOMException('The model is not loaded any more.', 'AbortError'));
+    this.#end(this.#signal?.aborted ? this.#signal.reason : new DOMException('Loading was cancelled.', 'AbortError'));
   };
 
-  /** Ends the download and frees what the worker has. */
+  /** Ends the download and frees the memory of the worker. */
   #close() {
     this.#isClosed = true;
     this.#signal?.removeEventListener('abort', this.#cancel);
@@ -275,7 +299,7 @@ export class ProgressiveModel extends EventDispatcher {
   /** @param {GLTF} gltf */
   #takeScene(gltf) {
     const resources = new Resources(gltf);
-    // It was cancelled meanwhile.
+    // The model was cancelled in the meantime.
     if (this.#isClosed) return resources.dispose();
     this.#resources = resources;
     const bounded = boundedMeshes(gltf);
@@ -287,7 +311,7 @@ export class ProgressiveModel extends EventDispatcher {
     this.#gltf = gltf;
     this.#resolveLoaded(Object.assign(gltf, { progressive: this }));
     if (this.#progress?.isComplete || !gltf.parser.json.extensions?.[EXTENSION]) this.#complete();
-    // The page adds its listeners when it is told of the scene.
+    // Wait until the page has received the scene and added its listeners.
     if (this.#error) setTimeout(() => this.#report());
   }
 
@@ -320,7 +344,8 @@ export class ProgressiveModel extends EventDispatcher {
     if (this.#isClosed) return;
     this.#progress = progress;
     this.dispatchEvent({ type: 'progress', progress });
-    // Small models have arrived before their scene is there, and may still be cancelled.
+    // Small models can arrive completely before their scene is available, and can still be
+    // cancelled.
     if (progress.isComplete && this.#gltf) this.#complete();
   }
 
@@ -340,7 +365,7 @@ export class ProgressiveModel extends EventDispatcher {
   }
 
   /**
-   * Ends early.
+   * Ends loading early.
    * @param {unknown} reason
    */
   #end(reason) {
@@ -358,7 +383,7 @@ export class ProgressiveModel extends EventDispatcher {
 }
 
 /**
- * Returns the meshes of each geometry that have bounds of their own: skinned and instanced ones.
+ * Returns the skinned and instanced meshes of each geometry, which have their own bounds.
  * @param {GLTF} gltf
  * @returns {Map<BufferGeometry, (SkinnedMesh | InstancedMesh)[]>}
  */

@@ -1,5 +1,5 @@
 /**
- * The names of vertex attributes in three.js.
+ * Names of vertex attributes in three.js.
  * @module
  */
 
@@ -19,7 +19,7 @@ const NAMES = {
 
 /**
  * Returns the name that GLTFLoader gives to a glTF attribute.
- * @param {string} name as in the document: `TEXCOORD_0`, `_CUSTOM`
+ * @param {string} name the name in the document, such as `TEXCOORD_0` or `_CUSTOM`
  */
 export function threeName(name) {
   return NAMES[name] ?? name.toLowerCase();

@@ -1,7 +1,9 @@
 /**
- * The GLTFLoader plugin of the extension `TRISTRIP_progressive`: notes which geometries are drawn from which mesh of the stream.
+ * The GLTFLoader plugin for the extension `TRISTRIP_progressive`. It records which geometries draw
+ * which mesh of the stream.
  *
- * `parser.associations` would tell this too, but after a file of several scenes it has the objects of the last one only.
+ * `parser.associations` is not sufficient: for a file with several scenes it contains only the
+ * objects of the last one.
  * @module
  */
 import { EXTENSION } from '../src/container.js';
@@ -13,18 +15,18 @@ import { threeName } from './names.js';
  */
 
 /**
- * A geometry that a part of a mesh of the stream refines.
+ * A geometry that is refined by a part of a mesh of the stream.
  * @typedef {object} Refined
  * @property {BufferGeometry} geometry
  * @property {number} stream
  * @property {number} part
- * @property {string[]} names the attributes that the stream has to have, as three.js names them
+ * @property {string[]} names the attributes that the stream must have, by their three.js names
  */
 
 /** @type {WeakMap<GLTFParser, ProgressivePlugin>} */
 const plugins = new WeakMap();
 
-/** Notes the geometries of primitives with the extension. */
+/** Records the geometries of primitives with the extension. */
 export class ProgressivePlugin {
   name = EXTENSION;
   /** @type {Map<BufferGeometry, Refined>} */
@@ -46,7 +48,7 @@ export class ProgressivePlugin {
     const { primitives } = this.#parser.json.meshes[meshIndex];
     if (!primitives.some((/** @type {any} */ primitive) => primitive.extensions?.[EXTENSION])) return null;
     return this.#parser.loadMesh(meshIndex).then((object) => {
-      // One primitive is a mesh, several are the children of a group.
+      // A single primitive becomes a mesh; several become the children of a group.
       const meshes = /** @type {Mesh[]} */ (primitives.length === 1 ? [object] : object.children);
       primitives.forEach((/** @type {any} */ primitive, /** @type {number} */ i) => this.#note(primitive, meshes[i]));
       return object;
@@ -61,13 +63,14 @@ export class ProgressivePlugin {
     const { stream, part = 0 } = primitive.extensions?.[EXTENSION] ?? {};
     if (!mesh?.isMesh || !Number.isSafeInteger(stream) || !Number.isSafeInteger(part) || primitive.targets) return;
     const known = this.#refined.get(mesh.geometry);
-    // GLTFLoader shares the geometry of primitives with the same accessors: parts need one each.
+    // GLTFLoader shares the geometry of primitives with equal accessors, but each part needs its
+    // own.
     if (known && (known.stream !== stream || known.part !== part)) mesh.geometry = mesh.geometry.clone();
     const names = Object.keys(primitive.attributes).map(threeName);
     this.#refined.set(mesh.geometry, { geometry: mesh.geometry, stream, part, names });
   }
 
-  /** The geometries that the stream refines. */
+  /** The geometries refined by the stream. */
   get refined() {
     return [...this.#refined.values()];
   }
@@ -83,7 +86,7 @@ export function refinedGeometries(parser) {
 }
 
 /**
- * Creates the plugin: for `GLTFLoader.register`.
+ * Creates the plugin for `GLTFLoader.register`.
  * @param {GLTFParser} parser
  */
 export const createPlugin = (parser) => new ProgressivePlugin(parser);

@@ -1,5 +1,6 @@
 /**
- * The buffers of one mesh of the stream. Updates are written into them in place; all geometries that draw parts of the mesh share the vertices.
+ * The buffers of one mesh of the stream, updated in place. All geometries that draw parts of the
+ * mesh share its vertices.
  *
  * ```text
  *                     ┌ geometry of part 0: index ┐
@@ -7,8 +8,10 @@
  *                     └ geometry of part 1: index ┘
  * ```
  *
- * three.js cannot resize the buffer of an attribute. If there is no room left, all buffers of the mesh are replaced by larger ones, and the old ones are freed
- * on the GPU. Room grows by doubling, so that the cost per vertex is constant; it follows what has arrived, never what the file merely claims.
+ * three.js cannot resize the buffer of an attribute. When the capacity is exceeded, all buffers of
+ * the mesh are replaced by larger ones, and the old ones are freed on the GPU. The capacity
+ * doubles, so the cost per vertex is constant. It depends on the received data, not on the declared
+ * size.
  * @module
  */
 import { Box3, BufferAttribute, DynamicDrawUsage, Vector4 } from 'three';
@@ -23,24 +26,39 @@ import { threeName } from './names.js';
 
 const SKIN_WEIGHT = 'skinWeight';
 
-/** More ranges of one buffer than this are uploaded as one: an object out of view collects them. */
+/**
+ * If a buffer has more changed ranges, they are uploaded as one. Objects out of view accumulate
+ * ranges.
+ */
 const MAX_RANGES = 128;
 
-/** @typedef {Refined & { isAttached: boolean }} User a geometry, and whether it has the buffers of the stream */
+/**
+ * A geometry, and whether it has the buffers of the stream.
+ * @typedef {Refined & { isAttached: boolean }} User
+ */
 
-/** One mesh of the stream, and the geometries that draw it. */
+/** One mesh of the stream and the geometries that draw it. */
 export class StreamMesh {
-  /** Attributes by their names in three.js. @type {Map<string, BufferAttribute>} */
+  /**
+   * Attributes by three.js name.
+   * @type {Map<string, BufferAttribute>}
+   */
   #attributes = new Map();
   /** The index of each part. @type {(BufferAttribute | undefined)[]} */
   #indices = [];
   #vertexCount = 0;
   #vertexRoom = 0;
-  /** The error of the last update. @type {number | undefined} */
+  /**
+   * The error of the last update.
+   * @type {number | undefined}
+   */
   #error;
   /** @type {User[]} */
   #users = [];
-  /** The meshes that have bounds of their own. @type {(SkinnedMesh | InstancedMesh)[]} */
+  /**
+   * The meshes with their own bounds.
+   * @type {(SkinnedMesh | InstancedMesh)[]}
+   */
   #bounded = [];
   #isSkinned = false;
 
@@ -63,7 +81,7 @@ export class StreamMesh {
   }
 
   /**
-   * Returns the name of an attribute that a geometry needs and the stream does not have.
+   * The name of an attribute that a geometry needs and the stream lacks.
    * @returns {string | undefined}
    */
   get missing() {
@@ -72,7 +90,7 @@ export class StreamMesh {
   }
 
   /**
-   * Takes an update.
+   * Applies an update.
    * @param {MeshUpdate} update
    */
   take({ firstVertex, positions, attributes, parts, error, fullVertices }) {
@@ -82,7 +100,7 @@ export class StreamMesh {
       for (const { geometry, isAttached } of this.#users) if (isAttached) geometry.dispose();
     }
     if (count > this.#vertexRoom) {
-      // What the file claims is only used to leave no room over in the end.
+      // The declared size is used only to avoid spare capacity at the end.
       this.#vertexRoom = fullVertices < count ? 2 * count : Math.min(2 * count, fullVertices);
     }
     if (positions.length > 0) {
@@ -110,14 +128,14 @@ export class StreamMesh {
   }
 
   /**
-   * Writes the values of an attribute from a vertex on.
+   * Writes the values of an attribute, starting at a vertex.
    * @param {Attribute} attribute
    * @param {number} firstVertex
    */
   #write({ name, components, normalized, array: values }, firstVertex) {
     let attribute = this.#attributes.get(threeName(name));
     if (!attribute || attribute.array.length < components * this.#vertexRoom) {
-      // The GPU has no numbers of 64 bits.
+      // GPUs do not support 64-bit attributes.
       const ArrayType = values instanceof Float64Array ? Float32Array : /** @type {any} */ (values.constructor);
       const array = new ArrayType(components * this.#vertexRoom);
       if (attribute) array.set(attribute.array.subarray(0, components * firstVertex));
@@ -126,7 +144,8 @@ export class StreamMesh {
     }
     attribute.array.set(values, components * firstVertex);
     setCount(attribute, this.#vertexCount);
-    // All runs of vertices end with the last vertex: one range has what several updates have changed between two frames.
+    // Every changed range ends at the last vertex, so one range covers the changes of several
+    // updates.
     const start = Math.min(components * firstVertex, ...attribute.updateRanges.map((range) => range.start));
     attribute.clearUpdateRanges();
     attribute.addUpdateRange(start, components * this.#vertexCount - start);
@@ -157,7 +176,7 @@ export class StreamMesh {
   }
 
   /**
-   * Gives a geometry the buffers as they are. A part without triangles keeps its base mesh.
+   * Attaches the current buffers to a geometry. A part without triangles keeps its base mesh.
    * @param {User} user
    */
   #attach(user) {
@@ -177,10 +196,11 @@ export class StreamMesh {
   }
 
   /**
-   * Grows the bounds of a geometry. If it has the mesh for itself, the vertices from one on count, otherwise those that its changed indices name.
+   * Extends the bounds of a geometry. If it draws the whole mesh, by the vertices from
+   * `firstVertex`; otherwise by the vertices of its changed indices.
    * @param {User} user
    * @param {number} firstVertex
-   * @param {{ start: number, count: number }[]} changed runs of the index
+   * @param {{ start: number, count: number }[]} changed ranges of the index
    */
   #growBounds({ geometry, part, isAttached }, firstVertex, changed) {
     const positions = this.#attributes.get('position')?.array.subarray(0, 3 * this.#vertexCount);
@@ -196,7 +216,7 @@ export class StreamMesh {
   }
 
   /**
-   * Makes the weights of each vertex add up to 1, as GLTFLoader does for skinned meshes.
+   * Normalizes the weights of each vertex to a sum of 1, as GLTFLoader does for skinned meshes.
    * @param {number} firstVertex
    */
   #normalizeWeights(firstVertex) {
@@ -214,7 +234,8 @@ export class StreamMesh {
 }
 
 /**
- * Sets how many entries of an attribute count: three.js computes bounds and exports by this number, and the array may have room for more.
+ * Sets the number of used entries of an attribute. three.js computes bounds and exports by this
+ * number; the array can be longer.
  * @param {BufferAttribute} attribute
  * @param {number} count
  */

@@ -1,5 +1,5 @@
 /**
- * The size of a model on screen, which decides what is downloaded first.
+ * The size of a model on screen, which determines the download order.
  * @module
  */
 import { Frustum, Matrix4, Sphere, Vector3 } from 'three';
@@ -20,8 +20,9 @@ function isShown(object) {
 }
 
 /**
- * Returns the sphere around the visible meshes of some objects, in world coordinates; its radius is negative if there are none.
- * @param {Object3D[]} objects with matrices that are up to date
+ * Returns the bounding sphere of the visible meshes of some objects, in world coordinates. Its
+ * radius is negative if there are none.
+ * @param {Object3D[]} objects with up-to-date matrices
  */
 function worldSphere(objects) {
   const union = new Sphere(new Vector3(), -1);
@@ -38,8 +39,8 @@ function worldSphere(objects) {
 }
 
 /**
- * Returns the height of objects on screen as a fraction of the height of the view; 0 if they are outside of it or invisible. Objects around the camera count
- * as if they filled it.
+ * Returns the height of objects on screen as a fraction of the view height, or 0 if they are out of
+ * view or invisible. If the camera is inside them, they count as filling the view.
  * @param {Object3D[]} objects
  * @param {Camera} camera
  * @returns {number}

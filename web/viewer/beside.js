@@ -1,36 +1,37 @@
 /**
- * The files beside a model: images that its document refers to by name. Nothing else is asked for, and nothing from elsewhere.
+ * Files next to a model: images that its document refers to. Loads nothing else, and nothing from
+ * other directories or sites.
  * @module
  */
 
 /**
- * Finds a file by the URI that a document has for it.
+ * Finds a file by its URI in a document.
  * @typedef {(uri: string) => Promise<Blob>} FindFile
  */
 
 const MAX_BYTES = 2 ** 26;
 
 /**
- * Returns what finds files in the folder of a model of this site, and in folders inside it.
- * @param {string} model its URL
+ * Returns a function that finds files in the directory of a model of this site, or below it.
+ * @param {string} model URL of the model
  * @returns {FindFile}
  */
 export function besideUrl(model) {
   const folder = new URL('.', new URL(model, location.href));
   return async (uri) => {
     const address = new URL(uri, folder);
-    if (address.origin !== location.origin || !address.href.startsWith(folder.href)) throw new Error('It is not beside the model.');
+    if (address.origin !== location.origin || !address.href.startsWith(folder.href)) throw new Error('It is not in the directory of the model.');
     const response = await fetch(address, { redirect: 'error' });
     if (!response.ok || Number(response.headers.get('Content-Length')) > MAX_BYTES) {
       await response.body?.cancel();
-      throw new Error(`The server answers ${response.status}, or the file is too large.`);
+      throw new Error(`The server responded with ${response.status}, or the file is too large.`);
     }
     return response.blob();
   };
 }
 
 /**
- * Returns what finds files among those that were chosen together with a model.
+ * Returns a function that finds files among those selected together with a model.
  * @param {File[]} files
  * @returns {FindFile}
  */
@@ -38,13 +39,13 @@ export function besideFile(files) {
   const known = new Map(files.map((file) => [file.name, file]));
   return async (uri) => {
     const found = known.get(nameOfUri(uri).split('/').pop() ?? '');
-    if (!found) throw new Error('It was not chosen.');
+    if (!found) throw new Error('It was not selected.');
     return found;
   };
 }
 
 /**
- * Returns how people write a URI.
+ * Returns a URI in readable form.
  * @param {string} uri
  */
 export function nameOfUri(uri) {
@@ -56,7 +57,7 @@ export function nameOfUri(uri) {
 }
 
 /**
- * Whether a name is that of a glTF document, which is no GLB.
+ * Whether a name is that of a .gltf document instead of a GLB.
  * @param {string} name
  */
 export const isDocument = (name) => /\.gltf$/i.test(name);

@@ -1,5 +1,6 @@
 /**
- * The error by the bytes that have arrived, as a small chart: a rate-distortion curve with a logarithmic error.
+ * A small chart of the error over the bytes received: a rate-distortion curve with a logarithmic
+ * error axis.
  * @module
  */
 import { curveOf, isOnCurve } from './curve.js';
@@ -9,7 +10,7 @@ import { bytesText, element, errorText } from './elements.js';
 
 const LEFT = 8;
 const RIGHT = 240;
-/** The right end of the labels of errors. */
+/** The right edge of the error labels. */
 const LABELS = 299;
 const TOP = 8;
 const BOTTOM = 98;
@@ -30,15 +31,15 @@ function shape(tag, attributes, text = '') {
 
 /**
  * Draws the chart.
- * @param {Point[]} points of the chunks that have arrived
- * @param {number} shown how many of them are shown
+ * @param {Point[]} points of the chunks received
+ * @param {number} shown the number of points whose chunks are shown
  * @param {number} totalBytes
  */
 export function drawChart(points, shown, totalBytes) {
   const curve = curveOf(points, totalBytes);
   if (!curve) {
     chart.replaceChildren();
-    chart.setAttribute('aria-label', 'No chunk has arrived');
+    chart.setAttribute('aria-label', 'No chunks received');
     return;
   }
   const { points: known, least, most, step, totalBytes: total } = curve;

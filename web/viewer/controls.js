@@ -13,9 +13,9 @@ import { announce } from './messages.js';
  */
 
 /**
- * What controls change beside the viewer.
+ * Notifications to the page.
  * @typedef {object} ControlsListener
- * @property {() => void} view the camera has moved, or the mode or the animation is another one
+ * @property {() => void} view the camera, mode or animation has changed
  * @property {() => void} leave
  * @property {() => void} replay
  */
@@ -28,7 +28,7 @@ const animations = element('animations', HTMLSelectElement);
 const help = element('help-dialog', HTMLDialogElement);
 
 /**
- * Sets the mode, also in the panel.
+ * Sets the mode, and updates the panel.
  * @param {Viewer} viewer
  * @param {Mode} mode
  */
@@ -39,7 +39,7 @@ export function setMode({ renderer }, mode) {
 }
 
 /**
- * Shows which animations the model has, and which one is played.
+ * Shows the animations of the model, and which one plays.
  * @param {Viewer} viewer
  */
 export function showAnimations({ animations: names, playing }) {
@@ -93,12 +93,12 @@ export function connectControls(viewer, listener) {
   onClick('link', async () => {
     try {
       await navigator.clipboard.writeText(location.href);
-      announce('The link is copied.');
+      announce('Link copied.');
       const button = element('link', HTMLButtonElement);
       button.textContent = 'Copied';
       setTimeout(() => (button.textContent = 'Copy link'), 2000);
     } catch {
-      announce('The link is the address of this page.');
+      announce('Copy the link from the address bar.');
     }
   });
   modes.addEventListener('change', (event) => {
@@ -111,7 +111,7 @@ export function connectControls(viewer, listener) {
     listener.view();
   });
   animations.addEventListener('change', () => {
-    // To choose one is to want to see it.
+    // Choosing an animation also plays it.
     viewer.playing = { animation: Number(animations.value), isPlaying: true };
     animate.checked = true;
     listener.view();

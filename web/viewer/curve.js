@@ -1,36 +1,36 @@
 /**
- * The curve of the chart: which points are drawn, and between which powers of ten.
+ * The curve of the chart: the points to draw and the range of the error axis.
  * @module
  */
 
 /** @import { Point } from './figures.js' */
 
 /**
- * A curve with a logarithmic error.
+ * A curve with a logarithmic error axis.
  * @typedef {object} Curve
- * @property {Point[]} points those to draw, the first and the last one included
- * @property {number} least the logarithm of the power of ten below all errors
- * @property {number} most that of the one above them
- * @property {number} step between two lines of the grid
+ * @property {Point[]} points the points to draw, including the first and the last
+ * @property {number} least the natural logarithm of the power of ten below all errors
+ * @property {number} most the natural logarithm of the power of ten above all errors
+ * @property {number} step between two grid lines
  * @property {number} totalBytes
  */
 
 const DECADE = Math.LN10;
-/** The grid has at most so many steps. */
+/** The maximum number of grid steps. */
 const MAX_STEPS = 3.5;
-/** About the most points that are drawn: two per unit of the width of the chart. */
+/** The approximate maximum number of points: two per unit of the chart's width. */
 const MAX_POINTS = 500;
 
 /**
- * Returns whether a point is on a curve with a logarithmic error.
+ * Checks whether a point can be drawn on a logarithmic error axis.
  * @param {Point | undefined} point
  * @returns {point is Point}
  */
 export const isOnCurve = (point) => point !== undefined && point.error > 0 && point.error < Infinity;
 
 /**
- * Returns the curve through points, in linear time; `undefined` if none is on it.
- * @param {Point[]} points in the order of their bytes
+ * Returns the curve through points in linear time, or `undefined` if no point can be drawn.
+ * @param {Point[]} points ordered by bytes
  * @param {number} totalBytes
  * @returns {Curve | undefined}
  */

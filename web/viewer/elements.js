@@ -1,5 +1,5 @@
 /**
- * The elements of the page, and how numbers are written in it.
+ * Access to the elements of the page, and formatting of numbers.
  * @module
  */
 
@@ -30,7 +30,7 @@ export function make(tag, attributes, ...children) {
 }
 
 /**
- * Sets a text, unless it is there already: screen readers would read it again.
+ * Sets a text if it differs. Setting the same text again would make screen readers repeat it.
  * @param {Element} target
  * @param {string} text
  */
@@ -51,8 +51,8 @@ export function bytesText(n) {
 }
 
 /**
- * Returns an error as text.
- * @param {number} fraction of the size of the mesh
+ * Formats an error.
+ * @param {number} fraction of the mesh size
  */
 export const errorText = (fraction) => `${Number((100 * fraction).toPrecision(2))}\u00a0% of size`;
 

@@ -1,20 +1,20 @@
 /**
- * What has arrived of a model and what is shown of it, in numbers.
+ * The metrics of a model: what has been received and what is shown.
  * @module
  */
 
 /** @import { ChunkFigures, Progress, Update } from '../src/client/client.js' */
 
 /**
- * Error by bytes: after a chunk.
+ * A point of the error curve: the state after a chunk.
  * @typedef {object} Point
- * @property {number} bytes of the file up to its end
+ * @property {number} bytes file offset of the end of the chunk
  * @property {number} triangles
- * @property {number} error the largest one of the meshes, as a fraction of their sizes
+ * @property {number} error the maximum over the meshes, as a fraction of their sizes
  */
 
 /**
- * What is shown of a mesh.
+ * The shown state of a mesh.
  * @typedef {object} Shown
  * @property {number} triangles
  * @property {number} fullTriangles
@@ -23,11 +23,20 @@
  * @property {Map<number, { strips: number, sent: number }>} parts
  */
 
-/** The largest of some numbers that change one by one: a tree of the larger one of each two. A change takes the logarithm of their count. */
+/**
+ * The maximum of numbers that change one at a time, as a tournament tree. A change takes
+ * logarithmic time.
+ */
 class Largest {
-  /** Node 1 is the root, the children of node k are 2 k and 2 k + 1, and the numbers are the leaves. */
+  /**
+   * Node 1 is the root, nodes 2 k and 2 k + 1 are the children of node k, and the leaves are the
+   * numbers.
+   */
   #tree = new Float64Array(2);
-  /** The leaves, by what they stand for. @type {Map<number, number>} */
+  /**
+   * The leaf of each key.
+   * @type {Map<number, number>}
+   */
   #leaves = new Map();
 
   /**
@@ -54,27 +63,36 @@ class Largest {
     for (let at = old.length - 1; at > 0; at--) tree[at] = Math.max(tree[2 * at], tree[2 * at + 1]);
   }
 
-  /** The largest one; 0 if there are none. */
+  /** The maximum; 0 if there are no numbers. */
   get most() {
     return this.#tree[1];
   }
 }
 
-/** The sums over the meshes of a model. */
+/** The metrics of a model, summed over its meshes. */
 export class Figures {
   /** @type {Progress | undefined} */
   progress;
-  /** After each chunk that has arrived. @type {Point[]} */
+  /**
+   * One point per chunk received.
+   * @type {Point[]}
+   */
   points = [];
-  /** How many chunks have base meshes, at the start. */
+  /** The number of leading chunks with base meshes. */
   baseChunks = 1;
   /** Whether there is a stream. */
   isStreamed = false;
-  /** The triangles of what has no stream. */
+  /** The triangles of primitives without a stream. */
   outside = 0;
-  /** The sizes of the meshes. @type {Map<number, number>} */
+  /**
+   * The bounding-box diagonal of each mesh.
+   * @type {Map<number, number>}
+   */
   #sizes = new Map();
-  /** The triangles of each mesh that has arrived, their sum, and the largest error. @type {Map<number, number>} */
+  /**
+   * The received triangles of each mesh. Their sum and the maximum error follow.
+   * @type {Map<number, number>}
+   */
   #arrived = new Map();
   #triangles = 0;
   #errors = new Largest();
@@ -82,7 +100,7 @@ export class Figures {
   #shown = new Map();
 
   /**
-   * Takes the document.
+   * Reads the document.
    * @param {any} json
    */
   open(json) {
@@ -109,11 +127,11 @@ export class Figures {
    */
   #fraction(stream, error) {
     const fraction = error / (this.#sizes.get(stream) || 1);
-    // What a file claims may be infinite.
+    // The file can declare an infinite error.
     return Number.isFinite(fraction) ? Math.max(fraction, 0) : 0;
   }
 
-  /** @param {ChunkFigures[]} chunks that have arrived */
+  /** @param {ChunkFigures[]} chunks received */
   addChunks(chunks) {
     for (const { stream, end, triangles, error } of chunks) {
       const before = this.#arrived.get(stream);
@@ -125,7 +143,7 @@ export class Figures {
     }
   }
 
-  /** @param {Update} update that is shown now */
+  /** @param {Update} update that is now shown */
   show({ meshes, progress }) {
     this.progress = progress;
     for (const { stream, triangles, fullTriangles, vertices, error, parts } of meshes) {
@@ -135,7 +153,7 @@ export class Figures {
     }
   }
 
-  /** The sums of what is shown. */
+  /** The sums over the shown meshes. */
   get sums() {
     const sums = { triangles: 0, fullTriangles: 0, vertices: 0, strips: 0, sent: 0, error: 0 };
     for (const [stream, { triangles, fullTriangles, vertices, error, parts }] of this.#shown) {

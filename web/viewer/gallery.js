@@ -1,5 +1,5 @@
 /**
- * The models of the site as cards, and files that are dropped or chosen.
+ * The models of the site as cards, and files that are dropped or selected.
  * @module
  */
 import { isDocument } from './beside.js';
@@ -22,11 +22,17 @@ const cards = element('cards', HTMLUListElement);
 const notes = element('notes', HTMLElement);
 const text = element('gallery-text', HTMLElement);
 
-/** How often a thumbnail is asked for again, and the milliseconds before the first time. The pauses double. */
+/**
+ * The maximum number of retries for a thumbnail, and the delay before the first one in
+ * milliseconds. The delay doubles.
+ */
 const MAX_IMAGE_TRIES = 5;
 const IMAGE_PAUSE = 2000;
 
-/** The names of the models, by their URLs. @type {Map<string, string>} */
+/**
+ * The names of models by URL.
+ * @type {Map<string, string>}
+ */
 const names = new Map();
 
 /** Fills the gallery from `models.json`, if the site has one. */
@@ -38,9 +44,9 @@ export async function fillGallery() {
     for (const { url, name } of models) names.set(url, name);
     cards.replaceChildren(...models.map(card));
     notes.replaceChildren(...lines.map((line) => make('p', {}, line)));
-    if (models.length === 0) text.textContent = 'There are no models here yet.';
+    if (models.length === 0) text.textContent = 'No models yet.';
   } catch {
-    text.textContent = 'This site lists no models. Files from this device can be shown.';
+    text.textContent = 'This site lists no models. You can open files from this device.';
   }
 }
 
@@ -69,7 +75,8 @@ function card({ name, url, kind, bytes, triangles, thumbnail }) {
 }
 
 /**
- * Loads an image again some time after it has failed: the server draws the thumbnails of many models one after another. One that does not come is removed.
+ * Reloads an image after a delay when it fails, because the server renders thumbnails one at a
+ * time. After the last retry, the image is removed.
  * @param {HTMLImageElement} image
  * @param {string} url
  */
@@ -82,7 +89,7 @@ function retryImage(image, url) {
 }
 
 /**
- * Takes files that are dropped on the page or chosen: a model, and images that it refers to.
+ * Handles files that are dropped on the page or selected: a model and images it refers to.
  * @param {(file: File, beside: File[]) => void} open
  */
 export function takeFiles(open) {
@@ -95,7 +102,7 @@ export function takeFiles(open) {
   for (const id of ['open', 'drop']) element(id, HTMLButtonElement).addEventListener('click', () => input.click());
   input.addEventListener('change', () => {
     take(input.files);
-    // The same file can be chosen again.
+    // Allows the same file to be selected again.
     input.value = '';
   });
   const hasFile = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes('Files');

@@ -1,5 +1,5 @@
 /**
- * The page: shows the gallery or a model, as the address says.
+ * The page: shows the gallery or a model, depending on the address.
  * @module
  */
 import { besideFile, besideUrl } from './beside.js';
@@ -11,7 +11,9 @@ import { connectLevel, follow, setConnection, updatePanel } from './panel.js';
 import { FILE_HASH, readState, writeState } from './state.js';
 import { Viewer } from './viewer.js';
 
-/** The address is changed at most this often, in milliseconds: browsers limit it. */
+/**
+ * The minimum interval between changes of the address, in milliseconds. Browsers limit their rate.
+ */
 const ADDRESS_INTERVAL = 400;
 
 const gallery = element('gallery', HTMLElement);
@@ -20,23 +22,30 @@ const name = element('name', HTMLElement);
 const canvas = element('canvas', HTMLCanvasElement);
 const busy = element('busy', HTMLElement);
 
-/** The URL of the model that is shown, and the last file of this device. @type {string | undefined} */
+/**
+ * The URL of the model shown, and the last local file.
+ * @type {string | undefined}
+ */
 let url;
 /** @type {File | undefined} */
 let file;
-/** The files that were chosen with it. @type {File[]} */
+/**
+ * The files selected together with it.
+ * @type {File[]}
+ */
 let beside = [];
 
 let isStarted = false;
 
 /**
- * Returns what is played of the animation that an address names; it stands still where people want less motion.
- * @param {number | undefined} animation from 1 on
+ * Returns the animation to play for the index in an address. It is paused if the user prefers
+ * reduced motion.
+ * @param {number | undefined} animation counted from 1
  */
 const playingOf = (animation = 0) => ({ animation: Math.max(animation - 1, 0), isPlaying: animation > 0 && !matchMedia('(prefers-reduced-motion: reduce)').matches });
 
 /**
- * Shows the stage instead of the gallery, or the other way around.
+ * Switches between the stage and the gallery.
  * @param {boolean} isStage
  */
 function turn(isStage) {
@@ -54,16 +63,16 @@ function setTitle(title) {
 
 /** Starts the viewer. */
 function start() {
-  /** Whether the context is lost. */
+  /** Whether the WebGL context is lost. */
   let isLost = false;
 
-  /** Shows what is wrong with the model, if anything is. */
+  /** Shows or hides the message about the state of the model. */
   const showState = () => {
     const { error, state, hasPicture } = viewer;
     busy.hidden = state !== 'loading' || hasPicture;
-    if (isLost && state !== 'empty') showMessage('The browser has taken back the graphics memory.', 'The picture comes back as soon as the browser allows.');
+    if (isLost && state !== 'empty') showMessage('The graphics context was lost.', 'The image returns when the browser restores it.');
     else if (error) showError(error, hasPicture, () => viewer.retry(), replay);
-    else if (state === 'complete' && !hasPicture) showMessage('There is nothing to show.', 'The scene of this file has no triangles, lines or points.');
+    else if (state === 'complete' && !hasPicture) showMessage('Nothing to show.', 'The scene of this file has no triangles, lines or points.');
     else hideMessage();
   };
 
@@ -73,7 +82,7 @@ function start() {
     animations: () => showAnimations(viewer),
     firstPicture: () => {
       busy.hidden = true;
-      announce('First picture.');
+      announce('First image.');
     },
     complete: () => {
       showState();
@@ -82,9 +91,9 @@ function start() {
       announce(`Complete: ${countText(sums.triangles + outside)} triangles, ${bytesText(progress?.totalBytes ?? 0)}, after ${timeText(entry.duration)}.`);
     },
     connection: (state) => {
-      const words = state === 'retrying' ? 'connection lost, trying again' : state === 'busy' ? 'waiting for the server' : state === 'connecting' || state === 'waiting' ? state : '';
+      const words = state === 'retrying' ? 'connection lost, retrying' : state === 'busy' ? 'waiting for the server' : state === 'connecting' || state === 'waiting' ? state : '';
       setConnection(words);
-      if (state === 'retrying') announce('The connection is lost. It is tried again.');
+      if (state === 'retrying') announce('Connection lost. Retrying.');
       if (state === 'busy') announce('Waiting for the server.');
       schedulePanel();
     },
@@ -113,7 +122,7 @@ function start() {
     begin();
     viewer.replay();
     showState();
-    announce('Loading again.');
+    announce('Reloading.');
   };
 
   /**
@@ -133,7 +142,7 @@ function start() {
     showAnimations(viewer);
     showState();
     announce(`Loading ${title}.`);
-    // A page that opens with a model keeps the focus where the browser has it.
+    // When the page opens with a model, don't move the focus.
     if (isStarted) canvas.focus({ preventScroll: true });
   };
 
@@ -148,7 +157,7 @@ function start() {
     announce('All models.');
   };
 
-  /** Shows what the address says. */
+  /** Shows what the address refers to. */
   const route = () => {
     const state = readState(location.hash);
     setMode(viewer, state.mode ?? 'textured');
@@ -168,9 +177,9 @@ function start() {
       open(file, nameOf(file.name));
     } else if (viewer.state !== 'empty') leave();
     else if (location.hash === FILE_HASH) {
-      // The page was loaded again.
+      // The page was reloaded.
       history.replaceState(null, '', '#');
-      setText(element('drop-text', HTMLElement), 'The file of this device that was shown here is not kept. Choose it again to show it.');
+      setText(element('drop-text', HTMLElement), 'The local file shown before was not saved. Choose it again to view it.');
     }
   };
 
@@ -211,7 +220,7 @@ try {
   turn(true);
   document.body.classList.add('is-broken');
   setText(name, 'No 3D view');
-  showMessage(error instanceof Error ? error.message : String(error), 'Current versions of Firefox, Chrome, Edge and Safari have WebGL 2. It may be switched off in the settings, or the graphics driver is too old.');
+  showMessage(error instanceof Error ? error.message : String(error), 'Current versions of Firefox, Chrome, Edge and Safari support WebGL 2. It may be disabled in the settings, or the graphics driver may be too old.');
 }
-// A page that opens with a model learns its name later.
+// When the page opens with a model, its name is known only after the list has loaded.
 fillGallery().then(() => url !== undefined && setTitle(nameOf(url)));

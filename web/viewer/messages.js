@@ -1,5 +1,5 @@
 /**
- * What people are told: messages over the picture, and short ones that only screen readers read.
+ * Messages over the 3D view, and announcements for screen readers.
  * @module
  */
 import { element, make, setText } from './elements.js';
@@ -13,8 +13,8 @@ const canvas = element('canvas', HTMLCanvasElement);
 /** @type {Record<ViewerError['kind'], string>} */
 const CAUSES = {
   connection: 'The connection was lost.',
-  status: 'The server does not give this file.',
-  changed: 'The file on the server has changed while it was loaded.',
+  status: 'The server refused this file.',
+  changed: 'The file on the server changed during loading.',
   unreadable: 'This file cannot be read.',
   damaged: 'The file is damaged.',
   'not-glb': 'This is not a GLB file.',
@@ -24,7 +24,7 @@ const CAUSES = {
 };
 
 /**
- * Shows a message over the picture.
+ * Shows a message over the 3D view.
  * @param {string} text
  * @param {string} [detail]
  * @param {Record<string, () => void>} [actions] buttons
@@ -34,7 +34,7 @@ export function showMessage(text, detail = '', actions = {}) {
     const button = make('button', { type: 'button' }, name);
     button.addEventListener('click', () => {
       act();
-      // The button is gone, and would leave the focus to nothing.
+      // The button with the focus is removed; move the focus to the canvas.
       canvas.focus({ preventScroll: true });
     });
     return button;
@@ -48,21 +48,21 @@ export function hideMessage() {
 }
 
 /**
- * Shows why a model ended early.
+ * Shows why loading ended early.
  * @param {ViewerError} error
- * @param {boolean} hasPicture whether something of it is shown
- * @param {() => void} retry goes on
- * @param {() => void} replay starts again
+ * @param {boolean} hasPicture whether a part of the model is shown
+ * @param {() => void} retry resumes the download
+ * @param {() => void} replay loads the model again
  */
 export function showError({ kind, message }, hasPicture, retry, replay) {
-  const rest = hasPicture ? ' What has arrived before is shown.' : '';
-  const actions = { connection: { Retry: retry }, changed: { 'Load again': replay }, status: { 'Load again': replay } };
+  const rest = hasPicture ? ' The part received so far is shown.' : '';
+  const actions = { connection: { Retry: retry }, changed: { Reload: replay }, status: { Reload: replay } };
   const { [kind]: action = {} } = /** @type {Record<string, Record<string, () => void>>} */ (actions);
   showMessage(CAUSES[kind] + rest, message.replace(/^(The connection was lost)?[:\s]+/, ''), action);
 }
 
 /**
- * Tells users of screen readers.
+ * Announces a text to screen readers.
  * @param {string} text
  */
 export function announce(text) {

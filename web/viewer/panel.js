@@ -1,5 +1,5 @@
 /**
- * The panel: what has arrived of a model, what is shown, and at which level.
+ * The panel: loading progress, metrics of the shown model, and the level slider.
  * @module
  */
 import { drawChart } from './chart.js';
@@ -15,12 +15,15 @@ const levelText = element('level-text', HTMLElement);
 const play = element('play', HTMLButtonElement);
 const streamed = Array.from(document.querySelectorAll('.streamed'));
 
-/** The values that are shown, by their names. @type {Map<string, HTMLElement>} */
+/**
+ * The elements of the facts by name.
+ * @type {Map<string, HTMLElement>}
+ */
 const values = new Map();
 
 /**
  * @param {string} name
- * @param {string} value empty if it is not known
+ * @param {string} value empty to hide the fact
  */
 function setFact(name, value) {
   let shown = values.get(name);
@@ -33,24 +36,24 @@ function setFact(name, value) {
   shown.parentElement?.toggleAttribute('hidden', value === '');
 }
 
-/** How the connection is, in words. */
+/** The state of the connection as text. */
 let connection = '';
 
-/** @param {string} words empty if there is nothing to say */
+/** @param {string} words empty to show nothing */
 export function setConnection(words) {
   connection = words;
 }
 
-/** Whether the level follows what arrives. */
+/** Whether the level follows the download. */
 let isFollowing = true;
 
-/** Shows all that arrives, from now on. */
+/** Makes the level follow the download. */
 export function follow() {
   isFollowing = true;
 }
 
 /**
- * Lets the slider choose the level.
+ * Connects the level slider.
  * @param {Viewer} viewer
  */
 export function connectLevel(viewer) {
@@ -69,11 +72,11 @@ function describeLevel({ figures: { points } }, chunks) {
   const point = points[chunks - 1];
   const text = point ? `chunk ${chunks} of ${points.length}: ${countText(point.triangles)} triangles, error ${errorText(point.error)}` : '';
   setText(levelText, text);
-  level.setAttribute('aria-valuetext', text || 'nothing has arrived');
+  level.setAttribute('aria-valuetext', text || 'nothing received');
 }
 
 /**
- * Shows the figures of the model.
+ * Updates the metrics of the model.
  * @param {Viewer} viewer
  */
 export function updatePanel(viewer) {
@@ -89,8 +92,8 @@ export function updatePanel(viewer) {
   shown.style.width = `${isStreamed || !isEnd ? percent(shownBytes) : 100}%`;
   const words = state === 'failed' ? 'ended early' : isEnd ? 'complete' : isPaused ? 'paused' : connection || 'loading';
   setText(loaded, totalBytes > 0 ? `${bytesText(isEnd ? totalBytes : receivedBytes)} of ${bytesText(totalBytes)}, ${words}` : words);
-  setText(play, isPaused ? 'Continue' : 'Pause');
-  // A button that is disabled would lose the focus.
+  setText(play, isPaused ? 'Resume' : 'Pause');
+  // A disabled button would lose the focus.
   play.setAttribute('aria-disabled', String(state !== 'loading'));
   for (const group of streamed) group.toggleAttribute('hidden', !isStreamed && state !== 'loading');
 
@@ -100,9 +103,9 @@ export function updatePanel(viewer) {
   setFact('Vertices', isShown ? countText(sums.vertices) : '');
   setFact('Strips', sums.strips > 0 ? countText(sums.strips) : '');
   setFact('Vertices sent', sums.sent > 0 ? countText(sums.sent) : '');
-  setFact('… per triangle', sums.sent > 0 ? (sums.sent / sums.triangles).toFixed(2) : '');
+  setFact('Vertices per triangle', sums.sent > 0 ? (sums.sent / sums.triangles).toFixed(2) : '');
   setFact('Error', isShown ? errorText(sums.error) : '');
-  setFact('Files missing', [...viewer.missing].map((name) => name.slice(0, 100)).join(', '));
+  setFact('Missing files', [...viewer.missing].map((name) => name.slice(0, 100)).join(', '));
   setFact('Worker', progress && isShown ? `decoding ${timeText(progress.decodeMilliseconds)}, strips ${timeText(progress.buildMilliseconds)}` : '');
 
   level.min = String(Math.min(baseChunks, Math.max(points.length, 1)));

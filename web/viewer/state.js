@@ -1,24 +1,25 @@
 /**
- * The model and the view in the address of the page: `#model=models/bunny.glb&view=0.5,0.25,0.3,0,0.1,0&mode=strips&animation=2`.
+ * The model and view in the address of the page:
+ * `#model=models/bunny.glb&view=0.5,0.25,0.3,0,0.1,0&mode=strips&animation=2`.
  * @module
  */
 import { MODES } from '../webgl/renderer.js';
 
 /** @import { Mode } from '../webgl/renderer.js' */
 
-/** The address while a file of this device is shown. */
+/** The hash of the address while a local file is shown. */
 export const FILE_HASH = '#file';
 
 /**
  * @typedef {object} PageState
- * @property {string | undefined} model its URL
- * @property {string | undefined} view as `Camera.parse` takes it
+ * @property {string | undefined} model URL of the model
+ * @property {string | undefined} view see `Camera.parse`
  * @property {Mode | undefined} mode
- * @property {number | undefined} [animation] the one that is played or chosen, from 1 on
+ * @property {number | undefined} [animation] the selected animation, counted from 1
  */
 
 /**
- * Whether a URL is a relative one of this site.
+ * Checks whether a URL is relative and belongs to this site.
  * @param {string} url
  */
 function isLocal(url) {
@@ -30,7 +31,7 @@ function isLocal(url) {
 }
 
 /**
- * Reads the part of the address behind `#`. What is not understood is left out.
+ * Parses the hash of an address. Invalid parts are ignored.
  * @param {string} hash
  * @returns {PageState}
  */

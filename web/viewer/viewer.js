@@ -1,5 +1,5 @@
 /**
- * Loads one model after another, and shows it.
+ * Loads and shows one model at a time.
  * @module
  */
 import { Client } from '../src/client/client.js';
@@ -18,12 +18,12 @@ import { Figures } from './figures.js';
 /** @typedef {'empty' | 'loading' | 'complete' | 'failed'} ViewerState */
 
 /**
- * What a viewer tells the page.
+ * Notifications to the page.
  * @typedef {object} ViewerListener
- * @property {() => void} change the state or the figures have changed
- * @property {() => void} error there is one, or it goes on
+ * @property {() => void} change the state or metrics have changed
+ * @property {() => void} error an error occurred, or loading resumed after one
  * @property {(state: ConnectionState) => void} connection
- * @property {() => void} animations those of the model are known
+ * @property {() => void} animations the animations of the model are known
  * @property {() => void} firstPicture
  * @property {() => void} complete
  * @property {(isLost: boolean) => void} context
@@ -34,24 +34,33 @@ import { Figures } from './figures.js';
 /** @type {Playing} */
 const STILL = { animation: 0, isPlaying: false };
 
-/** What a list of animations has room for. */
+/** The maximum number of listed animations. */
 const MAX_NAMES = 500;
 const MAX_LETTERS = 80;
 
 const MARKS = ['tristrip:click', 'tristrip:first-picture', 'tristrip:complete'];
 
-/** The viewer: a client, a renderer, and the model that is open. */
+/** The viewer: a client, a renderer and the open model. */
 export class Viewer {
   renderer;
   figures = new Figures();
   /** @type {ViewerState} */
   state = 'empty';
-  /** Why the model ended early. @type {ViewerError | undefined} */
+  /**
+   * Why loading ended early.
+   * @type {ViewerError | undefined}
+   */
   error;
   isPaused = false;
-  /** How the connection is. @type {ConnectionState} */
+  /**
+   * The state of the connection.
+   * @type {ConnectionState}
+   */
   connection = 'connecting';
-  /** The files that the model refers to and that are not there. @type {Set<string>} */
+  /**
+   * Files that the model refers to and that are missing.
+   * @type {Set<string>}
+   */
   missing = new Set();
   #client = new Client();
   #listener;
@@ -63,16 +72,16 @@ export class Viewer {
   #model;
   /** @type {ShownModel | undefined} */
   #shown;
-  /** What is played when the model has come. */
+  /** The animation to play when the model has arrived. */
   #wanted = STILL;
   #isDone = false;
   #hasPicture = false;
   #longest = 0;
 
   /**
-   * Throws an `Error` if the browser has no WebGL 2.
    * @param {HTMLCanvasElement} canvas
    * @param {ViewerListener} listener
+   * @throws {Error} if the browser does not support WebGL 2
    */
   constructor(canvas, listener) {
     this.#listener = listener;
@@ -97,7 +106,7 @@ export class Viewer {
     });
   }
 
-  /** The milliseconds of the longest call of ours on the main thread since the model was opened. */
+  /** The duration of the longest main-thread call since the model was opened, in milliseconds. */
   get longestTask() {
     return Math.max(this.#longest, this.renderer.longestTask);
   }
@@ -106,18 +115,24 @@ export class Viewer {
     return this.#shown?.animations.length ?? 0;
   }
 
-  /** The names of the animations of the model, of the first ones if there are very many. */
+  /** The names of the animations of the model, up to a maximum. */
   get animations() {
     return (this.#shown?.animations ?? []).slice(0, MAX_NAMES).map(({ name }, i) => name.slice(0, MAX_LETTERS) || `Animation ${i + 1}`);
   }
 
-  /** Whether an animation is played, and which one, from 0 on. @returns {Playing} */
+  /**
+   * The selected animation, counted from 0, and whether it plays.
+   * @returns {Playing}
+   */
   get playing() {
     const { animation, isPlaying } = this.renderer;
     return this.animationCount > 0 ? { animation, isPlaying } : this.#wanted;
   }
 
-  /** Plays an animation, as soon as the model has come. One that the model does not have is not played. */
+  /**
+   * Selects an animation, applied when the model has arrived. Ignored if the model does not have
+   * it.
+   */
   set playing(playing) {
     this.#wanted = playing;
     if (this.animationCount === 0) return;
@@ -126,13 +141,13 @@ export class Viewer {
     this.renderer.isPlaying = isKnown && playing.isPlaying;
   }
 
-  /** Whether there is something to look at. */
+  /** Whether anything can be drawn. */
   get hasPicture() {
     return this.#hasPicture;
   }
 
   /**
-   * Calls a handler, and keeps its time if it is the longest.
+   * Wraps a handler to measure its duration for `longestTask`.
    * @template {any[]} A
    * @template R
    * @param {(...values: A) => R} handle
@@ -154,10 +169,10 @@ export class Viewer {
   }
 
   /**
-   * Loads a model instead of the one before.
+   * Loads a model, and closes the previous one.
    * @param {Source} source
    * @param {FindFile} find finds images in other files
-   * @param {Playing} [playing] what is played
+   * @param {Playing} [playing] the animation to play
    */
   open(source, find, playing = STILL) {
     this.close();
@@ -214,12 +229,12 @@ export class Viewer {
     this.#listener.change();
   }
 
-  /** Loads the model from the start. */
+  /** Loads the model again from the start. */
   replay() {
     if (this.#source && this.#find) this.open(this.#source, this.#find, this.playing);
   }
 
-  /** Closes the model, and frees its memory. */
+  /** Closes the model and frees its memory. */
   close() {
     this.#model?.close();
     this.#model = this.#shown = undefined;
@@ -237,12 +252,12 @@ export class Viewer {
     const name = this.#source instanceof File ? this.#source.name : String(this.#source);
     const isEmpty = error.kind === 'not-glb' && this.figures.progress?.receivedBytes === 0;
     const isOther = error.kind === 'not-glb' && isDocument(name);
-    this.error = isOther ? { kind: 'not-glb', message: `A .gltf document refers to other files. “tristrip pack ${nameOfUri(name).split('/').pop()} -o model.glb” makes one GLB file of all.` } : isEmpty ? { kind: 'not-glb', message: 'The file is empty.' } : error;
+    this.error = isOther ? { kind: 'not-glb', message: `A .gltf document refers to other files. “tristrip pack ${nameOfUri(name).split('/').pop()} -o model.glb” combines them into one GLB file.` } : isEmpty ? { kind: 'not-glb', message: 'The file is empty.' } : error;
     this.#listener.error();
     this.#listener.change();
   }
 
-  /** Finds out whether all is shown. */
+  /** Checks whether everything is shown. */
   #checkEnd() {
     const { isStreamed, progress } = this.figures;
     if (this.state !== 'loading' || !this.#isDone || this.#shown?.isBusy) return;
@@ -254,7 +269,7 @@ export class Viewer {
     this.#listener.change();
   }
 
-  /** Tries again after the connection was lost. */
+  /** Resumes the download after the connection was lost. */
   retry() {
     this.state = 'loading';
     this.error = undefined;
@@ -263,7 +278,7 @@ export class Viewer {
     this.#listener.change();
   }
 
-  /** Pauses, or goes on. */
+  /** Pauses or resumes. */
   togglePause() {
     if (this.state !== 'loading') return;
     this.isPaused = !this.isPaused;
@@ -273,7 +288,7 @@ export class Viewer {
   }
 
   /**
-   * Shows what a number of chunks gives.
+   * Shows the model after a number of chunks.
    * @param {number} chunkCount Infinity for all
    */
   show(chunkCount) {

@@ -1,5 +1,5 @@
 /**
- * The binary chunk of a GLB while it arrives, and the accessors in it.
+ * The binary chunk of a GLB while it arrives, and its accessors.
  * @module
  */
 
@@ -9,15 +9,15 @@
 const ARRAYS = { 5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
 /** @type {Record<string, number>} */
 const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
-/** The most values of the accessors without buffer views, which hold zeros. */
+/** The maximum number of values in accessors without buffer views, which contain zeros. */
 const MAX_ZEROS = 2 ** 24;
 const FIRST_BYTES = 2 ** 16;
 
-/** What is 1 in normalized integers, by their size in bytes and whether they have a sign. */
+/** The value that represents 1 in normalized integers, by size in bytes and signedness. */
 const ONE = { signed: [0, 127, 32767], unsigned: [0, 255, 65535] };
 
 /**
- * Returns the number that stands for 1 in values.
+ * Returns the number that represents 1 in values.
  * @param {{ array: NumberArray, normalized: boolean }} values
  */
 export function unitOf({ array, normalized }) {
@@ -26,7 +26,7 @@ export function unitOf({ array, normalized }) {
   return ONE[isSigned ? 'signed' : 'unsigned'][array.BYTES_PER_ELEMENT] ?? 1;
 }
 
-/** Why a valid model is not drawn. */
+/** A valid model that the renderer does not support. */
 export class UnsupportedError extends Error {}
 
 /** Bytes that arrive in order. */
@@ -49,7 +49,7 @@ export class Binary {
     this.#length = Math.max(this.#length, end);
   }
 
-  /** The bytes that have arrived. */
+  /** The bytes received so far. */
   get bytes() {
     return this.#bytes.subarray(0, this.#length);
   }
@@ -67,20 +67,20 @@ export class Binary {
  * Returns the bytes of a buffer view.
  * @param {any} json
  * @param {number} index
- * @param {Uint8Array} bytes those of the binary chunk
+ * @param {Uint8Array} bytes of the binary chunk
  */
 export function viewBytes(json, index, bytes) {
   const { buffer, byteOffset = 0, byteLength, extensions } = json.bufferViews[index];
   const { uri } = json.buffers[buffer];
-  if (uri !== undefined) throw new UnsupportedError(`Its geometry is in another file${uri.startsWith('data:') ? '' : `, ${uri.slice(0, 100)}`}. Models of one GLB file are shown: “tristrip pack” makes one.`);
+  if (uri !== undefined) throw new UnsupportedError(`Its geometry is in another file${uri.startsWith('data:') ? '' : `, ${uri.slice(0, 100)}`}. The viewer needs a single GLB file, as written by “tristrip pack”.`);
   if (buffer !== 0) throw new Error('A buffer is not in the file.');
-  if (extensions) throw new UnsupportedError(`The model is compressed by ${Object.keys(extensions)[0]}.`);
+  if (extensions) throw new UnsupportedError(`The model is compressed with ${Object.keys(extensions)[0]}.`);
   if (!(byteOffset >= 0 && byteLength >= 0 && byteOffset + byteLength <= bytes.length)) throw new Error('A buffer view is not in the file.');
   return bytes.subarray(byteOffset, byteOffset + byteLength);
 }
 
 /**
- * Returns how many bytes of the binary chunk are needed for an accessor.
+ * Returns the number of leading bytes of the binary chunk that an accessor needs.
  * @param {any} json
  * @param {number | undefined} index
  */
@@ -99,11 +99,11 @@ export function viewEnd(json, index) {
 }
 
 /**
- * Returns the values of an accessor, one after another, in an array of their own.
+ * Returns the values of an accessor, tightly packed in a new array.
  * @param {any} json
  * @param {number} index
- * @param {Uint8Array} bytes those of the binary chunk
- * @param {number} [mostZeros] the most values without a buffer view
+ * @param {Uint8Array} bytes of the binary chunk
+ * @param {number} [mostZeros] the maximum number of values without a buffer view
  * @returns {Accessor}
  */
 export function readAccessor(json, index, bytes, mostZeros = MAX_ZEROS) {
@@ -111,7 +111,7 @@ export function readAccessor(json, index, bytes, mostZeros = MAX_ZEROS) {
   const { componentType, normalized = false, count, type, sparse } = accessor;
   const Type = ARRAYS[componentType];
   const components = COMPONENTS[type];
-  if (!Type || !components || !(count >= 0)) throw new Error(`Accessor ${index} is of no known type.`);
+  if (!Type || !components || !(count >= 0)) throw new Error(`Accessor ${index} has an unknown type.`);
   /** @type {NumberArray} */
   let array;
   if (accessor.bufferView !== undefined) array = readItems(json, accessor, Type, components, count, bytes);
@@ -128,7 +128,7 @@ export function readAccessor(json, index, bytes, mostZeros = MAX_ZEROS) {
   return { array, components, normalized, count };
 }
 
-/** The accessors of a document: each is read once, for all that use it. */
+/** The accessors of a document. Each is read once and shared. */
 export class Accessors {
   #json;
   /** @type {Map<number, Accessor>} */
@@ -141,9 +141,9 @@ export class Accessors {
   }
 
   /**
-   * Returns the values of an accessor, which are not to be changed.
+   * Returns the values of an accessor. Do not modify them.
    * @param {number} index
-   * @param {Uint8Array} bytes those of the binary chunk
+   * @param {Uint8Array} bytes of the binary chunk
    */
   read(index, bytes) {
     const known = this.#known.get(index);
@@ -154,7 +154,7 @@ export class Accessors {
     return accessor;
   }
 
-  /** Forgets the values, which are read again if they are asked for. */
+  /** Drops the values; they are read again on demand. */
   clear() {
     this.#known.clear();
   }

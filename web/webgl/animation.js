@@ -1,5 +1,5 @@
 /**
- * Animations of glTF: they move nodes, and the weights of their morph targets.
+ * glTF animations of nodes and of morph-target weights.
  * @module
  */
 
@@ -8,7 +8,10 @@
  * @import { NumberArray } from './geometry.js'
  */
 
-/** What tracks change. @type {['translation', 'rotation', 'scale', 'weights']} */
+/**
+ * The properties that tracks animate.
+ * @type {['translation', 'rotation', 'scale', 'weights']}
+ */
 export const PATHS = ['translation', 'rotation', 'scale', 'weights'];
 /** @typedef {typeof PATHS[number]} Path */
 
@@ -31,13 +34,13 @@ export class Animation {
     this.name = name;
   }
 
-  /** The seconds until it begins again. */
+  /** The duration in seconds; the animation then repeats. */
   get duration() {
     return this.tracks.reduce((most, { times }) => Math.max(most, times.at(-1) ?? 0), 0);
   }
 
   /**
-   * Moves the nodes to where they are at a time.
+   * Applies the animation to the nodes at a time.
    * @param {Scene} scene
    * @param {number} seconds
    */
@@ -52,7 +55,7 @@ export class Animation {
 }
 
 /**
- * Returns how many numbers a value of a track has.
+ * Returns the number of components of a value of a track.
  * @param {Track} track
  */
 function sizeOf({ path, interpolation, times, values }) {
@@ -64,7 +67,7 @@ function sizeOf({ path, interpolation, times, values }) {
  * Returns the value of a track at a time.
  * @param {Track} track
  * @param {number} time
- * @param {number} size how many numbers it is
+ * @param {number} size its number of components
  * @returns {number[]}
  */
 function sample({ path, interpolation, times, values }, time, size) {
@@ -77,7 +80,7 @@ function sample({ path, interpolation, times, values }, time, size) {
     if (times[middle] <= time) low = middle;
     else high = middle - 1;
   }
-  // A spline has a tangent, a value and a tangent per time.
+  // A cubic spline stores an in-tangent, a value and an out-tangent per key.
   const at = (/** @type {number} */ key, shift = isSpline ? size : 0) => Array.from({ length: size }, (_, j) => values[key * size * (isSpline ? 3 : 1) + shift + j] ?? 0);
   const a = at(low);
   if (low === last || time <= times[0] || interpolation === 'STEP') return a;
@@ -89,7 +92,7 @@ function sample({ path, interpolation, times, values }, time, size) {
     const [t2, t3] = [t * t, t * t * t];
     return finish(a.map((x, j) => (2 * t3 - 3 * t2 + 1) * x + length * (t3 - 2 * t2 + t) * p[j] + (3 * t2 - 2 * t3) * b[j] + length * (t3 - t2) * q[j]));
   }
-  // The shorter way around; keyframes are near enough for a straight line instead of an arc.
+  // Interpolates along the shorter path. Keyframes are close enough for linear interpolation.
   const sign = path === 'rotation' && a.reduce((sum, x, j) => sum + x * b[j], 0) < 0 ? -1 : 1;
   return finish(a.map((x, j) => x + t * (sign * b[j] - x)));
 }

@@ -1,19 +1,19 @@
 /**
- * How much of a frame uploads may take, so that the main thread is never blocked for long.
+ * Limits the uploads per frame, so that they never block the main thread for long.
  * @module
  */
 
 const MILLISECONDS = 4;
 const BYTES = 2 ** 21;
-/** The most bytes of one upload. */
+/** The maximum size of one upload, in bytes. */
 export const SLICE_BYTES = 2 ** 19;
 
-/** What is left of the budget of one frame. */
+/** The remaining budget of one frame. */
 export class Budget {
   #end = performance.now() + MILLISECONDS;
   #bytes = BYTES;
 
-  /** @param {number} bytes that are uploaded */
+  /** @param {number} bytes uploaded */
   spend(bytes) {
     this.#bytes -= bytes;
   }

@@ -1,5 +1,5 @@
 /**
- * A camera that looks at a point from a direction and a distance.
+ * A camera that orbits a target point.
  * @module
  */
 import { multiply, perspective, view } from './matrix.js';
@@ -12,36 +12,36 @@ import { multiply, perspective, view } from './matrix.js';
  * @property {Vector} max
  */
 
-/** The height of the view at distance 1: an angle of 40 degrees. */
+/** The height of the view at distance 1, for a field of view of 40 degrees. */
 const VIEW_HEIGHT = 2 * Math.tan((20 * Math.PI) / 180);
-/** Numbers of a view beyond this are none of a model: products of two of them are to be numbers for the GPU. */
+/** The maximum number in a view. Products of two such numbers must be finite on the GPU. */
 const MAX_NUMBER = 1e15;
 const MAX_PITCH = Math.PI / 2 - 0.001;
-/** The view that models are shown in first. */
+/** The initial direction of view. */
 const FIRST_YAW = 0.5;
 const FIRST_PITCH = 0.25;
 
 /** @type {(x: number, least: number, most: number) => number} */
 const clamp = (x, least, most) => Math.min(Math.max(x, least), most);
 
-/** The camera; its owner draws again after a change. */
+/** The camera. Its owner redraws after a change. */
 export class Camera {
-  /** The angle around the vertical axis, and above the horizon, in radians. */
+  /** The angles around the vertical axis and above the horizon, in radians. */
   yaw = FIRST_YAW;
   pitch = FIRST_PITCH;
   distance = 3;
   /** @type {Vector} */
   target = [0, 0, 0];
-  /** The width of the view by its height. */
+  /** The aspect ratio of the view, width by height. */
   aspect = 1;
-  /** The middle of what is looked at, and the radius around it. */
+  /** The centre and radius of the bounding sphere. */
   #middle = [0, 0, 0];
   #radius = 1;
-  /** Whether nobody has moved the camera: it follows what is looked at. */
+  /** Whether the camera has not been moved; it then follows the bounds. */
   isAutomatic = true;
 
   /**
-   * Sets what is looked at.
+   * Sets the bounds of what is viewed.
    * @param {Box} box
    */
   set bounds({ min, max }) {
@@ -50,13 +50,13 @@ export class Camera {
     if (this.isAutomatic) this.reset();
   }
 
-  /** @param {number} aspect the width of the view by its height */
+  /** @param {number} aspect width by height */
   resize(aspect) {
     this.aspect = aspect;
     if (this.isAutomatic) this.reset();
   }
 
-  /** Moves to where all of it is seen. */
+  /** Moves the camera so that everything is in view. */
   reset() {
     const least = Math.min(VIEW_HEIGHT, VIEW_HEIGHT * this.aspect) / 2;
     this.yaw = FIRST_YAW;
@@ -67,8 +67,8 @@ export class Camera {
   }
 
   /**
-   * Moves around the target.
-   * @param {number} right
+   * Orbits around the target.
+   * @param {number} right in radians
    * @param {number} up in radians
    */
   orbit(right, up) {
@@ -78,7 +78,7 @@ export class Camera {
   }
 
   /**
-   * Multiplies the distance.
+   * Scales the distance.
    * @param {number} factor
    */
   zoom(factor) {
@@ -88,8 +88,8 @@ export class Camera {
 
   /**
    * Moves the target.
-   * @param {number} right
-   * @param {number} up as fractions of the height of the view
+   * @param {number} right as a fraction of the view height
+   * @param {number} up as a fraction of the view height
    */
   pan(right, up) {
     this.isAutomatic = false;
@@ -99,7 +99,7 @@ export class Camera {
   }
 
   /**
-   * The directions right, up and back.
+   * The right, up and back directions.
    * @returns {Vector[]}
    */
   get axes() {
@@ -117,7 +117,7 @@ export class Camera {
   get viewProjection() {
     const { axes, eye } = this;
     const depth = this.#middle.reduce((sum, at, i) => sum + (eye[i] - at) * axes[2][i], 0);
-    // Models that are still coarse may grow a little; animations move them.
+    // Coarse models can grow a little, and animations move them.
     const reach = 2 * this.#radius;
     const far = Math.max(depth + reach, reach / 100);
     const near = Math.max(depth - reach, far / 5000);
@@ -131,7 +131,7 @@ export class Camera {
   }
 
   /**
-   * Takes a view from text; returns whether it was one.
+   * Parses a view. Returns whether the text is valid.
    * @param {string} text
    */
   parse(text) {

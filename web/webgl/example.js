@@ -1,5 +1,5 @@
 /**
- * How another page shows a model.
+ * An example page that shows a model without three.js.
  * @module
  */
 import { Client } from '../src/client/client.js';
@@ -10,7 +10,7 @@ const status = /** @type {HTMLElement} */ (document.querySelector('#status'));
 
 const renderer = new Renderer(canvas, {
   shown({ progress: { shownBytes, totalBytes } }) {
-    status.textContent = `${shownBytes} of ${totalBytes} bytes are shown.`;
+    status.textContent = `${shownBytes} of ${totalBytes} bytes shown`;
   },
   error: (error) => (status.textContent = error.message),
 });

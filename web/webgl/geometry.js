@@ -1,12 +1,13 @@
 /**
- * Vertex and index buffers of a mesh, which is patched while it is drawn.
+ * Vertex and index buffers of a mesh, patched while it is drawn.
  *
  * ```text
- * patch ─▶ arrays in memory ─ upload, in slices ─▶ buffers ─ all there ─▶ what is drawn
+ * patch ─▶ arrays in memory ─ upload, in slices ─▶ buffers ─ complete ─▶ draw
  * ```
  *
- * Vertices are replaced where they are: a vertex keeps its number, so that the indices drawn so far stay right. Indices are replaced in one frame if they are few;
- * otherwise a copy of the buffer is patched over several frames, and then drawn instead.
+ * Vertices are replaced in place. A vertex keeps its index, so the indices in use remain valid.
+ * Small index changes are uploaded in one frame. Larger ones are applied to a copy of the buffer
+ * over several frames, which then replaces it.
  * @module
  */
 import { SLICE_BYTES } from './budget.js';
@@ -22,11 +23,13 @@ import { Pulled } from './pulled.js';
 /** @typedef {Float32Array | Uint8Array | Int8Array | Uint16Array | Int16Array | Uint32Array | Int32Array} NumberArray */
 /** @typedef {Uint8Array | Uint16Array | Uint32Array} IndexArray */
 
-/** The attributes that shaders read, and where.
- * @type {Record<string, number>} */
+/**
+ * The attributes that shaders read, and their locations.
+ * @type {Record<string, number>}
+ */
 export const LOCATIONS = { POSITION: 0, NORMAL: 1, TEXCOORD_0: 2, TEXCOORD_1: 3, COLOR_0: 4, JOINTS_0: 5, WEIGHTS_0: 6 };
 
-/** Ranges that are less indices apart are uploaded as one. */
+/** Ranges with a smaller gap, in indices, are uploaded as one. */
 const NEAR = 512;
 const ELEMENT_ARRAY_BUFFER = 0x8893;
 const ARRAY_BUFFER = 0x8892;
@@ -40,7 +43,7 @@ const GL_TYPES = new Map(
 const glType = (/** @type {NumberArray} */ array) => GL_TYPES.get(array.constructor) ?? 0;
 
 /**
- * Returns a buffer of a size that begins as another one.
+ * Returns a buffer of a given size that starts with the contents of another one.
  * @param {WebGL2RenderingContext} gl
  * @param {number} target
  * @param {number} size
@@ -59,12 +62,12 @@ function copyOf(gl, target, size, old, oldSize) {
   return buffer;
 }
 
-/** An attribute of the vertices. */
+/** A vertex attribute. */
 export class VertexData {
   /** @type {WebGLBuffer | null} */
   buffer = null;
   #capacity = 0;
-  /** The values that are still to be uploaded. */
+  /** The range of values that still need to be uploaded. */
   #from = 0;
   #to;
 
@@ -81,7 +84,7 @@ export class VertexData {
   }
 
   /**
-   * @param {number} start the first value that changes
+   * @param {number} start the first changed value
    * @param {NumberArray} values
    */
   patch(start, values) {
@@ -98,7 +101,7 @@ export class VertexData {
   }
 
   /**
-   * Uploads what the budget allows. Returns whether nothing is left.
+   * Uploads what the budget allows. Returns whether everything is uploaded.
    * @param {WebGL2RenderingContext} gl
    * @param {Budget} budget
    */
@@ -125,7 +128,7 @@ export class VertexData {
     return true;
   }
 
-  /** Forgets the buffer of a context that is lost. */
+  /** Drops the buffer after a context loss. */
   forget() {
     this.buffer = null;
     this.#capacity = 0;
@@ -137,26 +140,34 @@ export class VertexData {
 /** The indices of a part. */
 export class IndexData {
   length = 0;
-  /** What is drawn: the buffer, its indices and their type. */
-  /** @type {WebGLBuffer | null} */
+  /**
+   * The buffer in use; its index count and type follow.
+   * @type {WebGLBuffer | null}
+   */
   buffer = null;
   shownLength = 0;
   shownType = 0;
   #capacity = 0;
-  /** The bytes that a new buffer is to have. */
+  /** The size of a new buffer, in bytes. */
   #room = 0;
   #nextCapacity = 0;
-  /** The buffer that is drawn when it is complete. */
-  /** @type {WebGLBuffer | null} */
+  /**
+   * The buffer that will be drawn once it is complete.
+   * @type {WebGLBuffer | null}
+   */
   #next = null;
   #isPrepared = false;
-  /** The ranges that are still to be uploaded: first indices and ends. */
-  /** @type {number[][]} */
+  /**
+   * The ranges that still need to be uploaded, as start and end indices.
+   * @type {number[][]}
+   */
   #ranges = [];
 
-  /** @param {IndexArray | null} array `null` where vertices are drawn in their order
+  /**
+   * @param {IndexArray | null} array `null` to draw vertices in order
    * @param {number} length
-   * @param {number} mode as `drawElements` takes it */
+   * @param {number} mode see `drawElements`
+   */
   constructor(array, length, mode) {
     this.array = array;
     this.length = length;
@@ -184,7 +195,7 @@ export class IndexData {
     this.length = length;
   }
 
-  /** Sorts the ranges, and joins those that are near. */
+  /** Sorts the ranges, and merges those with small gaps. */
   #join() {
     /** @type {number[][]} */
     const joined = [];
@@ -197,7 +208,7 @@ export class IndexData {
   }
 
   /**
-   * Uploads what the budget allows and what is not drawn yet. Returns whether `show` may follow.
+   * Uploads what the budget allows and what is not in use. Returns whether `show` can be called.
    * @param {WebGL2RenderingContext} gl
    * @param {Budget} budget
    */
@@ -239,7 +250,7 @@ export class IndexData {
   }
 
   /**
-   * Draws the new indices from now on.
+   * Starts drawing the new indices.
    * @param {WebGL2RenderingContext} gl
    */
   show(gl) {
@@ -264,7 +275,7 @@ export class IndexData {
     gl.deleteBuffer(this.#next);
   }
 
-  /** Forgets the buffers of a context that is lost. */
+  /** Drops the buffers after a context loss. */
   forget() {
     this.buffer = this.#next = null;
     this.#capacity = this.shownLength = this.shownType = 0;
@@ -273,7 +284,7 @@ export class IndexData {
   }
 }
 
-/** A mesh: attributes of its vertices, and the indices of its parts. */
+/** A mesh: vertex attributes and the indices of its parts. */
 export class Geometry {
   /** @type {Map<string, VertexData>} */
   attributes = new Map();
@@ -283,16 +294,17 @@ export class Geometry {
   morphs;
   /** @type {Pulled | undefined} */
   pulled;
-  /** Whether no update is expected. */
+  /** Whether no more updates are expected. */
   isFull = true;
   /** @type {Map<number, WebGLVertexArrayObject>} */
   #layouts = new Map();
   #isChanged = true;
-  /** Whether it has been uploaded: parts that are shared may be so before. */
+  /** Whether it has been uploaded. Shared arrays may be uploaded earlier. */
   #isUploaded = false;
 
   /**
-   * Takes the arrays of a part. They are uploaded even if the context was restored before they arrived.
+   * Sets the arrays of a part. They are uploaded even if the context was restored before they
+   * arrived.
    * @param {Map<string, VertexData>} attributes
    * @param {number} number
    * @param {IndexData} indices
@@ -306,7 +318,7 @@ export class Geometry {
   }
 
   /**
-   * Takes an update of the client.
+   * Applies an update of the client.
    * @param {MeshUpdate} update
    */
   patch({ firstVertex, positions, attributes, parts, level, fullLevel }) {
@@ -331,7 +343,7 @@ export class Geometry {
   }
 
   /**
-   * Uploads what the budget allows. Returns whether all of it is drawn from now on.
+   * Uploads what the budget allows. Returns whether the new state is drawn from now on.
    * @param {WebGL2RenderingContext} gl
    * @param {Budget} budget
    */
@@ -350,7 +362,7 @@ export class Geometry {
   }
 
   /**
-   * Deletes the vertex array objects: buffers may be others now.
+   * Deletes the vertex array objects, because buffers may have been replaced.
    * @param {WebGL2RenderingContext} gl
    */
   #dropLayouts(gl) {
@@ -360,7 +372,7 @@ export class Geometry {
   }
 
   /**
-   * Returns whether there is something to draw of a part.
+   * Returns whether a part has anything to draw.
    * @param {number} number
    */
   isShown(number) {
@@ -368,7 +380,7 @@ export class Geometry {
   }
 
   /**
-   * Draws a part with the program in use.
+   * Draws a part with the current program.
    * @param {WebGL2RenderingContext} gl
    * @param {number} number
    */
@@ -392,14 +404,14 @@ export class Geometry {
   }
 
   /**
-   * Begins to keep textures of the vertices and indices, for modes that need the triangles one by one.
+   * Creates textures of vertices and indices, for modes that need the corners of each triangle.
    * @param {PulledTextures} textures of the model
    */
   pull(textures) {
     this.pulled ??= new Pulled(this, textures);
   }
 
-  /** Forgets these textures. */
+  /** Drops these textures. */
   unpull() {
     this.pulled = undefined;
   }
@@ -412,7 +424,7 @@ export class Geometry {
     for (const part of this.parts.values()) part.release(gl);
   }
 
-  /** Forgets the objects of a context that is lost; `upload` makes them again. */
+  /** Drops the objects of a lost context; `upload` creates them again. */
   forget() {
     this.#layouts.clear();
     this.morphs?.forget();

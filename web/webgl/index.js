@@ -1,5 +1,5 @@
 /**
- * Draws progressive models with WebGL 2.
+ * WebGL 2 renderer for progressive models.
  * @module
  */
 export { UnsupportedError } from './accessors.js';

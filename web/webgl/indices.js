@@ -1,5 +1,5 @@
 /**
- * Indices as WebGL 2 draws them: in strips and fans, the largest number starts again.
+ * Indices as in WebGL 2: in strips and fans, the maximum value restarts the primitive.
  * @module
  */
 
@@ -12,7 +12,7 @@ const FAN = 6;
 export const restartOf = (array) => 2 ** (8 * array.BYTES_PER_ELEMENT) - 1;
 
 /**
- * Returns how many triangles are drawn. Degenerate ones, which join strips, do not count.
+ * Returns the number of triangles drawn, without degenerate triangles that join strips.
  * @param {Pick<IndexData, 'array' | 'length' | 'mode'>} indices
  */
 export function countTriangles({ array, length, mode }) {

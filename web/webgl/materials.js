@@ -1,5 +1,5 @@
 /**
- * Materials of glTF as numbers for the shader.
+ * glTF materials as values for the shader.
  * @module
  */
 
@@ -11,18 +11,18 @@
  * @property {number} cutoff
  * @property {boolean} isDoubleSided
  * @property {boolean} isUnlit
- * @property {number[]} factors metallic, roughness, the scale of normals, the strength of occlusion
+ * @property {number[]} factors metallic, roughness, normal scale, occlusion strength
  * @property {(number | undefined)[]} textures in the order of `TEXTURES`
- * @property {number[]} uvSets the sets of texture coordinates of the textures
- * @property {number[]} uvMatrices 3 × 3 numbers for each texture, applied to the coordinates
+ * @property {number[]} uvSets the texture coordinate set of each texture
+ * @property {number[]} uvMatrices the 3 × 3 texture coordinate transform of each texture
  */
 
-/** The textures of a material, as shaders name them. Colours are stored as sRGB. */
+/** The textures of a material by sampler name. Colours are stored as sRGB. */
 export const TEXTURES = ['baseTexture', 'metalTexture', 'normalTexture', 'occlusionTexture', 'emissiveTexture'];
 export const COLOR_TEXTURES = [true, false, false, false, true];
 
 /**
- * Returns the set of texture coordinates of a texture, and the matrix that is applied to them.
+ * Returns the texture coordinate set and transform of a texture.
  * @param {any} info
  * @returns {{ set: number, matrix: number[] }}
  */
@@ -33,7 +33,8 @@ function readCoordinates(info) {
 }
 
 /**
- * Returns a material. One that says nothing of its surface is a matt plastic, not the metal that glTF takes it for.
+ * Returns a material. A missing material becomes matt plastic, instead of the metal that is glTF's
+ * default.
  * @param {any} [material]
  * @returns {Material}
  */

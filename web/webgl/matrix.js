@@ -1,5 +1,5 @@
 /**
- * Matrices of 4 × 4 numbers in column order, as WebGL takes them, and vectors of three.
+ * 4 × 4 matrices in column-major order, as in WebGL, and 3-component vectors.
  * @module
  */
 
@@ -10,7 +10,7 @@
 export const identity = () => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
 /**
- * Returns the matrix that applies `b`, then `a`.
+ * Returns the product a b, which applies `b` first.
  * @param {Matrix} a
  * @param {Matrix} b
  * @returns {Matrix}
@@ -27,7 +27,7 @@ export function multiply(a, b) {
 }
 
 /**
- * Returns the matrix that scales, then rotates, then moves.
+ * Returns the matrix that scales, then rotates, then translates.
  * @param {number[]} t
  * @param {number[]} q a quaternion, x, y, z, w
  * @param {number[]} s
@@ -43,7 +43,7 @@ export function compose(t, [x, y, z, w], s) {
 }
 
 /**
- * Returns the point that a matrix moves a point to.
+ * Returns a transformed point.
  * @param {Matrix} m
  * @param {ArrayLike<number>} p
  * @returns {Vector}
@@ -53,7 +53,7 @@ export function transformPoint(m, p) {
 }
 
 /**
- * Returns the box around a box that a matrix moves.
+ * Returns the axis-aligned box around a transformed box.
  * @param {Matrix} m
  * @param {{ min: Vector, max: Vector }} box
  */
@@ -72,7 +72,8 @@ export function transformBox(m, { min, max }) {
 }
 
 /**
- * Returns the cofactors of the upper 3 × 3 numbers: the matrix of normals, up to a factor, and mirrored where the matrix mirrors.
+ * Returns the cofactors of the upper-left 3 × 3 matrix. They transform normals, up to a scale, and
+ * mirror them if the matrix mirrors.
  * @param {Matrix} m
  */
 export function cofactors(m) {
@@ -84,7 +85,7 @@ export function cofactors(m) {
 }
 
 /**
- * Returns the determinant of the upper 3 × 3 numbers: negative where a matrix mirrors.
+ * Returns the determinant of the upper-left 3 × 3 matrix; it is negative if the matrix mirrors.
  * @param {Matrix} m
  */
 export function determinant(m) {
@@ -94,8 +95,8 @@ export function determinant(m) {
 
 /**
  * Returns a perspective projection.
- * @param {number} height that of the view at distance 1
- * @param {number} aspect its width by its height
+ * @param {number} height of the view at distance 1
+ * @param {number} aspect width by height
  * @param {number} near
  * @param {number} far
  * @returns {Matrix}
@@ -107,7 +108,7 @@ export function perspective(height, aspect, near, far) {
 }
 
 /**
- * Returns the matrix of a camera with the axes `right`, `up` and `back`.
+ * Returns the view matrix of a camera with the axes `right`, `up` and `back`.
  * @param {Vector[]} axes
  * @param {Vector} eye
  * @returns {Matrix}

@@ -1,5 +1,5 @@
 /**
- * A model as it is drawn: takes the events of the client, and turns them into geometry, textures and nodes.
+ * A model on the GPU: converts the events of the client to geometry, textures and nodes.
  * @module
  */
 import { EXTENSION } from '../src/container.js';
@@ -21,59 +21,70 @@ import { Textures } from './textures.js';
  * @import { Material } from './materials.js'
  */
 
-/** The most instances of all nodes together. */
+/** The maximum number of instances of all nodes. */
 const MAX_INSTANCES = 10000;
-/** The most texels of the morph targets of all primitives together: 16 bytes each. Targets beyond are left out. */
+/**
+ * The maximum number of morph-target texels of all primitives, 16 bytes each. Targets beyond it are
+ * dropped.
+ */
 const MAX_MORPH_TEXELS = 2 ** 23;
 const REQUIRED = new Set([EXTENSION, 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_mesh_quantization', 'KHR_materials_emissive_strength', 'EXT_mesh_gpu_instancing', 'EXT_texture_webp']);
 
 /**
  * @typedef {object} Primitive
- * @property {Geometry} own that of its accessors: the base mesh, if there is a stream
+ * @property {Geometry} own the geometry of its accessors; the base mesh if there is a stream
  * @property {number | undefined} stream
  * @property {number} part
  * @property {Material} material
  */
 
 /**
- * What a model tells its owner.
+ * Notifications to the owner of a model.
  * @typedef {object} ModelListener
- * @property {() => void} change something is to be uploaded
- * @property {() => void} draw the picture is another one
+ * @property {() => void} change data are ready to upload
+ * @property {() => void} draw the image has changed
  * @property {(bounds: Box) => void} bounds
  * @property {(error: Error) => void} error
  * @property {(update: Update) => void} shown an update is uploaded
  * @property {(uri: string) => Promise<Blob>} find finds an image in another file
  */
 
-/** A model that is shown. */
+/** A model that is displayed. */
 export class ShownModel {
   #gl;
   #listener;
   /** @type {any} */
   #json;
   #binary = new Binary();
-  /** The bytes that the binary chunk will have. */
+  /** The total size of the binary chunk in bytes. */
   #binaryBytes = 0;
   #accessors = new Accessors(undefined);
-  /** Attributes and indices by what is in them: primitives share them.
-   * @type {Map<number, VertexData>} */
+  /**
+   * Attributes and indices by their content; primitives share them.
+   * @type {Map<number, VertexData>}
+   */
   #vertices = new Map();
   /** @type {Map<string, IndexData>} */
   #indices = new Map();
   #instancesLeft = MAX_INSTANCES;
   #morphTexelsLeft = MAX_MORPH_TEXELS;
   #areBoundsOld = false;
-  /** What is made of the binary chunk, and how many bytes that needs.
-   * @type {{ end: number, run: (bytes: Uint8Array) => void }[]} */
+  /**
+   * Work that needs the binary chunk, and the number of bytes it needs.
+   * @type {{ end: number, run: (bytes: Uint8Array) => void }[]}
+   */
   #tasks = [];
-  /** Updates that wait, and the one that is uploaded; each with what the client waits for.
-   * @type {{ update: Update, resolve: () => void }[]} */
+  /**
+   * Queued updates, and the one being uploaded, each with the promise of the client.
+   * @type {{ update: Update, resolve: () => void }[]}
+   */
   #updates = [];
   /** @type {{ update: Update, resolve: () => void } | undefined} */
   #current;
-  /** Meshes that are to be uploaded.
-   * @type {Set<Geometry>} */
+  /**
+   * Meshes with pending uploads.
+   * @type {Set<Geometry>}
+   */
   #changed = new Set();
   /** @type {Map<number, Geometry>} */
   #streams = new Map();
@@ -99,8 +110,10 @@ export class ShownModel {
     this.#listener = listener;
   }
 
-  /** The events for `Client.load`.
-   * @returns {Required<Pick<ModelEvents, 'document' | 'binary' | 'update'>>} */
+  /**
+   * The events to pass to `Client.load`.
+   * @returns {Required<Pick<ModelEvents, 'document' | 'binary' | 'update'>>}
+   */
   get events() {
     return {
       document: (json, binaryBytes) => this.#guard(() => this.#open(json, binaryBytes)),
@@ -108,7 +121,7 @@ export class ShownModel {
         if (this.#tasks.length > 0) this.#binary.add(bytes, start);
         this.#listener.change();
       },
-      // The next one comes when this one is shown.
+      // The next update comes after this one is shown.
       update: (update) =>
         new Promise((/** @type {(value?: undefined) => void} */ resolve) => {
           this.#updates.push({ update, resolve });
@@ -117,20 +130,20 @@ export class ShownModel {
     };
   }
 
-  /** Whether something is still to be uploaded. */
+  /** Whether uploads are pending. */
   get isBusy() {
     const { length } = this.#binary.bytes;
     return this.#changed.size > 0 || this.#updates.length > 0 || this.#tasks.some(({ end }) => end <= length);
   }
 
-  /** @param {() => void} act what may fail for a damaged document */
+  /** @param {() => void} act a function that can fail on a damaged document */
   #guard(act) {
     try {
       if (!this.#isClosed) act();
     } catch (error) {
-      // The exceptions of the language tell nobody what is wrong.
+      // Replace engine exceptions (TypeError, RangeError), whose messages don't help users.
       const isOurs = error instanceof Error && !(error instanceof TypeError || error instanceof RangeError);
-      this.#listener.error(isOurs ? error : new Error('The document is not one of glTF.', { cause: error }));
+      this.#listener.error(isOurs ? error : new Error('The document is not valid glTF.', { cause: error }));
     }
   }
 
@@ -140,7 +153,7 @@ export class ShownModel {
    */
   #open(json, binaryBytes) {
     const missing = (json.extensionsRequired ?? []).find((/** @type {string} */ name) => !REQUIRED.has(name));
-    if (missing) throw new UnsupportedError(`The model needs ${missing}.`);
+    if (missing) throw new UnsupportedError(`The model requires ${missing}.`);
     this.#json = json;
     this.#binaryBytes = binaryBytes;
     this.#accessors = new Accessors(json);
@@ -171,8 +184,9 @@ export class ShownModel {
   }
 
   /**
-   * Does something when enough of the binary chunk has arrived; at once if that will never be, so that it fails.
-   * @param {number} end the bytes of it that are needed
+   * Runs a task when enough of the binary chunk has arrived. If the chunk is too short, the task
+   * runs at once and fails.
+   * @param {number} end the number of bytes needed
    * @param {(bytes: Uint8Array) => void} run
    */
   #later(end, run) {
@@ -225,7 +239,7 @@ export class ShownModel {
   }
 
   /**
-   * Returns the morph targets of a primitive, as many as there is room for; `undefined` if there are none.
+   * Returns the morph targets of a primitive, up to the limit, or `undefined` if there are none.
    * @param {Record<string, number>[]} targets
    * @param {number} vertexCount
    * @param {Uint8Array} bytes
@@ -293,7 +307,7 @@ export class ShownModel {
   }
 
   /**
-   * Goes on with what has arrived, as the budget allows. Returns whether the picture is another one.
+   * Processes the received data within the budget. Returns whether the image has changed.
    * @param {Budget} budget
    */
   step(budget) {
@@ -303,7 +317,7 @@ export class ShownModel {
   }
 
   /**
-   * Does what the bytes that have arrived allow. Returns whether that is something.
+   * Runs the tasks whose bytes have arrived. Returns whether any task ran.
    * @param {Budget} budget
    */
   #runTasks(budget) {
@@ -322,7 +336,7 @@ export class ShownModel {
     return hasRun;
   }
 
-  /** Forgets what only tasks need. */
+  /** Drops data that only tasks need. */
   #forgetBinary() {
     this.#binary = new Binary();
     this.#accessors.clear();
@@ -337,12 +351,12 @@ export class ShownModel {
   }
 
   /**
-   * Uploads what the budget allows. Returns whether the picture is another one.
+   * Uploads what the budget allows. Returns whether the image has changed.
    * @param {Budget} budget
    */
   #upload(budget) {
     let isNew = false;
-    // An update is taken when the one before is drawn: what is uploaded always belongs together.
+    // An update starts after the previous one is drawn, so everything uploaded is consistent.
     for (;;) {
       for (const geometry of this.#changed) {
         if (!geometry.upload(this.#gl, budget)) return isNew;
@@ -363,8 +377,9 @@ export class ShownModel {
   }
 
   /**
-   * What is to be drawn: each primitive, with its mesh so far.
-   * @returns {{ node: import('./scene.js').Node, geometry: Geometry, part: number, material: Material }[]}
+   * The items to draw: each primitive with its current mesh.
+   * @returns {{ node: import('./scene.js').Node, geometry: Geometry, part: number, material:
+   *   Material }[]}
    */
   get items() {
     const items = [];
@@ -380,7 +395,7 @@ export class ShownModel {
   }
 
   /**
-   * Keeps textures of a mesh from now on.
+   * Starts maintaining textures of a mesh.
    * @param {Geometry} geometry
    */
   pull(geometry) {
@@ -389,14 +404,14 @@ export class ShownModel {
     this.#changed.add(geometry);
   }
 
-  /** Keeps textures of no mesh. */
+  /** Stops maintaining textures of meshes. */
   unpull() {
     for (const geometry of this.#geometries) geometry.unpull();
     this.#pulled.release(this.#gl);
   }
 
   /**
-   * Returns the texture of the joints of a skin.
+   * Returns the joint texture of a skin.
    * @param {number | undefined} skin
    */
   joints(skin) {
@@ -416,8 +431,8 @@ export class ShownModel {
   }
 
   /**
-   * Moves the nodes to where an animation has them; to where they are without one, if there is no such animation.
-   * @param {number} number that of the animation
+   * Applies an animation to the nodes, or resets them if the animation does not exist.
+   * @param {number} number the index of the animation
    * @param {number} seconds
    */
   animate(number, seconds) {
@@ -438,19 +453,19 @@ export class ShownModel {
     return [...this.#streams.values(), ...this.#meshes.flat().map(({ own }) => own)];
   }
 
-  /** The triangles of the meshes that no stream refines. Takes time in proportion to their indices. */
+  /** The triangles of meshes without a stream. Takes time proportional to their indices. */
   get wholeTriangles() {
     const whole = this.#meshes.flat().filter(({ stream }) => stream === undefined);
     return whole.reduce((sum, { own }) => sum + [...own.parts.values()].reduce((ofParts, part) => ofParts + countTriangles(part), 0), 0);
   }
 
-  /** Deletes all objects of the context. No listener is called after it. */
+  /** Deletes all GPU objects. No listener is called afterwards. */
   close() {
     this.#isClosed = true;
     this.#dropJoints();
     this.textures?.release();
     this.unpull();
-    // To delete a shared buffer once more does nothing.
+    // Deleting a shared buffer twice has no effect.
     for (const geometry of this.#geometries) geometry.release(this.#gl);
     this.#changed.clear();
     this.#updates = [];
@@ -460,7 +475,7 @@ export class ShownModel {
     this.#forgetBinary();
   }
 
-  /** Makes all objects again after the context was lost. */
+  /** Creates all objects again after a context loss. */
   restore() {
     this.#joints.clear();
     this.textures?.forget();

@@ -1,11 +1,15 @@
 /**
- * The morph targets of a primitive, as a texture from which a vertex shader fetches what to add to each vertex.
+ * The morph targets of a primitive, as a texture from which the vertex shader fetches the offsets
+ * of each vertex.
  *
  * ```text
- * target 0: what is added to the positions, to the normals │ target 1: positions, normals │ …        one texel per vertex and attribute
+ * target 0: offsets of positions, of normals │ target 1: positions, normals │ …
  * ```
  *
- * Weights belong to nodes: a frame of an animation sends a few numbers, and no vertices. Targets of weight 0 cost nothing.
+ * Each vertex and attribute takes one texel.
+ *
+ * Weights belong to nodes. A frame of an animation uploads only the weights, no vertices. Targets
+ * of weight 0 cost nothing.
  * @module
  */
 import { unitOf } from './accessors.js';
@@ -17,12 +21,15 @@ import { floats, RowTexture } from './row_texture.js';
  * @import { Program } from './programs.js'
  */
 
-/** The attributes that targets change, in the order of the shader's `slots`. */
+/** The attributes that targets can change, in the order of the shader's `slots`. */
 export const MORPHED = ['POSITION', 'NORMAL', 'TEXCOORD_0', 'COLOR_0'];
-/** The most targets that are added at once: those of the largest weights. The shader has the same number. */
+/**
+ * The maximum number of targets applied at once; the largest weights win. The shader has the same
+ * constant.
+ */
 export const MAX_ADDED = 64;
 
-/** The targets of a primitive. */
+/** The morph targets of a primitive. */
 export class Morphs {
   #texture = new RowTexture('RGBA32F');
   #targets;
@@ -32,7 +39,7 @@ export class Morphs {
   #isUploaded = false;
 
   /**
-   * @param {Map<string, Accessor>[]} targets what each adds, by the names of attributes
+   * @param {Map<string, Accessor>[]} targets the offsets of each target by attribute name
    * @param {number} vertexCount
    */
   constructor(targets, vertexCount) {
@@ -42,7 +49,7 @@ export class Morphs {
   }
 
   /**
-   * Uploads what the budget allows. Returns whether nothing is left.
+   * Uploads what the budget allows. Returns whether everything is uploaded.
    * @param {WebGL2RenderingContext} gl
    * @param {Budget} budget
    */
@@ -75,7 +82,7 @@ export class Morphs {
   }
 
   /**
-   * Gives a program the targets and their weights.
+   * Sets the targets and weights of a program.
    * @param {WebGL2RenderingContext} gl
    * @param {Program} program in use
    * @param {number[]} weights
@@ -95,7 +102,7 @@ export class Morphs {
     this.#texture.release(gl);
   }
 
-  /** Forgets the texture of a context that is lost. */
+  /** Drops the texture after a context loss. */
   forget() {
     this.#texture.forget();
     this.#isUploaded = false;
@@ -103,7 +110,7 @@ export class Morphs {
 }
 
 /**
- * Returns the numbers of the targets that are added, and their weights.
+ * Returns the indices and weights of the targets to apply.
  * @param {number[]} weights
  * @returns {[number, number][]}
  */

@@ -1,5 +1,5 @@
 /**
- * Moves a camera by mouse, touch and wheel on a canvas, and by the keys when it has the focus.
+ * Camera control by mouse, touch, wheel and keyboard.
  * @module
  */
 
@@ -9,8 +9,10 @@ const KEY_ANGLE = Math.PI / 24;
 const KEY_PAN = 0.05;
 const KEY_ZOOM = 1.15;
 
-/** What keys do. With shift, arrows pan.
- * @type {Record<string, (camera: Camera) => void>} */
+/**
+ * The actions of keys. With Shift, arrows pan.
+ * @type {Record<string, (camera: Camera) => void>}
+ */
 const KEYS = {
   ArrowLeft: (camera) => camera.orbit(-KEY_ANGLE, 0),
   ArrowRight: (camera) => camera.orbit(KEY_ANGLE, 0),
@@ -30,7 +32,7 @@ const KEYS = {
 const SHIFTED = { ArrowLeft: 'a', ArrowRight: 'd', ArrowUp: 'w', ArrowDown: 's' };
 
 /**
- * Moves the camera by a key; returns whether the key is one of it.
+ * Moves the camera by a key. Returns whether the key has an action.
  * @param {Camera} camera
  * @param {KeyboardEvent} event
  */
@@ -43,16 +45,17 @@ export function moveByKey(camera, event) {
 }
 
 /**
- * Connects a camera to the pointers on a canvas: one orbits, two zoom and pan; the right button, the middle one and shift pan.
+ * Connects a camera to the pointers on a canvas. One pointer orbits; two zoom and pan; the right or
+ * middle button, or Shift, pans.
  * @param {HTMLCanvasElement} canvas
  * @param {Camera} camera
  * @param {() => void} onchange called after each change
- * @param {AbortSignal} [signal] ends the connection
+ * @param {AbortSignal} [signal] disconnects the camera
  */
 export function orbitByPointer(canvas, camera, onchange, signal) {
   /** @type {Map<number, { x: number, y: number }>} */
   const pointers = new Map();
-  /** The middle of the pointers, and how far they are apart. */
+  /** The centre of the pointers and their distance. */
   const grip = () => {
     const all = [...pointers.values()];
     const [a, b = a] = all;
@@ -86,7 +89,8 @@ export function orbitByPointer(canvas, camera, onchange, signal) {
     'wheel',
     (event) => {
       event.preventDefault();
-      // Lines and pages of a wheel are as many pixels; a pinch on a touchpad is a wheel with ctrl and small steps.
+      // Wheel deltas in lines or pages are scaled. A touchpad pinch is a wheel event with Ctrl and
+      // small deltas.
       const pixels = event.deltaY * (event.deltaMode === 0 ? 1 : 30) * (event.ctrlKey ? 5 : 1);
       camera.zoom(Math.exp(Math.max(-200, Math.min(200, pixels)) / 500));
       onchange();

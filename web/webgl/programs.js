@@ -1,5 +1,5 @@
 /**
- * Shader programs, which are compiled beside the main thread where the browser can.
+ * Shader programs, compiled asynchronously if the browser supports it.
  * @module
  */
 import { TEXTURES } from './materials.js';
@@ -11,14 +11,14 @@ import { FRAGMENT, shaderSource, VERTEX } from './shaders.js';
  * @property {(name: string) => WebGLUniformLocation | null} at the location of a uniform
  */
 
-/** The samplers, in the order of their texture units. */
+/** The samplers in the order of their texture units. */
 const SAMPLERS = [...TEXTURES, 'joints', 'indices', 'positions', 'jointNumbers', 'jointWeights', 'deltas'];
 export const UNITS = new Map(SAMPLERS.map((name, unit) => [name, unit]));
 
-/** Those that most models need. Others are compiled when they are needed. */
+/** The variants that most models need. Others are compiled on demand. */
 const VARIANTS = ['', 'NORMALS', 'NORMALS SKIN', 'SKIN', 'PULL', 'PULL SKIN'];
 
-/** All variants of the program. */
+/** All program variants. */
 export class Programs {
   #gl;
   #parallel;
@@ -32,13 +32,13 @@ export class Programs {
   }
 
   /**
-   * Returns a variant, or `undefined` while it is compiled.
+   * Returns a variant, or `undefined` while it is being compiled.
    * @param {string} name
    * @returns {Program | undefined}
    */
   get(name) {
     const known = this.#programs.get(name) ?? this.#compile(name);
-    // It has just begun, and asking would wait for it.
+    // Compilation has just started; a query would block.
     if (known.isNew && this.#parallel) {
       known.isNew = false;
       return undefined;
@@ -49,7 +49,7 @@ export class Programs {
     if (this.#parallel && !gl.isContextLost() && !gl.getProgramParameter(program, this.#parallel.COMPLETION_STATUS_KHR)) return undefined;
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
       if (gl.isContextLost()) return undefined;
-      throw new Error(`The shader ${name} is refused: ${shaders.map((shader) => gl.getShaderInfoLog(shader)).join('')}${gl.getProgramInfoLog(program)}`);
+      throw new Error(`The shader ${name} does not compile: ${shaders.map((shader) => gl.getShaderInfoLog(shader)).join('')}${gl.getProgramInfoLog(program)}`);
     }
     for (const shader of shaders) gl.deleteShader(shader);
     /** @type {Map<string, WebGLUniformLocation | null>} */
@@ -64,7 +64,10 @@ export class Programs {
     return (known.ready = { program, at });
   }
 
-  /** Goes on to prepare the usual variants, one at a time where that blocks. Returns whether all can be used. */
+  /**
+   * Continues to prepare the common variants, one at a time if compilation blocks. Returns whether
+   * all are ready.
+   */
   prepare() {
     if (this.#gl.isContextLost()) return true;
     const names = VARIANTS.filter((name) => !this.#programs.get(name)?.ready);

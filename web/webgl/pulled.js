@@ -1,13 +1,16 @@
 /**
- * Textures of the vertices and indices of a mesh, from which a vertex shader fetches the corners of each triangle: for wireframe, and for a colour per strip.
+ * Textures of the vertices and indices of a mesh, from which the vertex shader fetches the corners
+ * of each triangle. They are used for wireframe, and for a colour per strip.
  *
  * ```text
- * index texture: index, start of its strip │ index, start │ …        position k of the buffer is texel (k mod 2048, k / 2048)
- * vertex texture: x, y, z │ x, y, z │ …                              so is vertex k
+ * index texture: index, start of its strip │ index, start │ …
+ * vertex texture: x, y, z │ x, y, z │ …
  * ```
  *
- * There are two sets of them. While one is drawn, rows of the other one that have changed are uploaded, over several frames if they are many. A mesh that has
- * all its triangles keeps one set only.
+ * Index k of the buffer and vertex k are at texel (k mod 2048, k / 2048).
+ *
+ * There are two sets. While one is drawn, changed rows of the other are uploaded, over several
+ * frames if there are many. A complete mesh keeps only one set.
  * @module
  */
 import { unitOf } from './accessors.js';
@@ -21,23 +24,29 @@ import { floats, RowTexture, words } from './row_texture.js';
 
 const STRIP = 5;
 const RESTART = 0xffffffff;
-/** How far back the start of a strip is searched for. */
+/** The maximum distance of a backward search for the start of a strip. */
 const MAX_STEPS_BACK = 2 ** 16;
 
-/** The attributes that have textures, the samplers of those, and their formats. @type {[string, string, 'RGB32F' | 'RGBA32F'][]} */
+/**
+ * The attributes with textures, their samplers and formats.
+ * @type {[string, string, 'RGB32F' | 'RGBA32F'][]}
+ */
 const ATTRIBUTES = [
   ['POSITION', 'positions', 'RGB32F'],
   ['JOINTS_0', 'jointNumbers', 'RGBA32F'],
   ['WEIGHTS_0', 'jointWeights', 'RGBA32F'],
 ];
 
-/** One set of textures of a model, by what is in them: primitives that share vertices share their texture. */
+/**
+ * One set of textures of a model, by their content. Primitives that share vertices share their
+ * texture.
+ */
 class TextureSet {
   /** @type {Map<VertexData | IndexData, RowTexture>} */
   #textures = new Map();
 
   /**
-   * Returns the texture of some data, if it has one.
+   * Returns the texture of some data, if it exists.
    * @param {VertexData | IndexData | undefined} data
    */
   get(data) {
@@ -45,7 +54,7 @@ class TextureSet {
   }
 
   /**
-   * Returns the texture of some data.
+   * Returns the texture of some data; creates it if needed.
    * @param {VertexData | IndexData} data
    * @param {'RG32UI' | 'RGB32F' | 'RGBA32F'} format
    */
@@ -67,7 +76,7 @@ export class PulledTextures {
   sets = [new TextureSet(), new TextureSet()];
 
   /**
-   * Deletes all; geometries that use them are to forget them.
+   * Deletes all textures. Geometries that use them must drop them.
    * @param {WebGL2RenderingContext} gl
    */
   release(gl) {
@@ -75,10 +84,13 @@ export class PulledTextures {
   }
 }
 
-/** The textures of a mesh that belong together. */
+/** A consistent set of textures of a mesh. */
 class Snapshot {
   isDirty = true;
-  /** What is drawn of each part. @type {Map<number, { count: number, mode: number }>} */
+  /**
+   * The draw call of each part.
+   * @type {Map<number, { count: number, mode: number }>}
+   */
   parts = new Map();
 
   /** @param {TextureSet} textures */
@@ -105,7 +117,7 @@ class Snapshot {
   }
 
   /**
-   * Deletes the textures of a mesh that shares none. They are made again if something changes.
+   * Deletes the textures of a mesh, unless they are shared. They are created again after a change.
    * @param {WebGL2RenderingContext} gl
    * @param {Geometry} geometry
    */
@@ -154,7 +166,7 @@ export class Pulled {
   #shown;
   /** @type {Snapshot} */
   #next;
-  /** Whether there is something to draw. */
+  /** Whether there is anything to draw. */
   isReady = false;
 
   /**
@@ -168,7 +180,7 @@ export class Pulled {
   }
 
   /**
-   * Notes vertices that change.
+   * Marks vertices as changed.
    * @param {number} from
    * @param {number} to
    */
@@ -180,7 +192,7 @@ export class Pulled {
   }
 
   /**
-   * Notes indices that have changed, with those behind them in the same strip.
+   * Marks indices as changed, including those after them in the same strip.
    * @param {IndexData} data
    * @param {number} from
    * @param {number} to
@@ -197,7 +209,7 @@ export class Pulled {
   }
 
   /**
-   * Uploads what the budget allows. Returns whether all is drawn from now on.
+   * Uploads what the budget allows. Returns whether the new state is drawn from now on.
    * @param {WebGL2RenderingContext} gl
    * @param {Budget} budget
    */
@@ -205,7 +217,7 @@ export class Pulled {
     if (!this.#shown.isDirty) return true;
     if (!this.#next.upload(gl, this.#geometry, budget)) return false;
     [this.#shown, this.#next] = [this.#next, this.#shown];
-    // Where nothing more comes, the other set would be kept for nothing.
+    // A complete mesh does not need the second set.
     if (this.#geometry.isFull) this.#next.release(gl, this.#geometry);
     this.isReady = true;
     return true;
@@ -224,7 +236,7 @@ export class Pulled {
   }
 
   /**
-   * Draws a part with the program in use.
+   * Draws a part with the current program.
    * @param {WebGL2RenderingContext} gl
    * @param {number} number
    * @param {WebGLUniformLocation | null} topology the uniform of the mode

@@ -1,5 +1,5 @@
 /**
- * Draws a model into a canvas with WebGL 2, and uploads what arrives between two frames.
+ * Draws a model into a canvas with WebGL 2, and uploads received data between frames.
  * @module
  */
 import { Budget } from './budget.js';
@@ -15,30 +15,33 @@ import { Programs, UNITS } from './programs.js';
  * @import { Program } from './programs.js'
  */
 
-/** How models are drawn, in the order of the numbers in the shader. @type {['shaded', 'textured', 'wireframe', 'strips', 'normals']} */
+/**
+ * The display modes, in the order of their numbers in the shader.
+ * @type {['shaded', 'textured', 'wireframe', 'strips', 'normals']}
+ */
 export const MODES = ['shaded', 'textured', 'wireframe', 'strips', 'normals'];
 /** @typedef {typeof MODES[number]} Mode */
 
 const MAX_PIXEL_RATIO = 2;
-/** The key light, to the right of the camera, above it and behind it. */
+/** The key light: to the right of the camera, above and behind it. */
 const KEY_LIGHT = [0.45, 0.65, 0.61];
 const LINE_COLOR = [0.06, 0.1, 0.18];
 
 /**
- * What a renderer tells a page.
+ * Notifications to the page.
  * @typedef {object} RendererListener
- * @property {(update: Update) => void} [shown] what has arrived is in the next picture
- * @property {(primitives: number) => void} [painted] a picture is drawn, with this many primitives
+ * @property {(update: Update) => void} [shown] an update is part of the next image
+ * @property {(primitives: number) => void} [painted] an image was drawn, with this many primitives
  * @property {(error: Error) => void} [error] the model cannot be drawn
- * @property {(isLost: boolean) => void} [context] the context is lost, or there again
+ * @property {(isLost: boolean) => void} [context] the context was lost or restored
  */
 
 /** Draws a model into a canvas. */
 export class Renderer {
   camera = new Camera();
-  /** Frames drawn. */
+  /** The number of frames drawn. */
   frames = 0;
-  /** The milliseconds of the longest call of ours. */
+  /** The duration of the longest call, in milliseconds. */
   longestTask = 0;
   #canvas;
   #gl;
@@ -50,11 +53,14 @@ export class Renderer {
   #model;
   #white;
   #isDirty = true;
-  /** The programs that know the view of this frame. @type {Set<Program>} */
+  /**
+   * The programs whose view uniforms are set in this frame.
+   * @type {Set<Program>}
+   */
   #viewed = new Set();
   #animation = 0;
   #isPlaying = false;
-  /** When the animation began, or the seconds at which it is paused. */
+  /** The start time of the animation, or the paused position in seconds. */
   #start = 0;
   #seconds = 0;
   #frame = 0;
@@ -62,13 +68,13 @@ export class Renderer {
   #end = new AbortController();
 
   /**
-   * Throws an `Error` if the browser has no WebGL 2.
    * @param {HTMLCanvasElement} canvas
    * @param {RendererListener} [listener]
+   * @throws {Error} if the browser does not support WebGL 2
    */
   constructor(canvas, listener = {}) {
     const gl = canvas.getContext('webgl2', { antialias: true, alpha: true, powerPreference: 'high-performance' });
-    if (!gl) throw new Error('This browser cannot draw with WebGL\u00a02.');
+    if (!gl) throw new Error('This browser does not support WebGL\u00a02.');
     this.#canvas = canvas;
     this.#gl = gl;
     this.#listener = listener;
@@ -81,7 +87,7 @@ export class Renderer {
     }, { signal });
     canvas.addEventListener('webglcontextrestored', () => this.#restore(), { signal });
     this.#warmUp();
-    // A hidden page has no frames, but goes on loading.
+    // A hidden page gets no frames, but loading continues.
     document.addEventListener('visibilitychange', () => this.#request(true), { signal });
     this.#observer = new ResizeObserver(() => this.draw());
     this.#observer.observe(canvas);
@@ -95,7 +101,7 @@ export class Renderer {
     return texture;
   }
 
-  /** Links the programs before they are needed: asking for one that is not linked would block. */
+  /** Links the programs in advance; using an unlinked program would block. */
   #warmUp() {
     if (!this.#end.signal.aborted && !this.#programs.prepare()) setTimeout(() => this.#warmUp(), 20);
   }
@@ -110,11 +116,12 @@ export class Renderer {
   }
 
   /**
-   * Closes the model, and returns an empty one: its `events` go to `Client.load`.
-   * @param {(uri: string) => Promise<Blob>} [find] finds an image that the document refers to in another file; unless it is given, no file is asked for
+   * Closes the model and returns an empty one, whose `events` are passed to `Client.load`.
+   * @param {(uri: string) => Promise<Blob>} [find] finds an image in another file; by default no
+   *   such images are loaded
    * @returns {ShownModel}
    */
-  open(find = async () => Promise.reject(new Error('Images in other files are not asked for.'))) {
+  open(find = async () => Promise.reject(new Error('Images in other files are not loaded.'))) {
     this.close();
     return (this.#model = new ShownModel(this.#gl, {
       change: () => this.#request(),
@@ -129,7 +136,7 @@ export class Renderer {
     }));
   }
 
-  /** Closes the model, and frees its memory. */
+  /** Closes the model and frees its memory. */
   close() {
     this.#model?.close();
     this.#model = undefined;
@@ -138,7 +145,7 @@ export class Renderer {
     this.draw();
   }
 
-  /** Frees everything; the renderer cannot be used after it. */
+  /** Frees everything. The renderer cannot be used afterwards. */
   release() {
     this.close();
     cancelAnimationFrame(this.#frame);
@@ -147,7 +154,7 @@ export class Renderer {
     this.#gl.getExtension('WEBGL_lose_context')?.loseContext();
   }
 
-  /** Whether the picture shows all that has arrived: nothing is to be uploaded, decoded or drawn. */
+  /** Whether the image is up to date: nothing is left to upload, decode or draw. */
   get isIdle() {
     return this.#frame === 0 && !this.#isDirty && !this.#isMoving && !this.#model?.isBusy && !this.#model?.textures?.isBusy;
   }
@@ -162,7 +169,7 @@ export class Renderer {
     this.draw();
   }
 
-  /** Which animation of the model is played, from 0 on. It starts at its first keyframe. */
+  /** The index of the animation. Setting it starts at the first keyframe. */
   get animation() {
     return this.#animation;
   }
@@ -175,7 +182,7 @@ export class Renderer {
     this.draw();
   }
 
-  /** Whether the animation is played. It goes on where it was paused. */
+  /** Whether the animation plays. It resumes where it was paused. */
   get isPlaying() {
     return this.#isPlaying;
   }
@@ -188,7 +195,7 @@ export class Renderer {
     this.draw();
   }
 
-  /** Whether each frame is another one: animations of a hidden page cost nothing. */
+  /** Whether every frame differs. Animations of hidden pages cost nothing. */
   get #isMoving() {
     return this.#isPlaying && !document.hidden;
   }
@@ -257,14 +264,14 @@ export class Renderer {
       const isBlended = item.material.alphaMode === 'BLEND' && this.#mode === 'textured';
       return { ...item, isBlended, depth: isBlended ? Math.hypot(...eye.map((x, i) => x - world[12 + i])) : 0 };
     });
-    // Opaque first, then from back to front.
+    // Opaque items first, then blended items from back to front.
     items.sort((a, b) => b.depth - a.depth).sort((a, b) => Number(a.isBlended) - Number(b.isBlended));
     this.#viewed.clear();
     let painted = 0;
     for (const item of items) if (this.#paintItem(model, item, { eye, keyLight, viewProjection })) painted++;
     gl.depthMask(true);
     gl.activeTexture(gl.TEXTURE0);
-    // Where a program is still compiled, the picture is not complete.
+    // The image is incomplete while a program is being compiled.
     if (!this.#isDirty) this.#listener.painted?.(painted);
   }
 
@@ -311,7 +318,7 @@ export class Renderer {
     const isCulled = !material.isDoubleSided && mode !== 'wireframe';
     gl[isCulled ? 'enable' : 'disable'](gl.CULL_FACE);
     for (const instance of isSkinned ? [undefined] : node.instances) {
-      // Joints say where a skin is; its node does not.
+      // Joints position a skinned mesh; its node does not.
       const world = instance ? multiply(node.world, instance) : identity();
       const isMirrored = determinant(world) < 0;
       gl.frontFace(isMirrored ? gl.CW : gl.CCW);

@@ -1,5 +1,5 @@
 /**
- * Textures that hold arrays for vertex shaders, 2048 values per row. Rows are uploaded as they change.
+ * Textures that store arrays for vertex shaders, 2048 values per row. Changed rows are uploaded.
  * @module
  */
 import { SLICE_BYTES } from './budget.js';
@@ -8,11 +8,11 @@ import { SLICE_BYTES } from './budget.js';
 
 export const WIDTH = 2048;
 
-/** Where rows are put together, as integers and as floats. */
+/** The buffer in which rows are assembled, as integers and as floats. */
 export const words = new Uint32Array(SLICE_BYTES / 4);
 export const floats = new Float32Array(words.buffer);
 
-/** A texture whose rows are uploaded as they change. */
+/** A texture with incremental uploads per row. */
 export class RowTexture {
   /** @type {WebGLTexture | null} */
   texture = null;
@@ -34,10 +34,10 @@ export class RowTexture {
   }
 
   /**
-   * Uploads rows that have changed, as the budget allows. Returns whether none are left.
+   * Uploads changed rows within the budget. Returns whether everything is uploaded.
    * @param {WebGL2RenderingContext} gl
    * @param {Budget} budget
-   * @param {number} count of texels
+   * @param {number} count the number of texels
    * @param {(from: number, to: number) => void} fill writes texels to the start of `words`
    */
   upload(gl, budget, count, fill) {
@@ -79,7 +79,7 @@ export class RowTexture {
     this.forget();
   }
 
-  /** Forgets the texture; `upload` makes another one. */
+  /** Drops the texture; `upload` creates a new one. */
   forget() {
     this.texture = null;
     this.#rows = 0;

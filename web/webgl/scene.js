@@ -1,5 +1,5 @@
 /**
- * The nodes of a glTF scene: where meshes stand, and how skins are bent.
+ * The nodes of a glTF scene: transforms, skins and bounds.
  * @module
  */
 import { compose, identity, multiply, transformBox } from './matrix.js';
@@ -17,35 +17,56 @@ import { compose, identity, multiply, transformBox } from './matrix.js';
  * @property {number[]} translation
  * @property {number[]} rotation
  * @property {number[]} scale
- * @property {number[]} weights those of the morph targets of the mesh; those that are left out are 0
+ * @property {number[]} weights weights of the morph targets of the mesh; missing ones are 0
  * @property {number | undefined} mesh
  * @property {number | undefined} skin
  * @property {Matrix} world
- * @property {Matrix[]} instances those of the mesh, relative to the node
+ * @property {Matrix[]} instances instances of the mesh, relative to the node
  */
 
-/** What is 1 in normalized integers, by their type.
- * @type {Record<number, number>} */
+/**
+ * The value that represents 1 in normalized integers, by component type.
+ * @type {Record<number, number>}
+ */
 const MOST = { 5120: 127, 5121: 255, 5122: 32767, 5123: 65535 };
 
-/** The nodes of the scene that is shown. */
+/** The nodes of the displayed scene. */
 export class Scene {
   #json;
-  /** How nodes are before an animation moves them. @type {Map<Node, Pick<Node, 'translation' | 'rotation' | 'scale' | 'weights'>>} */
+  /**
+   * The nodes without animation.
+   * @type {Map<Node, Pick<Node, 'translation' | 'rotation' | 'scale' | 'weights'>>}
+   */
   #rest = new Map();
-  /** @type {Map<number, Node>} parents come before their children */
+  /**
+   * Parents come before their children.
+   * @type {Map<number, Node>}
+   */
   nodes = new Map();
-  /** The inverse bind matrices of skins, as they arrive.
-   * @type {Map<number, ArrayLike<number>>} */
+  /**
+   * The inverse bind matrices of skins, as they arrive.
+   * @type {Map<number, ArrayLike<number>>}
+   */
   bindings = new Map();
-  /** The boxes around meshes, as they are asked for.
-   * @type {Map<string, Box | undefined>} */
+  /**
+   * The boxes around meshes, cached.
+   * @type {Map<string, Box | undefined>}
+   */
   #boxes = new Map();
-  /** The nodes whose weights an animation moves. @type {Set<number>} */
+  /**
+   * The nodes with animated weights.
+   * @type {Set<number>}
+   */
   #morphing = new Set();
-  /** The meshes of which targets are added by some node. @type {Set<number>} */
+  /**
+   * The meshes with nonzero weights at any node.
+   * @type {Set<number>}
+   */
   #morphed = new Set();
-  /** The weights of meshes, which nodes share. @type {Map<number, number[]>} */
+  /**
+   * The weights of meshes, shared by nodes.
+   * @type {Map<number, number[]>}
+   */
   #weights = new Map();
 
   /** @param {any} json */
@@ -58,10 +79,10 @@ export class Scene {
     const roots = scenes?.[scene]?.nodes ?? [];
     /** @type {[number, Node | undefined][]} */
     const waiting = roots.map((/** @type {number} */ index) => [index, undefined]);
-    // The list grows meanwhile.
+    // The list grows during the loop.
     for (const [index, parent] of waiting) {
       const node = nodes[index];
-      // In a tree each node comes once.
+      // In a tree, each node occurs once.
       if (!node || this.nodes.has(index)) continue;
       const { matrix, translation = [0, 0, 0], rotation = [0, 0, 0, 1], scale = [1, 1, 1], mesh, skin, children = [] } = node;
       const weights = Array.isArray(node.weights) ? readWeights(json.meshes?.[mesh], node.weights) : this.#weightsOf(mesh);
@@ -75,12 +96,12 @@ export class Scene {
     this.update();
   }
 
-  /** Moves all nodes to where they are without an animation; `update` follows. */
+  /** Resets all nodes to their state without animation. Call `update` afterwards. */
   rest() {
     for (const [node, rest] of this.#rest) Object.assign(node, rest);
   }
 
-  /** Computes where all nodes are. */
+  /** Updates the world transforms of all nodes. */
   update() {
     for (const node of this.nodes.values()) {
       const local = node.matrix ?? compose(node.translation, node.rotation, node.scale);
@@ -89,7 +110,7 @@ export class Scene {
   }
 
   /**
-   * Returns the matrices of the joints of a skin, or `undefined` if it has not arrived.
+   * Returns the joint matrices of a skin, or `undefined` if it has not arrived.
    * @param {number | undefined} skin
    * @returns {Float32Array | undefined}
    */
@@ -106,7 +127,7 @@ export class Scene {
   /**
    * @param {number} node
    * @param {ArrayLike<number>} bindings
-   * @param {number} i the number of the joint in its skin
+   * @param {number} i the index of the joint in its skin
    */
   #joint(node, bindings, i) {
     const inverse = Array.from({ length: 16 }, (_, j) => bindings[16 * i + j]);
@@ -114,17 +135,18 @@ export class Scene {
   }
 
   /**
-   * Returns the box around the mesh of a node, from the bounds of its positions and morph targets; `undefined` if there are none.
+   * Returns the box around the mesh of a node, from the bounds of its positions and morph targets,
+   * or `undefined` if they are unknown.
    * @param {Node} node
    * @returns {Box | undefined}
    */
   #boxOf(node) {
     const { index, mesh = -1 } = node;
-    // Most nodes have no weights of their own, and share the box of their mesh.
+    // Most nodes have no weights of their own and share the box of their mesh.
     const weights = this.#rest.get(node)?.weights ?? [];
     const rest = this.#known(weights === this.#weightsOf(mesh) ? `${mesh}` : `${mesh} ${index}`, () => this.#boxAt(mesh, weights));
     if (!this.#morphing.has(index)) return rest;
-    // An animation of weights moves each target to 1, as a rule.
+    // Animations usually move the weight of each target up to 1.
     const moving = this.#known(`${mesh} moving`, () => this.#boxOfTargets(mesh));
     return rest && moving && union(rest, moving);
   }
@@ -139,7 +161,7 @@ export class Scene {
   }
 
   /**
-   * Returns the box around a mesh at some weights.
+   * Returns the box around a mesh for some weights.
    * @param {number} mesh
    * @param {number[]} weights
    */
@@ -155,7 +177,7 @@ export class Scene {
   }
 
   /**
-   * Returns the box around a mesh with each of its morph targets alone.
+   * Returns the box around a mesh with each morph target applied separately.
    * @param {number} mesh
    */
   #boxOfTargets(mesh) {
@@ -172,7 +194,7 @@ export class Scene {
   }
 
   /**
-   * Returns the weights of the morph targets of a mesh.
+   * Returns the morph-target weights of a mesh.
    * @param {number} mesh
    */
   #weightsOf(mesh) {
@@ -182,7 +204,7 @@ export class Scene {
   }
 
   /**
-   * Returns whether morph targets of a mesh are ever added.
+   * Returns whether a mesh ever has nonzero weights.
    * @param {number} mesh
    */
   isMorphed(mesh) {
@@ -190,7 +212,7 @@ export class Scene {
   }
 
   /**
-   * Returns the least and the largest values of an accessor of points, if it tells them.
+   * Returns the minimum and maximum of a position accessor, if declared.
    * @param {number | undefined} accessor
    * @returns {Vector[] | undefined}
    */
@@ -201,15 +223,18 @@ export class Scene {
     return isKnown ? [min, max].map((corner) => corner.slice(0, 3).map((/** @type {number} */ x) => x / unit)) : undefined;
   }
 
-  /** The box around all meshes, from the bounds of their positions; `undefined` if there are none.
-   * @returns {Box | undefined} */
+  /**
+   * The box around all meshes, from the declared bounds of their positions, or `undefined` if there
+   * are none.
+   * @returns {Box | undefined}
+   */
   get bounds() {
     const bounds = emptyBox();
     for (const node of this.nodes.values()) {
       const { mesh, world, skin, instances } = node;
       const box = mesh === undefined ? undefined : this.#boxOf(node);
       if (!box) continue;
-      // A skin at rest moves all of a mesh about as its first joint.
+      // At rest, a skin moves the whole mesh approximately like its first joint.
       const bindings = skin === undefined ? undefined : this.bindings.get(skin);
       const matrices = bindings ? [this.#joint(this.#json.skins[skin ?? 0].joints[0], bindings, 0)] : instances.map((instance) => multiply(world, instance));
       for (const matrix of matrices) {
@@ -223,7 +248,7 @@ export class Scene {
 }
 
 /**
- * Returns weights of morph targets, at most as many as there are targets; others are 0.
+ * Returns morph-target weights, at most one per target. Missing ones are 0.
  * @param {any} mesh
  * @param {unknown} given
  * @returns {number[]}
@@ -235,9 +260,9 @@ function readWeights(mesh, given) {
 
 /**
  * Adds a morph target to the corners of a box.
- * @param {Vector[]} corners the least and the largest one
+ * @param {Vector[]} corners the minimum and maximum
  * @param {number} weight
- * @param {Vector[] | undefined} added those of the target
+ * @param {Vector[] | undefined} added the minimum and maximum of the target
  */
 function add(corners, weight, added) {
   if (!added) return;
@@ -262,7 +287,7 @@ const emptyBox = () => ({ min: [Infinity, Infinity, Infinity], max: [-Infinity, 
 const isEmpty = ({ min, max }) => !(min[0] <= max[0]);
 
 /**
- * Grows a box by a point.
+ * Extends a box by a point.
  * @param {Box} box
  * @param {number[]} point
  */

@@ -1,10 +1,10 @@
 /**
- * The shaders: one for vertices, one for fragments, in variants by `#define`.
+ * The vertex and fragment shaders, with variants selected by `#define`.
  *
- * - `NORMALS`: vertices have normals; otherwise each triangle is flat.
- * - `SKIN`: vertices are moved by joints.
- * - `MORPH`: vertices are moved by morph targets, from the texture of morphs.js.
- * - `PULL`: corners come from the textures of pulled.js, triangle by triangle.
+ * - `NORMALS`: vertices have normals; otherwise triangles are flat-shaded.
+ * - `SKIN`: joints move the vertices.
+ * - `MORPH`: morph targets move the vertices, from the texture of morphs.js.
+ * - `PULL`: corners are fetched from the textures of pulled.js, per triangle.
  * @module
  */
 
@@ -121,7 +121,7 @@ vec3 environment(vec3 d, float roughness) {
   return sides + 0.5 * panel * (1.0 - 0.7 * roughness);
 }
 
-// Cosines of unit vectors are a little above 1 at times, and powers of negative numbers are not defined.
+// Cosines of unit vectors can slightly exceed 1, and powers of negative numbers are undefined.
 float fresnelPower(float cosine) { return pow(max(1.0 - cosine, 0.0), 5.0); }
 
 vec3 lit(vec3 base, float metallic, float roughness, vec3 n, float open) {
@@ -130,7 +130,7 @@ vec3 lit(vec3 base, float metallic, float roughness, vec3 n, float open) {
   vec3 f0 = mix(vec3(0.04), base, metallic);
   vec3 diffuse = base * (1.0 - metallic);
   vec3 sum = vec3(0);
-  // A key light from above, beside the viewer, and a weak one from the viewer.
+  // A key light from above and beside the viewer, and a weak light from the viewer.
   for (int i = 0; i < 2; i++) {
     vec3 l = i == 0 ? keyLight : v;
     float nl = max(dot(n, l), 0.0);
@@ -169,7 +169,7 @@ void main() {
     vec3 width = fwidth(corner);
     vec3 near = smoothstep(width * 0.3, width * 1.3, corner);
     float line = 1.0 - min(near.x, min(near.y, near.z));
-    // Triangles smaller than a few pixels would be lines all over.
+    // Lines are faded on triangles of a few pixels, which would be covered by lines.
     line *= clamp(1.6 - 2.2 * max(width.x, max(width.y, width.z)), 0.35, 1.0);
     vec3 surface = display(lit(vec3(0.5), 0.0, 0.8, n, 1.0));
     result = vec4(mix(surface, lineColor, 0.85 * line), 1);
@@ -189,7 +189,8 @@ uniform mat3 uvMatrix[5];
 uniform int uvSet[5];
 vec2 uv(int i) { return (uvMatrix[i] * vec3(uvSet[i] == 0 ? uvs.xy : uvs.zw, 1)).xy; }
 
-// The normal map without tangents, after Schüler, Normal mapping without precomputed tangents, 2006.
+// Normal mapping without tangents, after Schüler, Normal mapping without precomputed tangents,
+// 2006.
 vec3 bumped(vec3 n) {
   vec2 at = uv(2);
   vec3 p = -cross(dFdy(place), n), q = cross(dFdx(place), n);

@@ -1,5 +1,6 @@
 /**
- * Textures of a model. Images are decoded beside the main thread, and large ones uploaded in bands over several frames; a texture is used when it is complete.
+ * Textures of a model. Images are decoded asynchronously, and large ones are uploaded in bands over
+ * several frames. A texture is used when it is complete.
  * @module
  */
 
@@ -10,7 +11,7 @@ const TYPES = [/^image\/png$/, /^image\/jpeg$/, /^image\/webp$/];
 const DATA = /^data:([\w/+.-]+);base64,/;
 
 /**
- * Returns the bytes of a data URI; `undefined` of other ones.
+ * Returns the bytes of a data URI, or `undefined` for other URIs.
  * @param {string} uri
  */
 function dataOf(uri) {
@@ -25,7 +26,10 @@ export class Textures {
   #gl;
   #onchange;
   #find;
-  /** The images in other files that were asked for. @type {Set<number>} */
+  /**
+   * The requested images in other files.
+   * @type {Set<number>}
+   */
   #asked = new Set();
   /** @type {Map<string, WebGLTexture | null>} */
   #textures = new Map();
@@ -33,9 +37,9 @@ export class Textures {
   #images = new Map();
   #json;
   #isReleased = false;
-  /** The images that are loaded or decoded at the moment. */
+  /** The number of images being loaded or decoded. */
   #pending = 0;
-  /** How often the context was lost: textures of before are none any more. */
+  /** The number of context losses. Textures from before a loss are invalid. */
   #losses = 0;
 
   /**
@@ -51,14 +55,14 @@ export class Textures {
     this.#find = find;
   }
 
-  /** Whether images are loaded or decoded. */
+  /** Whether images are being loaded or decoded. */
   get isBusy() {
     return this.#pending > 0;
   }
 
   /**
-   * Takes an image that has arrived.
-   * @param {number} image its number
+   * Adds an image that has arrived.
+   * @param {number} image its index
    * @param {Blob | Uint8Array} bytes
    */
   add(image, bytes) {
@@ -67,8 +71,8 @@ export class Textures {
   }
 
   /**
-   * Asks for an image that is in another file or in the document, once.
-   * @param {number} image its number
+   * Requests an image in another file or a data URI, once.
+   * @param {number} image its index
    */
   async #ask(image) {
     const uri = this.#json.images?.[image]?.uri;
@@ -81,15 +85,15 @@ export class Textures {
       this.add(image, blob);
       this.#onchange();
     } catch {
-      // The model is drawn without it. Who finds images knows which ones are missing.
+      // The model is drawn without the image. `find` reports missing files.
     } finally {
       this.#pending--;
     }
   }
 
   /**
-   * Returns a texture if it is complete; otherwise begins to make it, if its image is there.
-   * @param {number} texture its number
+   * Returns a texture if it is complete. Otherwise starts creating it, if its image is available.
+   * @param {number} texture its index
    * @param {boolean} isColor
    */
   get(texture, isColor) {
@@ -106,7 +110,7 @@ export class Textures {
     this.#textures.set(key, null);
     this.#pending++;
     const losses = this.#losses;
-    // An image that cannot be decoded is left out: the model is drawn without it.
+    // The model is drawn without an image that cannot be decoded.
     this.#make(blob, isColor, this.#json.samplers?.[sampler] ?? {}).then(
       (made) => {
         if (!made || losses !== this.#losses) return;
@@ -120,7 +124,7 @@ export class Textures {
   }
 
   /**
-   * Makes a texture; `null` if the context is lost meanwhile.
+   * Creates a texture; `null` if the context is lost in the meantime.
    * @param {Blob} blob
    * @param {boolean} isColor
    * @param {any} sampler
@@ -174,7 +178,7 @@ export class Textures {
     this.#images.clear();
   }
 
-  /** Forgets the textures of a context that is lost; they are made again. */
+  /** Drops the textures of a lost context; they are created again. */
   forget() {
     this.#losses++;
     this.#textures.clear();

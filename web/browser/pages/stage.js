@@ -1,5 +1,5 @@
 /**
- * A stage for models in three.js: renders them from several sides, and compares pictures.
+ * A stage for models in three.js: renders them from several sides, and compares images.
  * @module
  */
 import * as THREE from 'three';
@@ -10,10 +10,10 @@ import { ProgressiveLoader } from 'tristrip/three.js';
 export { GLTFLoader, ProgressiveLoader, THREE };
 
 const SIZE = 512;
-/** Pixels that differ by at most this in each channel count as equal. */
+/** The maximum difference per channel of pixels that count as equal. */
 const TOLERANCE = 8;
 
-/** The buffers on the GPU: three.js does not count them. */
+/** The number of GPU buffers, which three.js does not count. */
 export const live = { buffers: 0 };
 const context = WebGL2RenderingContext.prototype;
 const { createBuffer, deleteBuffer } = context;
@@ -48,9 +48,9 @@ export function lit(model) {
 }
 
 /**
- * Returns a camera that looks at a box from one of several sides.
+ * Returns a camera that views a box from one of several sides.
  * @param {THREE.Box3} box
- * @param {number} turn of a circle
+ * @param {number} turn fraction of a circle
  */
 export function cameraAt(box, turn) {
   const angle = 2 * Math.PI * turn;
@@ -64,10 +64,10 @@ export function cameraAt(box, turn) {
 }
 
 /**
- * Renders a model from some sides, and returns the pixels of each.
+ * Renders a model from several sides, and returns the pixels of each image.
  * @param {{ scene: THREE.Object3D, animations: THREE.AnimationClip[] }} gltf
  * @param {{ views?: number, time?: number, box?: THREE.Box3 }} [options]
- * @returns {{ pictures: Uint8Array[], box: THREE.Box3 }} the box is that of the model, or the given one
+ * @returns {{ pictures: Uint8Array[], box: THREE.Box3 }} `box` is that of the model, or the option
  */
 export function picturesOf(gltf, { views = 4, time, box } = {}) {
   const scene = lit(gltf.scene);
@@ -90,7 +90,7 @@ export function picturesOf(gltf, { views = 4, time, box } = {}) {
 }
 
 /**
- * Returns the share of pixels that differ.
+ * Returns the fraction of pixels that differ.
  * @param {Uint8Array[]} a
  * @param {Uint8Array[]} b
  */
@@ -109,7 +109,8 @@ export function difference(a, b) {
 }
 
 /**
- * Returns the number of triangles with three vertices: strips that GLTFLoader has made lists of have others.
+ * Returns the number of non-degenerate triangles. Strips that GLTFLoader converts to lists contain
+ * degenerate ones.
  * @param {{ scene: THREE.Object3D }} gltf
  */
 export function trianglesOf({ scene }) {

@@ -1,129 +1,158 @@
 /**
- * Progressive models on the main thread of a page: they are downloaded and decoded in a worker, which sends what has changed.
+ * The main-thread API for progressive models. A worker downloads and decodes them, and sends
+ * changes to the page.
  *
  * ```text
  * page                                 worker
  * Client.load(url, events) ─ load ──▶  download ─▶ container ─▶ chunks ─▶ decoder ─▶ buffers
  * events.document        ◀── JSON ──────────────────┘              │                    │
  * events.binary          ◀── textures, keyframes, … ───────────────┘                    │
- * events.update          ◀── ranges of vertices and indices that have changed ──────────┘
- *                         ── taken ──▶ the next update: never more than one is on its way
+ * events.update          ◀── changed ranges of vertices and indices ────────────────────┘
+ *                         ── taken ──▶ the next update; at most one is in flight
  * ```
  * @module
  */
 
 /**
- * What is downloaded: a URL, or the bytes of a file.
+ * What to download: a URL, or the bytes of a file.
  * @typedef {string | URL | Blob | ArrayBuffer | Uint8Array} Source
  */
 
 /**
- * The order in which the worker writes triangles: strips with primitive restart, or lists.
+ * The primitive type of the index buffers: strips with primitive restart, or triangle lists.
  * @typedef {'strips' | 'lists'} Output
  */
 
 /** @typedef {import('../grid.js').Attribute} Attribute */
 
 /**
- * A run of an index buffer that has changed.
+ * A changed range of an index buffer.
  * @typedef {object} IndexRange
- * @property {number} start the first index of the run
- * @property {Uint16Array | Uint32Array} array the indices from there on
+ * @property {number} start the first index of the range
+ * @property {Uint16Array | Uint32Array} array the new indices of the range
  */
 
 /**
- * How the index buffer of one part of a mesh has changed. Indices that no range names are as before.
+ * The changes of the index buffer of one part of a mesh. Indices outside of the ranges are
+ * unchanged.
  * @typedef {object} IndexUpdate
- * @property {number} part the number of the part; 0 where a mesh has no parts
- * @property {number} length the indices to draw
- * @property {number} capacity the indices that the buffer should have room for, at least `length`: so it need not grow at each update
- * @property {2 | 4} bytesPerIndex if it changes, the ranges are all indices
+ * @property {number} part the index of the part; 0 for a mesh without parts
+ * @property {number} length the number of indices to draw
+ * @property {number} capacity the recommended size of the buffer in indices, at least `length`;
+ *   includes spare room for later updates
+ * @property {2 | 4} bytesPerIndex when this changes, the ranges contain all indices
  * @property {number} triangles the triangles of the part
  * @property {number} strips the strips of the part; 0 for lists
  * @property {number} verticesSent the vertices of its strips, or three per triangle
- * @property {IndexRange[]} ranges in order, apart from each other
+ * @property {IndexRange[]} ranges sorted and disjoint
  */
 
 /**
- * How a mesh has changed.
+ * The changes of a mesh.
  * @typedef {object} MeshUpdate
- * @property {number} stream its number: that of the primitives that draw it
- * @property {number} level the collapses undone so far
- * @property {number} fullLevel those of the full mesh
+ * @property {number} stream the index of the mesh in the stream, as in the primitives that draw it
+ * @property {number} level the number of collapses undone so far
+ * @property {number} fullLevel the level of the full mesh
  * @property {number} triangles
  * @property {number} fullTriangles
  * @property {number} vertices
- * @property {number} fullVertices as the file says: a reader trusts it for display only
+ * @property {number} fullVertices as declared by the file; use it for display only
  * @property {number} error in mesh units
- * @property {number} firstVertex the first vertex that has changed: those before it are as they were
- * @property {Float32Array} positions those of the vertices from `firstVertex` on
- * @property {Attribute[]} attributes those of the vertices from `firstVertex` on
+ * @property {number} firstVertex the first changed vertex; vertices before it are unchanged
+ * @property {Float32Array} positions positions of the vertices from `firstVertex` on
+ * @property {Attribute[]} attributes attributes of the vertices from `firstVertex` on
  * @property {IndexUpdate[]} parts
  */
 
 /**
- * What has arrived since the last update.
+ * The changes since the last update.
  * @typedef {object} Update
- * @property {MeshUpdate[]} meshes those that have changed
+ * @property {MeshUpdate[]} meshes the changed meshes
  * @property {Progress} progress
  */
 
 /**
- * How far a model is.
+ * The progress of a model.
  * @typedef {object} Progress
- * @property {number} receivedBytes bytes of the file that have arrived
+ * @property {number} receivedBytes bytes of the file received
  * @property {number} shownBytes bytes of the file up to the last chunk that is shown
  * @property {number} totalBytes bytes of the file
  * @property {number} shownChunks
- * @property {number} receivedChunks chunks that have arrived, whether or not they are shown
- * @property {number} decodeMilliseconds the time that the worker has taken to decode what is shown
- * @property {number} buildMilliseconds the time that it has taken for strips, buffers and ranges
+ * @property {number} receivedChunks chunks received, including those that are not shown
+ * @property {number} decodeMilliseconds time the worker has spent decoding what is shown
+ * @property {number} buildMilliseconds time the worker has spent on strips, buffers and ranges
  * @property {boolean} hasArrived whether the whole file has arrived
- * @property {boolean} isComplete whether all of it is shown, too
+ * @property {boolean} isComplete whether the whole file is also shown
  */
 
 /**
  * A chunk that has arrived.
  * @typedef {object} ChunkFigures
  * @property {number} stream
- * @property {number} end the bytes of the file up to its end
- * @property {number} triangles those of the mesh after it
- * @property {number} error that of the mesh after it, in mesh units
+ * @property {number} end file offset of the end of the chunk
+ * @property {number} triangles triangles of the mesh after the chunk
+ * @property {number} error error of the mesh after the chunk, in mesh units
  */
 
 /**
- * How the connection is. `waiting`: others come first. `paused`: by `pause`. `retrying`: it is lost, and tried again after some time. `busy`: the server asks to come again, because it makes the file first or has too many clients. `done`: all has arrived.
- * @typedef {'connecting' | 'loading' | 'waiting' | 'paused' | 'retrying' | 'busy' | 'done'} ConnectionState
+ * The state of the connection.
+ *
+ * - `waiting`: models of higher priority are downloaded first.
+ * - `paused`: `pause` was called.
+ * - `retrying`: the connection was lost and is retried after a delay.
+ * - `busy`: the server answered 503 with `Retry-After`, because it is packing the file or has too
+ *   many clients.
+ * - `done`: everything has arrived.
+ * @typedef {'connecting' | 'loading' | 'waiting' | 'paused' | 'retrying' | 'busy' | 'done'}
+ *   ConnectionState
  */
 
 /**
- * What a page is told of a model, in this order: `document` once, `binary` until all of it is there, then `chunks` and `update`.
+ * The events of a model. `document` comes once; then `binary` until it is complete; then `chunks`
+ * and `update`.
  * @typedef {object} ModelEvents
- * @property {(json: any, binaryBytes: number) => void} [document] the glTF document, and the bytes of the binary chunk before the stream: all of it, if there is no stream
- * @property {(bytes: Uint8Array, start: number) => void} [binary] bytes of the binary chunk before the stream, and where they start in it
- * @property {(chunks: ChunkFigures[]) => void} [chunks] chunks that have arrived
- * @property {(update: Update) => unknown} [update] the arrays are the page's to keep. If it returns a promise, the next update comes after it is fulfilled
- * @property {(progress: Progress) => void} [progress] bytes that have arrived without an update
- * @property {(state: ConnectionState, seconds: number) => void} [connection] `seconds` until the next try, if it is `retrying` or `busy`
- * @property {(error: ModelError) => void} [error] nothing more comes, unless `retry` is called; what was shown stays good
+ * @property {(json: any, binaryBytes: number) => void} [document] the glTF document, and the number
+ *   of bytes of the binary chunk before the stream (of the whole binary chunk if there is no
+ *   stream)
+ * @property {(bytes: Uint8Array, start: number) => void} [binary] bytes of the binary chunk before
+ *   the stream, and their offset in it
+ * @property {(chunks: ChunkFigures[]) => void} [chunks] chunks have arrived
+ * @property {(update: Update) => unknown} [update] meshes have changed. The page owns the arrays.
+ *   If it returns a promise, the next update comes after the promise is fulfilled
+ * @property {(progress: Progress) => void} [progress] bytes have arrived without an update
+ * @property {(state: ConnectionState, seconds: number) => void} [connection] the state of the
+ *   connection has changed; `seconds` until the next try, if it is `retrying` or `busy`
+ * @property {(error: ModelError) => void} [error] loading has stopped until `retry` is called; the
+ *   model shown so far remains valid
  */
 
 /**
- * Why a model ends early.
+ * Why loading ended early.
+ *
+ * - `connection`: the connection was lost.
+ * - `status`: the server returned an error.
+ * - `changed`: the file changed during the download.
+ * - `unreadable`: a local file cannot be read.
+ * - `damaged`, `not-glb`: the bytes are invalid.
+ * - `limit`: the model exceeds the limits.
+ * - `worker`: the worker failed.
  * @typedef {object} ModelError
- * @property {'connection' | 'status' | 'changed' | 'unreadable' | 'damaged' | 'not-glb' | 'limit' | 'worker'} kind `status`: the server refuses; `changed`: the file is another one than before; `unreadable`: a file of the device cannot be read; `limit`: it is too large; `worker`: the worker has failed
- * @property {string} message for people
+ * @property {'connection' | 'status' | 'changed' | 'unreadable' | 'damaged' | 'not-glb' | 'limit' |
+ *   'worker'} kind
+ * @property {string} message a message for users
  */
 
 /**
- * How a model is loaded.
+ * Options of a model.
  * @typedef {object} LoadOptions
- * @property {Output} [output] 'strips' unless told otherwise
- * @property {number} [priority] models of the highest priority are downloaded first; 0 unless told otherwise. Models of one priority share the connection
- * @property {boolean} [keepBytes] whether the file is kept in memory, so that `show` can go back; false unless told otherwise
- * @property {import('../decoder.js').StreamLimits} [limits]
- * @property {Record<string, string>} [headers] headers of the requests
- * @property {RequestCredentials} [credentials]
+ * @property {Output} [output] by default 'strips'
+ * @property {number} [priority] models with the highest priority are downloaded first; models with
+ *   equal priority share the connection. By default 0
+ * @property {boolean} [keepBytes] whether to keep the file in memory, so that `show` can go back.
+ *   By default false
+ * @property {import('../decoder.js').StreamLimits} [limits] decoder limits
+ * @property {Record<string, string>} [headers] request headers
+ * @property {RequestCredentials} [credentials] request credentials
  * @property {AbortSignal} [signal] closes the model
  */
 
@@ -136,7 +165,7 @@ export class Client {
 
   /**
    * Starts the worker.
-   * @param {Worker} [worker] one that runs worker.js, for pages that start it in a way of their own
+   * @param {Worker} [worker] a worker that runs worker.js, for pages that create it themselves
    */
   constructor(worker = new Worker(new URL('./worker.js', import.meta.url), { type: 'module', name: 'tristrip' })) {
     this.#worker = worker;
@@ -144,12 +173,12 @@ export class Client {
     const fail = (/** @type {string} */ message) => {
       for (const model of this.#models.values()) model.receive({ type: 'error', error: { kind: 'worker', message } });
     };
-    worker.onerror = (event) => fail(event.message || 'The worker that decodes models could not be started.');
-    worker.onmessageerror = () => fail('A message of the worker could not be read.');
+    worker.onerror = (event) => fail(event.message || 'The decoding worker could not be started.');
+    worker.onmessageerror = () => fail('A message from the worker could not be read.');
   }
 
   /**
-   * Begins to load a model.
+   * Starts loading a model.
    * @param {Source} source
    * @param {ModelEvents} events
    * @param {LoadOptions} [options]
@@ -174,21 +203,21 @@ export class Client {
   }
 
   /**
-   * Simulates a network of some bandwidth for all models.
-   * @param {number} bitsPerSecond 0 for no limit
+   * Simulates a network bandwidth for all models.
+   * @param {number} bitsPerSecond 0 for unlimited
    */
   set bandwidth(bitsPerSecond) {
     this.#worker.postMessage({ type: 'bandwidth', bitsPerSecond });
   }
 
-  /** Closes all models, and ends the worker. */
+  /** Closes all models and terminates the worker. */
   close() {
     for (const model of [...this.#models.values()]) model.close();
     this.#worker.terminate();
   }
 }
 
-/** A model that is loaded: returned by `Client.load`. */
+/** A model that is loading or loaded, returned by `Client.load`. */
 export class Model {
   #events;
   #post;
@@ -207,7 +236,7 @@ export class Model {
   }
 
   /**
-   * Takes a message of the worker. For the client only.
+   * Handles a message of the worker. Called by the client.
    * @param {any} message
    */
   receive(message) {
@@ -240,37 +269,40 @@ export class Model {
   }
 
   /**
-   * Sets which models come first.
+   * Sets the download priority; higher comes first.
    * @param {number} priority
    */
   set priority(priority) {
     this.#post({ type: 'priority', priority });
   }
 
-  /** Stops to download and to refine. */
+  /** Pauses the download and the refinement. */
   pause() {
     this.#post({ type: 'pause' });
   }
 
-  /** Goes on after `pause`. */
+  /** Resumes after `pause`. */
   resume() {
     this.#post({ type: 'resume' });
   }
 
-  /** Tries again from where the connection was lost: after an error, or at once instead of after the pause. */
+  /**
+   * Resumes the download after a connection error, or skips the delay before the next automatic
+   * retry.
+   */
   retry() {
     this.#post({ type: 'retry' });
   }
 
   /**
-   * Shows the model as it is after a number of chunks, earlier or later ones than before. Needs `keepBytes`.
-   * @param {number} chunkCount Infinity for all that have arrived and will arrive
+   * Shows the model after a number of chunks, forward or backward. Requires `keepBytes`.
+   * @param {number} chunkCount Infinity for all chunks, including future ones
    */
   show(chunkCount) {
     this.#post({ type: 'show', chunkCount });
   }
 
-  /** Stops to load, and frees what the worker has of the model. No event comes after it. */
+  /** Stops loading, and frees the worker's memory of the model. No more events follow. */
   close() {
     if (this.#isClosed) return;
     this.#isClosed = true;

@@ -1,10 +1,13 @@
 /**
- * Downloads a file, in pieces, and goes on where it was when the connection is lost.
+ * Downloads a file in pieces, and resumes when the connection is lost.
  *
  * # Algorithm
- * A request for the rest of the file (`Range`) follows each loss, after a pause that doubles while nothing arrives. `If-Range` has the file's tag, so that the rest belongs to the same file; other
- * sites get no `If-Range`, which they would have to allow, and the tags are compared. Of a whole file that is sent again, what is known is skipped. A download that gets no byte for some time is
- * taken for lost. A server that says when to ask again (503 with `Retry-After`), as one does that makes the file first, is asked again for as long as it says so.
+ * After a connection loss, the rest of the file is requested with `Range`, after a delay that
+ * doubles while nothing arrives. `If-Range` with the file's tag ensures that the rest belongs to
+ * the same file. Cross-origin servers would have to allow `If-Range`, so the tags are compared
+ * instead. If the server sends the whole file again, known bytes are skipped. A connection without
+ * data for some time counts as lost. If the server answers 503 with `Retry-After`, for example
+ * while it packs the file, the request is repeated after that time.
  * @module
  */
 
@@ -13,19 +16,22 @@
  * @import { Link, Turn } from './link.js'
  */
 
-/** The pause after the first loss and the longest one, and the time after which a silent connection counts as lost, in milliseconds. */
+/**
+ * The first and the maximum delay after a loss, and the time after which a silent connection counts
+ * as lost, in milliseconds.
+ */
 const FIRST_PAUSE = 500;
 const LONGEST_PAUSE = 15_000;
 const SILENCE = 20_000;
-/** The tries without a byte before it fails: at first, and after bytes have come. */
+/** The number of tries without data before the download fails: before and after the first bytes. */
 const FIRST_TRIES = 2;
 const TRIES = 8;
-/** How often a server may say that it is busy. */
+/** The maximum number of busy answers of a server. */
 const MAX_BUSY_ANSWERS = 500;
-/** Answers that may be others at the next try. */
+/** Status codes that are worth a retry. */
 const TEMPORARY = new Set([408, 425, 429, 500, 502, 503, 504]);
 
-/** An error that people are told of. */
+/** An error that is reported to users. */
 export class DownloadError extends Error {
   /**
    * @param {ModelError['kind']} kind
@@ -37,12 +43,12 @@ export class DownloadError extends Error {
   }
 }
 
-/** A loss after which the download goes on. */
+/** A connection loss after which the download resumes. */
 class Loss extends Error {
   /**
    * @param {string} message
-   * @param {number} pause the milliseconds that the server asks for
-   * @param {boolean} isBusy whether the server is there, and answers later
+   * @param {number} pause the delay requested by the server, in milliseconds
+   * @param {boolean} isBusy whether the server is available but asked to retry later
    */
   constructor(message, pause = 0, isBusy = false) {
     super(message);
@@ -61,12 +67,15 @@ export class Download {
   #signal;
   #tag = '';
   #totalBytes = 0;
-  /** @type {AbortController | undefined} ends the pause before the next try */
+  /**
+   * Ends the delay before the next try.
+   * @type {AbortController | undefined}
+   */
   #pausing;
-  /** The tries since bytes have come, without those that a busy server has answered. */
+  /** The tries since the last bytes, not counting busy answers. */
   #tries = 0;
   #busyAnswers = 0;
-  /** Whether the server does not say which bytes it sends. */
+  /** Whether the server sends ranges without `Content-Range`. */
   #isWithoutRanges = false;
   receivedBytes = 0;
 
@@ -75,7 +84,7 @@ export class Download {
    * @param {{ headers?: Record<string, string>, credentials?: RequestCredentials }} options
    * @param {Link} link
    * @param {Turn} turn
-   * @param {AbortSignal} signal ends it without an error
+   * @param {AbortSignal} signal ends the download without an error
    * @param {(state: ConnectionState, seconds: number) => void} onState
    */
   constructor(url, options, link, turn, signal, onState) {
@@ -87,7 +96,7 @@ export class Download {
     this.#onState = onState;
   }
 
-  /** Yields the bytes of the file that have not come yet. Throws a `DownloadError`; the download may be continued by another call. */
+  /** Yields the remaining bytes of the file. Throws a `DownloadError`; call it again to resume. */
   async *pieces() {
     for (this.#tries = this.#busyAnswers = 0; ; ) {
       try {
@@ -96,7 +105,7 @@ export class Download {
       } catch (error) {
         if (this.#signal.aborted) return;
         if (error instanceof DownloadError) throw error;
-        // Errors of `fetch` and of its streams are TypeErrors.
+        // `fetch` and its streams throw TypeErrors.
         if (!(error instanceof Loss || error instanceof TypeError || (error instanceof DOMException && error.name !== 'AbortError'))) throw error;
         const { pause, isBusy } = error instanceof Loss ? error : { pause: 0, isBusy: false };
         const isLast = isBusy ? ++this.#busyAnswers >= MAX_BUSY_ANSWERS : ++this.#tries >= (this.receivedBytes > 0 ? TRIES : FIRST_TRIES);
@@ -111,7 +120,7 @@ export class Download {
 
   /**
    * Waits before the next try.
-   * @param {number} least the milliseconds that the server asks for
+   * @param {number} least the delay requested by the server, in milliseconds
    * @param {boolean} isBusy
    */
   async #pause(least, isBusy) {
@@ -119,19 +128,19 @@ export class Download {
     this.#onState(isBusy ? 'busy' : 'retrying', pause / 1000);
     const end = performance.now() + pause;
     const pausing = (this.#pausing = new AbortController());
-    // The system says that there is a network again.
+    // Retry at once when the system reports a network connection.
     globalThis.addEventListener?.('online', () => pausing.abort(), { signal: pausing.signal });
     while (!this.#signal.aborted && !pausing.signal.aborted && performance.now() < end) await this.#link.change(Math.min(end - performance.now(), 250));
     pausing.abort();
   }
 
-  /** Ends the pause before the next try. */
+  /** Ends the delay before the next try. */
   hurry() {
     this.#pausing?.abort();
     this.#link.wake();
   }
 
-  /** Requests the rest of the file, and yields it. */
+  /** Requests the rest of the file and yields it. */
   async *#request() {
     const silence = new AbortController();
     const signal = AbortSignal.any([this.#signal, silence.signal]);
@@ -167,7 +176,7 @@ export class Download {
       }
     } finally {
       clearTimeout(timer);
-      // Ends what is not read.
+      // Cancels the unread rest.
       silence.abort();
     }
     if (this.receivedBytes < this.#totalBytes) throw new Loss('the file ended early');
@@ -177,7 +186,7 @@ export class Download {
   async #waitForTurn() {
     while (this.#link.mustWait(this.#turn) && !this.#signal.aborted) {
       this.#onState('waiting', 0);
-      // It does not hold up others while it waits.
+      // Does not block other downloads while it waits.
       this.#turn.isActive = false;
       await this.#link.change();
     }
@@ -186,7 +195,7 @@ export class Download {
   }
 
   /**
-   * Yields bytes in the pieces of the simulated network.
+   * Yields bytes in pieces of the simulated network.
    * @param {Uint8Array<ArrayBuffer>} bytes
    */
   async *#deliver(bytes) {
@@ -206,7 +215,7 @@ export class Download {
     const headers = { ...this.#options.headers };
     if (this.receivedBytes === 0 || this.#isWithoutRanges) return headers;
     headers.Range = `bytes=${this.receivedBytes}-`;
-    // Tags that are weak do not tell that the bytes are the same.
+    // Equal weak tags do not guarantee equal bytes.
     if (this.#tag && !this.#tag.startsWith('W/') && this.#isOfThisSite) headers['If-Range'] = this.#tag;
     return headers;
   }
@@ -217,7 +226,7 @@ export class Download {
   }
 
   /**
-   * Checks the head of an answer; returns the bytes at its start that are known already.
+   * Checks the headers of a response. Returns the number of leading bytes that are already known.
    * @param {Response} response
    */
   #check(response) {
@@ -225,20 +234,20 @@ export class Download {
     if (TEMPORARY.has(status)) {
       const seconds = Number(headers.get('Retry-After'));
       const pause = seconds > 0 ? 1000 * seconds : 0;
-      throw new Loss(`the server answers ${status}`, pause, status === 503 && pause > 0);
+      throw new Loss(`the server responded with ${status}`, pause, status === 503 && pause > 0);
     }
-    if (!response.ok && status !== 416) throw new DownloadError('status', `The server answers ${status} ${response.statusText}`.trim());
+    if (!response.ok && status !== 416) throw new DownloadError('status', `The server responded with ${status} ${response.statusText}`.trim());
     const tag = headers.get('ETag') ?? headers.get('Last-Modified') ?? '';
     const length = Number(headers.get('Content-Length'));
     const [, first, total] = /^bytes (\d+)-\d+\/(\d+|\*)$/.exec(headers.get('Content-Range') ?? '') ?? [];
-    // Where the range is not told, its length may tell it.
+    // Without `Content-Range`, the length can identify the rest.
     const isRest = status === 206 && (first ? Number(first) === this.receivedBytes : length > 0 && length === this.#totalBytes - this.receivedBytes);
     if (this.receivedBytes > 0 && (!isSameTag(this.#tag, tag) || status === 416 || (status === 206 && first && !isRest))) {
       throw new DownloadError('changed', 'The file on the server has changed since its download began.');
     }
     if (status === 206 && !isRest) {
       this.#isWithoutRanges = true;
-      throw new Loss('the server does not say which bytes it sends');
+      throw new Loss('the server did not send Content-Range');
     }
     this.#tag = tag;
     const all = status === 206 ? Number(total ?? this.#totalBytes) : headers.has('Content-Encoding') ? NaN : length;
@@ -246,14 +255,15 @@ export class Download {
     return status === 206 ? 0 : this.receivedBytes;
   }
 
-  /** The bytes of the file; 0 if they are not known. */
+  /** The size of the file in bytes; 0 if unknown. */
   get totalBytes() {
     return this.#totalBytes;
   }
 }
 
 /**
- * Returns whether two tags are those of one file, as far as they tell. A tag may be weak in one answer and strong in another, where one of them is compressed.
+ * Checks whether two tags can belong to the same file. A tag may be weak in one response and strong
+ * in another if one of them is compressed.
  * @param {string} a
  * @param {string} b
  */
@@ -262,7 +272,7 @@ function isSameTag(a, b) {
 }
 
 /**
- * Yields the bytes of a file that is there.
+ * Yields the bytes of a local file.
  * @param {Blob} blob
  * @param {Link} link
  */
@@ -280,6 +290,6 @@ async function readPiece(piece) {
   try {
     return new Uint8Array(await piece.arrayBuffer());
   } catch {
-    throw new DownloadError('unreadable', 'It may be a folder, or it was changed, moved or deleted after it was chosen.');
+    throw new DownloadError('unreadable', 'It may be a directory, or it was changed, moved or deleted after it was selected.');
   }
 }

@@ -1,29 +1,33 @@
 /**
- * An index buffer that is written piece by piece, and that tells which runs of it have changed.
+ * An index buffer that tracks its changed ranges.
  *
- * Changes are noted by blocks. Runs of changed blocks that are near each other are one range, as uploading a few more indices takes less time than another call.
+ * Changes are tracked per block. Nearby changed blocks form one range, because uploading a few
+ * extra indices is cheaper than another call.
  * @module
  */
 
 /** @import { IndexRange } from './client.js' */
 
-/** The indices of a block, the blocks between two runs that are uploaded with them, and the most ranges before runs farther apart are joined. */
+/**
+ * Indices per block, the maximum gap in blocks within a range, and the number of ranges above which
+ * more distant ranges are merged.
+ */
 const BLOCK = 64;
 const GAP = 2;
 const MAX_RANGES = 256;
 
-/** The least room of a buffer that is not empty. */
+/** The minimum capacity of a non-empty buffer. */
 const MIN_ROOM = 1024;
 
-/** An index buffer, and what has changed in it. */
+/** An index buffer and its changes. */
 export class IndexBuffer {
   /** @type {Uint16Array | Uint32Array} */
   #indices = new Uint16Array(0);
   #changed = new Uint8Array(0);
-  /** The indices to draw. */
+  /** The number of indices to draw. */
   length = 0;
 
-  /** The room for indices. */
+  /** The capacity in indices. */
   get capacity() {
     return this.#indices.length;
   }
@@ -32,12 +36,12 @@ export class IndexBuffer {
     return /** @type {2 | 4} */ (this.#indices.BYTES_PER_ELEMENT);
   }
 
-  /** The index of primitive restart. */
+  /** The primitive restart index. */
   get restart() {
     return this.bytesPerIndex === 2 ? 0xffff : 0xffffffff;
   }
 
-  /** Makes all indices four bytes long. */
+  /** Switches to 4-byte indices. */
   widen() {
     if (this.bytesPerIndex === 4) return;
     const { restart, capacity } = this;
@@ -46,8 +50,8 @@ export class IndexBuffer {
   }
 
   /**
-   * Makes room.
-   * @param {number} length the indices
+   * Ensures a capacity.
+   * @param {number} length in indices
    */
   reserve(length) {
     const { capacity } = this;
@@ -62,7 +66,7 @@ export class IndexBuffer {
   }
 
   /**
-   * Notes that indices have changed.
+   * Marks indices as changed.
    * @param {number} start
    * @param {number} end
    */
@@ -71,7 +75,7 @@ export class IndexBuffer {
   }
 
   /**
-   * Writes an index within the room, if it is another one.
+   * Writes an index within the capacity, if it differs.
    * @param {number} at
    * @param {number} index
    */
@@ -82,7 +86,7 @@ export class IndexBuffer {
   }
 
   /**
-   * Writes indices within the room; those that are the same do not count as changed.
+   * Writes indices within the capacity. Equal indices are not marked as changed.
    * @param {number} at
    * @param {Uint32Array} from
    * @param {number} start
@@ -93,7 +97,7 @@ export class IndexBuffer {
   }
 
   /**
-   * Writes the index of primitive restart.
+   * Fills a range with primitive restarts.
    * @param {number} start
    * @param {number} end
    */
@@ -102,7 +106,7 @@ export class IndexBuffer {
   }
 
   /**
-   * Returns a copy of some indices.
+   * Returns a copy of a range of indices.
    * @param {number} start
    * @param {number} end
    */
@@ -111,7 +115,7 @@ export class IndexBuffer {
   }
 
   /**
-   * Returns the runs that have changed since the last call, as copies, in order.
+   * Returns copies of the ranges changed since the last call, sorted.
    * @returns {IndexRange[]}
    */
   takeChanges() {
@@ -121,7 +125,7 @@ export class IndexBuffer {
     return runs.map(({ first, end }) => ({ start: first * BLOCK, array: this.#indices.slice(first * BLOCK, Math.min(end * BLOCK, this.length)) }));
   }
 
-  /** Returns the runs of changed blocks that are drawn; those at most a small gap apart are one. */
+  /** Returns the changed block ranges that are drawn, merged across small gaps. */
   #changedRuns() {
     /** @type {{ first: number, end: number }[]} */
     const runs = [];
@@ -137,7 +141,7 @@ export class IndexBuffer {
 }
 
 /**
- * Joins runs that are at most a gap apart.
+ * Merges ranges that are at most a gap apart.
  * @param {{ first: number, end: number }[]} runs
  * @param {number} gap
  */

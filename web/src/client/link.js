@@ -1,19 +1,23 @@
 /**
- * The connection that all downloads of a worker share: whose turn it is, and a simulated bandwidth.
+ * The connection shared by all downloads of a worker: priorities, and a simulated bandwidth.
  * @module
  */
 
-/** A download that brings nothing for so long does not hold up those of lower priority, in milliseconds. */
+/**
+ * A download without data for this long stops blocking those of lower priority, in milliseconds.
+ */
 const STALLED = 2000;
-/** Pieces of a simulated network: the time that each takes, in seconds, and the fewest bytes. */
+/**
+ * Pieces of the simulated network: the duration of each in seconds, and the minimum size in bytes.
+ */
 const PIECE_SECONDS = 1 / 64;
 const MIN_PIECE = 256;
 
-/** A download's place among the others. */
+/** The scheduling state of a download. */
 export class Turn {
   #link;
   #priority = 0;
-  /** Whether it downloads or tries to, and when it has last got something. */
+  /** Whether it is downloading or connecting, and the time of its last data. */
   isActive = false;
   last = 0;
 
@@ -26,19 +30,19 @@ export class Turn {
     return this.#priority;
   }
 
-  /** Downloads of the highest priority come first. */
+  /** The priority; downloads with the highest priority come first. */
   set priority(priority) {
     this.#priority = Number.isNaN(priority) ? 0 : priority;
     this.#link.wake();
   }
 
-  /** Notes that it downloads, or has got something. */
+  /** Marks the download as active; call it again when data arrive. */
   begin() {
     this.isActive = true;
     this.last = performance.now();
   }
 
-  /** Notes that it does not download. */
+  /** Marks the download as inactive. */
   end() {
     this.isActive = false;
     this.#link.wake();
@@ -52,10 +56,10 @@ export class Link {
   /** @type {Set<() => void>} */
   #waiting = new Set();
   #bitsPerSecond = 0;
-  /** When the simulated network has delivered all that was asked for. */
+  /** The time when the simulated network will have delivered all requested bytes. */
   #free = 0;
 
-  /** Returns the turn of a new download. */
+  /** Registers a new download. */
   join() {
     const turn = new Turn(this);
     this.#turns.add(turn);
@@ -68,13 +72,13 @@ export class Link {
     this.wake();
   }
 
-  /** Lets all that wait look again. */
+  /** Makes all waiting downloads check again. */
   wake() {
     for (const look of [...this.#waiting]) look();
   }
 
   /**
-   * Returns whether others come first.
+   * Returns whether downloads of higher priority come first.
    * @param {Turn} turn
    */
   mustWait(turn) {
@@ -85,7 +89,7 @@ export class Link {
     return false;
   }
 
-  /** Waits until something changes, or some time is over. */
+  /** Waits until something changes, or until a timeout. */
   async change(milliseconds = STALLED / 4) {
     await new Promise((resolve) => {
       const look = () => {
@@ -98,20 +102,20 @@ export class Link {
     });
   }
 
-  /** Simulates a network; 0 for none. */
+  /** The simulated bandwidth; 0 for unlimited. */
   set bitsPerSecond(/** @type {number} */ bitsPerSecond) {
     this.#bitsPerSecond = bitsPerSecond > 0 ? bitsPerSecond : 0;
     this.#free = 0;
     this.wake();
   }
 
-  /** The most bytes that are delivered at once. */
+  /** The maximum size of a delivered piece, in bytes. */
   get pieceBytes() {
     return this.#bitsPerSecond === 0 ? Infinity : Math.max(MIN_PIECE, Math.floor((this.#bitsPerSecond / 8) * PIECE_SECONDS));
   }
 
   /**
-   * Waits for the time that the simulated network takes for some bytes.
+   * Waits as long as the simulated network takes for some bytes.
    * @param {number} bytes
    */
   async deliver(bytes) {

@@ -1,5 +1,5 @@
 /**
- * Triangle lists of the parts of a mesh. A triangle keeps its place in its list.
+ * Triangle lists of the parts of a mesh. Each triangle keeps its position in its list.
  * @module
  */
 import { grown, integers } from '../growth.js';
@@ -11,30 +11,33 @@ import { IndexBuffer } from './index_buffer.js';
  * @import { SentTriangles } from './mesh_buffers.js'
  */
 
-/** No list: the triangle's part is not drawn. */
+/** No list: the part of the triangle is not drawn. */
 const NOT_DRAWN = -1;
 
-/** A list for each part of a mesh. */
+/** One triangle list per part of a mesh. */
 export class Lists {
   #parts;
   /** @type {IndexBuffer[]} */
   #buffers;
-  /** For each triangle the number of its list, and the place there. */
+  /** The list of each triangle, and its position in the list. */
   #lists = integers(0);
   #places = integers(0);
   #count = 0;
 
-  /** @param {number[]} parts the numbers of the parts that are drawn; one that is alone draws all triangles */
+  /**
+   * @param {number[]} parts the indices of the parts that are drawn; a single one draws all
+   *   triangles
+   */
   constructor(parts) {
     this.#parts = new Map(parts.map((part, i) => [part, i]));
     this.#buffers = parts.map(() => new IndexBuffer());
   }
 
   /**
-   * Returns how the lists have changed.
+   * Returns the changes of the lists.
    * @param {StreamPart} part
    * @param {SentTriangles} triangles
-   * @param {Float64Array} partOf the part of each vertex; empty if there is one part
+   * @param {Float64Array} partOf the part of each vertex; empty for a single part
    * @returns {IndexUpdate[]}
    */
   update(part, { vertices, changed, changedCount, count }, partOf) {

@@ -1,8 +1,10 @@
 /**
- * The buffers of a mesh that is refined, as a page draws them: vertices, and an index buffer for each of its parts. After any number of chunks it tells what has changed.
+ * The buffers of a mesh during refinement: vertices, and an index buffer per part. It reports the
+ * changes after any number of chunks.
  *
- * Vertices never change but where all positions get another bit; new ones follow. Triangles are never removed and keep their numbers. A split moves some of them to the new vertex,
- * which marks them with its batch, so that only these are compared with what was sent.
+ * Vertices change only when all positions receive another bit; new vertices are appended. Triangles
+ * are never removed and keep their indices. A split moves some triangles to the new vertex and
+ * marks them with its batch, so only these need to be compared with the sent state.
  * @module
  */
 import { FAN_CELLS, VERTEX } from '../fans.js';
@@ -15,21 +17,21 @@ import { StripSegments } from './strip_segments.js';
  * @import { MeshUpdate, Output } from './client.js'
  */
 
-/** The attribute with the number of the part that a vertex belongs to. */
+/** The attribute with the part index of each vertex. */
 const PART = 'part';
 
-/** The vertices of triangles and their parts, as they were sent. */
+/** The triangles as last sent. */
 export class SentTriangles {
   /** Three vertices per triangle. */
   vertices = integers(0);
   count = 0;
-  /** Triangles that are new or have other vertices than were sent, in order, of which there are `changedCount`. */
+  /** New triangles and triangles with changed vertices, sorted. Their number is `changedCount`. */
   changed = integers(0);
   changedCount = 0;
   #batch = 0;
 
   /**
-   * Finds the triangles that have changed, and notes their vertices.
+   * Finds the changed triangles, and stores their vertices.
    * @param {StreamPart} part
    */
   update({ internals }) {
@@ -63,15 +65,18 @@ export class MeshBuffers {
   #hasParts;
   #triangles = new SentTriangles();
   #indices;
-  /** The vertices that were sent, and the bits of their positions that were not known. */
+  /**
+   * The number of vertices sent, and the number of unknown bits in their positions at that time.
+   */
   #vertexCount = 0;
   #unknownBits = 0;
-  /** The numbers of the parts of the vertices, if the mesh has several parts. */
+  /** The part index of each vertex, if the mesh has several parts. */
   #partOf = new Float64Array(0);
 
   /**
-   * @param {number} stream the number of the mesh
-   * @param {number[] | undefined} parts the numbers of its parts that are drawn; `undefined` if it has none
+   * @param {number} stream the index of the mesh
+   * @param {number[] | undefined} parts the indices of its parts that are drawn; `undefined` if it
+   *   has no parts
    * @param {Output} output
    */
   constructor(stream, parts, output) {
@@ -81,9 +86,9 @@ export class MeshBuffers {
   }
 
   /**
-   * Returns what has changed since the last call.
+   * Returns the changes since the last call.
    * @param {StreamPart} part the mesh
-   * @param {boolean} isLast whether it will not change any more
+   * @param {boolean} isLast whether this is the last update
    * @returns {MeshUpdate}
    */
   update(part, isLast) {

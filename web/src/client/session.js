@@ -1,14 +1,17 @@
 /**
- * A model in the worker: from its download to what the page is told.
+ * A model in the worker, from its download to the messages to the page.
  *
  * ```text
  * download ─▶ pieces ─▶ GlbReader ─▶ document, binary
- *                           └─▶ chunks that have arrived ─▶ decoder ─▶ MeshBuffers ─▶ update
+ *                           └─▶ received chunks ─▶ decoder ─▶ MeshBuffers ─▶ update
  * ```
  * # Algorithm
- * 1. Bytes are cut into chunks when they arrive, and wait. One chunk after another is decoded, with breaks in which messages are read.
- * 2. What has changed is sent when the page has taken the update before, and either nothing waits or enough time has passed: finding out what has changed takes a bounded share of the time.
- * 3. To show fewer chunks, a new decoder begins with the first one: refinements cannot be undone, but decoding takes little time.
+ * 1. Arriving bytes are split into chunks and queued. Chunks are decoded one at a time, yielding to
+ *    the event loop in between.
+ * 2. Changes are sent when the page has taken the previous update, and either the queue is empty or
+ *    enough time has passed. This bounds the share of time spent on finding changes.
+ * 3. To show fewer chunks, a new decoder starts with the first one. Refinements cannot be undone,
+ *    but decoding is fast.
  * @module
  */
 import { readChunkHead } from '../chunk.js';
@@ -26,22 +29,28 @@ import { MeshBuffers } from './mesh_buffers.js';
  * @import { Link } from './link.js'
  */
 
-/** Decoding makes a break after so many milliseconds. */
+/** The maximum duration of decoding before it yields to the event loop, in milliseconds. */
 const SLICE = 12;
-/** An update waits so long, and this many times the time that the last one took to build, while more chunks wait. */
+/**
+ * While chunks are queued, an update waits for the longer of this interval in milliseconds and
+ * `BUILD_SHARE` times the duration of the last build.
+ */
 const MIN_INTERVAL = 60;
 const BUILD_SHARE = 3;
-/** Bytes without an update are told this often, in milliseconds. */
+/** The interval of progress messages in milliseconds while no update is sent. */
 const PROGRESS_INTERVAL = 100;
-/** The most primitives that a stream refines: each update tells of all parts of a mesh. */
+/**
+ * The maximum number of primitives that a stream refines, because each update covers all parts of a
+ * mesh.
+ */
 const MAX_PRIMITIVES = 2 ** 16;
 
 /**
  * A chunk that has arrived.
  * @typedef {object} Chunk
- * @property {Uint8Array | undefined} bytes until it is decoded, unless the file is kept
+ * @property {Uint8Array | undefined} bytes removed after decoding, unless the file is kept
  * @property {number} stream
- * @property {number} end the bytes of the file up to its end
+ * @property {number} end file offset of the end of the chunk
  */
 
 /** One model. */
@@ -58,9 +67,12 @@ export class Session {
   #download;
   #receivedBytes = 0;
   #totalBytes = 0;
-  /** The bytes of the binary chunk before the stream that have come. */
+  /** The received bytes of the binary chunk before the stream. */
   #binaryBytes = 0;
-  /** Whether all bytes have come, or none will come any more because of an error, which is told when all chunks before it are shown. */
+  /**
+   * Whether all bytes have arrived, or an error ended the download. The error is reported after all
+   * chunks before it are shown.
+   */
   #hasArrived = false;
   /** @type {ModelError | undefined} */
   #error;
@@ -70,26 +82,32 @@ export class Session {
   #chunks = [];
   /** @type {ChunkFigures[]} */
   #newChunks = [];
-  /** The chunks that are decoded, and those that are to be. */
+  /** The number of chunks decoded, and the number to decode. */
   #shown = 0;
   #target = Infinity;
-  /** The chunks up to the last one that has a base mesh. */
+  /** The number of chunks up to the last one with a base mesh. */
   #bases = 0;
   #decoder = new Decoder();
   /** @type {Map<number, MeshBuffers>} */
   #buffers = new Map();
-  /** The parts of each mesh that are drawn. @type {Map<number, number[] | undefined>} */
+  /**
+   * The drawn parts of each mesh.
+   * @type {Map<number, number[] | undefined>}
+   */
   #parts = new Map();
-  /** The meshes that have changed since the last update. @type {Set<number>} */
+  /**
+   * The meshes changed since the last update.
+   * @type {Set<number>}
+   */
   #changed = new Set();
   #isTaken = true;
   #isPaused = false;
   #isDecoding = false;
   /** Whether chunks are decoded again that were shown before. */
   #isGoingBack = false;
-  /** The most chunks that were shown. */
+  /** The maximum number of chunks shown so far. */
   #mostShown = 0;
-  /** Whether a chunk could not be decoded, or an update not be built: nothing more is done. */
+  /** Whether decoding or building an update failed; nothing more is done then. */
   #hasFailed = false;
   #hasToldEnd = false;
   #lastUpdate = -Infinity;
@@ -101,7 +119,7 @@ export class Session {
   #state;
 
   /**
-   * @param {(message: any, transfer?: Transferable[]) => void} post tells the page something
+   * @param {(message: any, transfer?: Transferable[]) => void} post sends a message to the page
    * @param {Link} link
    */
   constructor(post, link) {
@@ -111,7 +129,7 @@ export class Session {
   }
 
   /**
-   * Does what the page asks for.
+   * Handles a message of the page.
    * @param {any} message
    */
   receive(message) {
@@ -185,7 +203,7 @@ export class Session {
   }
 
   /**
-   * Takes the bytes of the file as they arrive.
+   * Processes the bytes of the file as they arrive.
    * @param {AsyncGenerator<Uint8Array>} pieces
    */
   async #run(pieces) {
@@ -223,7 +241,7 @@ export class Session {
   }
 
   /**
-   * Returns what people are told of an error.
+   * Converts an error to a message for users.
    * @param {unknown} error
    * @returns {ModelError}
    */
@@ -235,7 +253,7 @@ export class Session {
 
   #checkEnd() {
     const end = this.#receivedBytes;
-    // A file may end with its JSON: as if an empty chunk came after it.
+    // A file may end after its JSON; this is treated as an empty binary chunk.
     if (end >= JSON_START && !this.#reader.json) this.#take(new Uint8Array(CHUNK_HEADER_BYTES));
     this.#receivedBytes = end;
     const { json, fileBytes } = this.#reader;
@@ -248,7 +266,7 @@ export class Session {
   }
 
   /**
-   * Cuts bytes of the file into what they are.
+   * Assigns bytes of the file to its sections.
    * @param {Uint8Array} piece
    */
   #take(piece) {
@@ -275,7 +293,7 @@ export class Session {
   }
 
   /**
-   * Cuts bytes of the stream into chunks.
+   * Splits bytes of the stream into chunks.
    * @param {Uint8Array} stream
    */
   #cut(stream) {
@@ -284,7 +302,7 @@ export class Session {
     let rest = known > 0 ? this.#waiting.add(stream) : stream;
     const most = this.#options.limits?.chunkBytes ?? USUAL_LIMITS.chunkBytes;
     for (let head; (head = readChunkHead(rest)); ) {
-      // The decoder refuses the head of a chunk that is too large.
+      // The decoder rejects the header of a chunk that is too large.
       const length = head.headBytes + (head.payloadBytes > most ? 0 : head.payloadBytes);
       if (rest.length < length) break;
       this.#addChunk(rest.slice(0, length), head);
@@ -304,18 +322,18 @@ export class Session {
     const start = this.#chunks.length > 0 ? this.#chunks[this.#chunks.length - 1].end : this.#reader.streamStart;
     const end = start + bytes.length;
     this.#chunks.push({ bytes, stream, end });
-    // The decoder refuses others.
+    // The decoder rejects other errors.
     if (Number.isFinite(error)) this.#newChunks.push({ stream, end, triangles, error });
     if (visits === 0) this.#bases = this.#chunks.length;
   }
 
-  /** Tells the page of chunks that have arrived. */
+  /** Sends the chunks received to the page. */
   #tellChunks() {
     if (this.#newChunks.length > 0) this.#post({ type: 'chunks', chunks: this.#newChunks });
     this.#newChunks = [];
   }
 
-  /** The chunks that are to be shown. */
+  /** The number of chunks to show. */
   get #wanted() {
     return Math.min(Math.max(this.#target, this.#bases), this.#chunks.length);
   }
@@ -335,7 +353,7 @@ export class Session {
     this.#decode();
   }
 
-  /** Decodes what has arrived and is to be shown, and tells the page. */
+  /** Decodes the received chunks that are to be shown, and sends updates. */
   async #decode() {
     if (this.#isDecoding) return;
     this.#isDecoding = true;
@@ -361,7 +379,7 @@ export class Session {
   }
 
   /**
-   * Ends the download after an error in what has arrived.
+   * Stops the download after an error in the data.
    * @param {unknown} error
    */
   #stop(error) {
@@ -373,7 +391,7 @@ export class Session {
     this.#chunks.length = this.#shown;
   }
 
-  /** Whether there is a chunk to decode. While the model is paused, only chunks that were shown before are. */
+  /** Whether a chunk can be decoded. While paused, only chunks that were shown before. */
   get #canDecode() {
     const end = this.#isPaused ? Math.min(this.#wanted, this.#mostShown) : this.#wanted;
     return !this.#isClosed && this.#shown < end;
@@ -396,7 +414,7 @@ export class Session {
 
   #decodeChunk() {
     const chunk = this.#chunks[this.#shown];
-    // Bytes are kept until they have been decoded.
+    // Bytes are kept until they are decoded.
     this.#decoder.update(/** @type {Uint8Array} */ (chunk.bytes));
     if (!this.#options.keepBytes) chunk.bytes = undefined;
     this.#shown++;
@@ -404,7 +422,7 @@ export class Session {
     this.#changed.add(chunk.stream);
   }
 
-  /** Sends what has changed. */
+  /** Sends the changes. */
   #sendUpdate() {
     const start = performance.now();
     const isLast = this.#isComplete;
@@ -452,7 +470,7 @@ export class Session {
   }
 }
 
-/** Lets the worker read its messages. */
+/** Yields to the event loop of the worker. */
 function pause() {
   return new Promise((resolve) => {
     const { port1, port2 } = new MessageChannel();
@@ -465,7 +483,8 @@ function pause() {
 }
 
 /**
- * Returns the meshes of the stream that primitives draw, each with the numbers of the parts that they draw, or `undefined` if one draws all of it.
+ * Returns the meshes of the stream that primitives draw, with the indices of the drawn parts, or
+ * `undefined` if a primitive draws the whole mesh.
  * @param {any} json the glTF document
  */
 function partsOf(json) {

@@ -1,16 +1,19 @@
 /**
- * Triangle strips of the parts of a mesh, in index buffers of which few ranges change.
+ * Triangle strips of the parts of a mesh, in index buffers with few changed ranges per update.
  *
  * ```text
- * buffer   │ strip · R R R │ strip · R │ R R R R R R R │ strip · R R │ …        R: primitive restart
- *            └ segment, with room to grow └ segment of a strip that is gone
+ * buffer   │ strip · R R R │ strip · R │ R R R R R R R │ strip · R R │ …       R: primitive restart
+ *            └ segment with spare capacity └ segment of a removed strip
  * ```
  * # Algorithm
- * 1. A strip is another one if one of its triangles has other vertices or other links than when it was sent. No strip of which nothing has changed is looked at.
- * 2. The segments of all triangles of such a strip are freed. The strip is written to the segment that its first triangle had, if it has the room; otherwise to a new one at the end of the buffer.
- * 3. When more than a third of a buffer is restarts between strips, its segments are moved together.
+ * 1. A strip has changed if one of its triangles has different vertices or links than when it was
+ *    sent. Unchanged strips are not visited.
+ * 2. The segments of all triangles of a changed strip are freed. The strip is written to the old
+ *    segment of its first triangle if it fits, otherwise to a new segment at the end of the buffer.
+ * 3. When more than a third of a buffer is unused restarts, its segments are compacted.
  *
- * A border between parts is a seam, which no strip crosses: a strip is in the buffer of its first vertex.
+ * Borders between parts are seams, which no strip crosses. A strip is in the buffer of its first
+ * vertex.
  * @module
  */
 import { grown, integers } from '../growth.js';
@@ -24,14 +27,20 @@ import { IndexBuffer } from './index_buffer.js';
 
 /** No segment. */
 const NONE = -1;
-/** The cells of a segment: its buffer, its start, its room, the length of its strip with the restart behind it, its triangles, and the update that has written it. */
+/**
+ * The cells of a segment: buffer, start, capacity, length of the strip including its restart,
+ * triangle count, and the update that wrote it.
+ */
 const CELLS = 6;
 const START = 1;
 const ROOM = 2;
 const LENGTH = 3;
 const TRIANGLES = 4;
 const WRITTEN_IN = 5;
-/** The share of a buffer that may be restarts between strips, also when nothing more comes, and the restarts that it may have in any case. */
+/**
+ * The maximum share of unused restarts in a buffer, the same for the last update, and the number of
+ * unused restarts that is always allowed.
+ */
 const MAX_WASTE = 1 / 3;
 const MAX_WASTE_AT_END = 1 / 32;
 const FREE_WASTE = 1024;
@@ -39,54 +48,57 @@ const FREE_WASTE = 1024;
 const UNKNOWN = 255;
 
 /**
- * Returns the room for a strip: an eighth more than it takes.
- * @param {number} length with the restart behind it
+ * Returns the capacity for a strip: its length plus an eighth.
+ * @param {number} length including the restart
  */
 const roomFor = (length) => (length + (length >> 3) + 3) & ~3;
 
-/** The strips of one part, and their figures. */
+/** The strips of one part and their metrics. */
 class StripBuffer {
   indices = new IndexBuffer();
   end = 0;
-  /** Segments without a strip, by the binary logarithm of their room. */
+  /** Free segments by the binary logarithm of their capacity. */
   free = Array.from({ length: 32 }, () => /** @type {number[]} */ ([]));
-  /** The lengths of all strips, with the restarts behind them. */
+  /** The total length of all strips including restarts. */
   live = 0;
   triangles = 0;
   strips = 0;
 }
 
-/** The strips of each part of a mesh. */
+/** The strips of all parts of a mesh. */
 export class StripSegments {
   #parts;
   /** @type {StripBuffer[]} */
   #buffers;
   #segments = integers(0);
   #segmentCount = 0;
-  /** The segments that this update has freed, and the lengths of their strips. */
+  /** The segments freed by this update, with the lengths of their strips. */
   #freed = /** @type {{ segment: number, length: number }[]} */ ([]);
-  /** For each triangle its segment, its links when it was sent, and the last update that has sent it. */
+  /** Per triangle: its segment, its links when sent, and the last update that sent it. */
   #segmentOf = integers(0);
   #links = new Uint8Array(0);
   #sentIn = integers(0);
   #update = 0;
   #count = 0;
-  /** A strip, and its triangles. */
+  /** A strip and its triangles. */
   #strip = new Uint32Array(0);
   #path = integers(0);
 
-  /** @param {number[]} parts the numbers of the parts that are drawn; one that is alone draws all triangles */
+  /**
+   * @param {number[]} parts the indices of the parts that are drawn; a single one draws all
+   *   triangles
+   */
   constructor(parts) {
     this.#parts = new Map(parts.map((part, i) => [part, i]));
     this.#buffers = parts.map(() => new StripBuffer());
   }
 
   /**
-   * Returns how the strips have changed.
+   * Returns the changes of the strips.
    * @param {StreamPart} part with strips
    * @param {SentTriangles} triangles
-   * @param {Float64Array} partOf the part of each vertex; empty if there is one part
-   * @param {boolean} isLast whether nothing more will change
+   * @param {Float64Array} partOf the part of each vertex; empty for a single part
+   * @param {boolean} isLast whether this is the last update
    * @returns {IndexUpdate[]}
    */
   update(part, { changed, changedCount, count }, partOf, isLast) {
@@ -113,7 +125,7 @@ export class StripSegments {
 
   /**
    * @param {number} count the triangles
-   * @param {number} verticesSent at least as many as those of the longest strip
+   * @param {number} verticesSent an upper bound for the vertices of a strip
    */
   #grow(count, verticesSent) {
     this.#segmentOf = grown(this.#segmentOf, count).fill(NONE, this.#count);
@@ -125,7 +137,7 @@ export class StripSegments {
   }
 
   /**
-   * Sends the strip of a triangle, unless this update has sent it.
+   * Writes the strip of a triangle, unless this update has written it already.
    * @param {number} t
    * @param {import('../strips.js').Strips} strips
    * @param {Float64Array} partOf
@@ -171,7 +183,7 @@ export class StripSegments {
 
   /**
    * @param {number} segment a free one
-   * @param {number} length of its strip with the restart behind it
+   * @param {number} length of its strip, including the restart
    * @param {number} triangles
    */
   #occupy(segment, length, triangles) {
@@ -192,9 +204,9 @@ export class StripSegments {
 
   /**
    * Returns a segment for a strip: the old one of its first triangle, a free one, or a new one.
-   * @param {number} number the number of the buffer
+   * @param {number} number the index of the buffer
    * @param {number} old
-   * @param {number} length with the restart behind it
+   * @param {number} length including the restart
    */
   #place(number, old, length) {
     const segments = this.#segments;
@@ -217,7 +229,7 @@ export class StripSegments {
     return segment;
   }
 
-  /** Clears the segments that were freed and have no strip again. */
+  /** Clears the freed segments that were not reused. */
   #clearFreed() {
     for (const { segment, length } of this.#freed) {
       const { at, buffer } = this.#cellsOf(segment);
@@ -230,9 +242,9 @@ export class StripSegments {
   }
 
   /**
-   * Moves the segments of a buffer together, and forgets the free ones.
+   * Compacts the segments of a buffer, and drops the free ones.
    * @param {number} number
-   * @param {boolean} isTight whether they get no more room than they need
+   * @param {boolean} isTight whether segments get no spare capacity
    */
   #compact(number, isTight) {
     const segments = this.#segments;

@@ -1,7 +1,9 @@
 /**
- * Decodes a mesh of random bytes, so that the browser has compiled the decoder before the first model comes: that takes as long as decoding the bunny.
+ * Decodes a mesh of random bytes, so that the browser compiles the decoder before the first model
+ * arrives. Compilation takes as long as decoding the bunny.
  *
- * Any bytes build some mesh. These are a base mesh and one chunk, which claims more than it has: the decoder refuses it when it has used all of it.
+ * Random bytes decode to some mesh. These are a base mesh and one chunk that declares more than it
+ * contains; the decoder rejects it after using all of it.
  * @module
  */
 import { Checksum } from '../chunk.js';
@@ -11,19 +13,26 @@ import { Random } from '../paths.js';
 import { Strips } from '../strips.js';
 import { MeshBuffers } from './mesh_buffers.js';
 
-/** The bytes of the two chunks, random but for the head of the base mesh, and its triangles. 5000 bytes save a third of the time of the first model, and 20,000 no more. */
+/**
+ * The sizes in bytes of both chunks, random except for the header of the base mesh, and the
+ * triangles of the base mesh. 5000 bytes save a third of the time for the first model; 20,000 save
+ * no more.
+ */
 const BASE_BYTES = 400;
 const BYTES = 5000;
 const BASE_TRIANGLES = 12;
-/** The first random numbers, with which the base mesh would not be one. */
+/** The number of random values to skip; the first ones would not yield a valid base mesh. */
 const SKIPPED = 1;
-/** What the head of the refinement claims. */
+/** The counts declared by the header of the refinement. */
 const MOST = 2 ** 20;
-/** Bits of a coordinate, and those that are unknown at first; origin and step of the grid as floats; triangles, levels, triangles, vertices and attributes. */
+/**
+ * The header of the base mesh: bits per coordinate and unknown bits; grid origin and step as
+ * floats; triangles, levels, triangles, vertices and attributes.
+ */
 const BASE_HEAD = [14, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 128, 63, BASE_TRIANGLES, 0, 0, 0, 0];
 
 /**
- * Writes a number as the head of a chunk has it.
+ * Encodes a number as in the header of a chunk.
  * @param {number} number
  */
 function* digits(number) {
@@ -49,8 +58,8 @@ function chunkOf(payload, visits, level, triangles) {
 }
 
 /**
- * Decodes the mesh, and builds its buffers.
- * @returns {number} its triangles
+ * Decodes the mesh and builds its buffers.
+ * @returns {number} the triangle count
  */
 export function warmUp() {
   const random = new Random();

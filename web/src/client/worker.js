@@ -1,12 +1,12 @@
 /**
- * The worker of `Client`: it has a session for each model.
+ * The worker of `Client`, with one session per model.
  * @module
  */
 import { Link } from './link.js';
 import { Session } from './session.js';
 import { warmUp } from './warm_up.js';
 
-/** If no model has come after so many milliseconds, there is time to get ready for the first one. */
+/** The idle time in milliseconds before the worker warms up for the first model. */
 const IDLE = 200;
 
 /** @type {any} */
