@@ -550,7 +550,7 @@ test('models that are opened one after another, closed early and found again in 
   await page.waitForTimeout(500);
   assert.equal(await triangles(page), 0);
   server.shape(present(hand).url);
-  // Back to the first one, to the second one, and forward to the gallery.
+  // Back to the first model, to the second, and forward to the gallery.
   await page.goBack();
   await waitForState(page, 'complete');
   assert.match(await nameOf(), /hand/);
@@ -567,7 +567,7 @@ test('models that are opened one after another, closed early and found again in 
 test('a view is the same after a reload, and one that is none is not taken', { skip }, async () => {
   const { page, problems } = await openViewer(unmorphed);
   await waitForState(page, 'complete');
-  // The outline of the focus is in pictures.
+  // The focus outline is part of the images.
   const unfocused = async () => {
     await page.evaluate(() => /** @type {HTMLElement} */ (document.activeElement).blur());
     return picture(page);
@@ -588,7 +588,7 @@ test('a view is the same after a reload, and one that is none is not taken', { s
     await settle(page);
     assert.ok((await difference(page, first, await unfocused())) <= EQUAL, view);
   }
-  // As near and as far as it goes, and back.
+  // Zoom in and out to the limits, and back.
   for (const key of ['+', '-']) {
     await page.locator('#canvas').focus();
     for (let i = 0; i < 150; i++) await page.keyboard.press(key);
@@ -641,7 +641,7 @@ test('a texture that is uploaded while the context is lost is made again', { ski
   writeFileSync(path.join(models.folder, 'square.glb'), texturedSquare(`data:image/png;base64,${pixel('blue')}`));
   const { page, problems } = await openViewer();
   await page.addInitScript(() => {
-    // Those who wait for a frame by a promise wait until they are let go.
+    // Code that awaits a frame is held until it is released.
     const { requestAnimationFrame } = window;
     window.held = [];
     window.requestAnimationFrame = (callback) => (String(callback).includes('native code') ? window.held.push(callback) : requestAnimationFrame(callback));
@@ -702,7 +702,7 @@ test('nothing is beyond a screen of 360 pixels, whatever it shows', { skip }, as
 });
 
 test('all controls can be reached by Tab', { skip }, async () => {
-  // One has levels, the other a choice of animations.
+  // One model has levels, the other a choice of animations.
   await assertReached(present(hand));
   await assertReached(unmorphed);
 });
@@ -849,7 +849,7 @@ test('a full model is orbited while another one loads', { skip: skip || needsMod
   const horse = pack(path.join(/** @type {string} */ (largeModels), 'horse.ply'));
   const { page, problems } = await openViewer(bunny);
   await waitForState(page, 'complete');
-  // The other one arrives for as long as this one is looked at.
+  // The second model keeps arriving while the first one is viewed.
   server.shape(horse.url, { bytesPerSecond: horse.bytes / ORBIT_SECONDS });
   const known = server.requestsOf(horse.url).length;
   const other = await openViewer(horse, { viewport: { width: 300, height: 400 } });

@@ -82,7 +82,8 @@ test('the bunny is decoded as by the encoder', { skip: !TRISTRIP_BUNNY && 'TRIST
 });
 
 /**
- * Runs a decoder on bytes that no encoder has written: it may only throw errors of streams, and what it has built is drawable.
+ * Runs a decoder on bytes that no encoder has written. It may only throw stream errors, and what it
+ * has decoded can be drawn.
  * @param {Uint8Array[]} pieces
  */
 function tryDecode(pieces) {
@@ -110,7 +111,7 @@ test('damaged streams are refused', { timeout: 600_000 }, () => {
     const error = tryDecode([mutated]);
     counts[!error ? 'complete' : /checksum/.test(error.found) ? 'checksum' : 'contents']++;
   }
-  // The same with checksums that fit, so that the contents are reached.
+  // Repeats this with correct checksums, so that the payloads are decoded.
   for (let round = 0; round < 2500; round++) {
     const chunks = chunksOf(small[round % small.length]);
     const damaged = random.below(chunks.length);
@@ -122,7 +123,7 @@ test('damaged streams are refused', { timeout: 600_000 }, () => {
         mutated[random.below(mutated.length)] = random.below(256);
       }
       const field = /** @type {const} */ (['stream', 'visits', 'level', 'triangles', 'error', 'error'])[random.below(6)];
-      // Few have so many visits that only the end of the payload ends them.
+      // Few chunks have enough visits to reach the end of the payload.
       if (field !== 'error' && random.below(3) === 0) changed[field] = random.below(random.below(2) ? 2000 : 2 ** 32);
       return chunkBytes(changed, mutated);
     });
@@ -156,7 +157,7 @@ test('limits are kept', () => {
   refused({ triangles: most - 1 }, /at most/);
   refused({ chunkBytes: 100 }, /at most 100/);
   refused({ corners: 500 }, /at most \d+/);
-  // The head alone tells that a chunk is too large.
+  // The header alone shows that a chunk is too large.
   const head = Uint8Array.from([0, 255, 255, 255, 255, 15, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
   assert.throws(() => new Decoder().update(head), { found: '4294967295 bytes' });
   const tooLong = Uint8Array.from([255, 255, 255, 255, 255]);

@@ -1,5 +1,6 @@
 /**
- * The npm package: its files and its exports, as `npm pack` lists them. browser/package.test.js installs and uses it.
+ * The npm package: its files and exports, as listed by `npm pack`. browser/package.test.js installs
+ * and uses it.
  */
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -10,7 +11,7 @@ import { fileURLToPath } from 'node:url';
 const web = fileURLToPath(new URL('../', import.meta.url));
 const manifest = JSON.parse(readFileSync(new URL('../package.json', import.meta.url), 'utf8'));
 
-/** Returns the files of the package. Creates the types and copies the licences, as before publishing. */
+/** Returns the files of the package. Runs `prepack`, which creates types and copies licences. */
 function packedFiles() {
   const output = execFileSync('npm', ['pack', '--dry-run', '--json', '--silent'], { cwd: web, encoding: 'utf8', stdio: ['ignore', 'pipe', 'inherit'] });
   // Scripts may print before the JSON.

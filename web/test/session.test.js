@@ -15,10 +15,10 @@ import { canonical, triples } from '../testing/triangles.js';
 
 const FILE = glb(document());
 
-/** Files of models that are packed, for tests of larger ones. */
+/** Packed models for tests of larger files. */
 const FILES = (process.env.TRISTRIP_PACKED ?? '').split(':').filter((path) => path !== '');
 
-/** A page that has loaded a model. */
+/** A page that loads a model. */
 class Page {
   mirror = new Mirror();
   /** @type {any[]} */
@@ -68,7 +68,7 @@ class Page {
     });
   }
 
-  /** Waits until all is shown. */
+  /** Waits until everything is shown. */
   complete() {
     return this.until(({ type, update }) => type === 'update' && update.progress.isComplete);
   }
@@ -80,7 +80,7 @@ class Page {
 }
 
 /**
- * Checks that a page draws what a decoder has.
+ * Checks that a page draws the mesh of a decoder.
  * @param {Page} page
  * @param {GlbDecoder} decoder
  * @param {Output} output
@@ -195,8 +195,10 @@ test('a GLB without a stream is told of as a whole', async () => {
 });
 
 /**
- * Serves the file; each request is answered by the next function, the last one also further ones.
- * @param {((request: import('node:http').IncomingMessage, response: import('node:http').ServerResponse) => void)[]} answers
+ * Serves the file. Each request is answered by the next function; the last function also answers
+ * further requests.
+ * @param {((request: import('node:http').IncomingMessage, response:
+ *   import('node:http').ServerResponse) => void)[]} answers
  */
 async function serve(answers) {
   /** @type {string[]} */
@@ -216,7 +218,7 @@ async function serve(answers) {
 }
 
 /**
- * Answers with the file from a byte on, and cuts the connection after some bytes.
+ * Sends the rest of the file from the requested byte, and cuts the connection after some bytes.
  * @param {number} [most]
  */
 function sending(most = Infinity, tag = '"a"') {

@@ -9,7 +9,7 @@ import { fingerprint } from '../testing/fingerprint.js';
 import { canonical, drawnByStrips, triples } from '../testing/triangles.js';
 import { chunkBytes, chunksOf, Random as Seeded, vectors } from '../testing/vectors.js';
 
-/** The checksums of the strips that the decoder in Rust keeps up. */
+/** The checksums of the strips that the decoder in Rust maintains. */
 const EXPECTED = JSON.parse(readFileSync(new URL('../../testdata/stream/strips.json', import.meta.url), 'utf8'));
 
 /** @param {import('../src/decoder.js').StreamPart} part */
@@ -22,7 +22,7 @@ function assertStrips(part) {
   return indices;
 }
 
-/** @param {Uint16Array | Uint32Array} indices the checksum is that of 32-bit indices */
+/** @param {Uint16Array | Uint32Array} indices the checksum is computed over 32-bit indices */
 function checksum(indices) {
   return crc32(new Uint8Array(Uint32Array.from(indices, (index) => (indices instanceof Uint16Array && index === 65535 ? 4294967295 : index)).buffer));
 }

@@ -3,14 +3,14 @@ import { existsSync } from 'node:fs';
 import { register } from 'node:module';
 import { test } from 'node:test';
 
-// three.js is installed for the tests in the browser.
+// three.js is a dependency of the browser tests.
 const BROWSER = new URL('../browser/package.json', import.meta.url).href;
 const skip = !existsSync(new URL('node_modules/three', BROWSER)) && 'SKIPPED: three.js is not installed: npm ci --prefix browser';
 const HOOK = `export const resolve = (name, context, next) => next(name, /^three($|\\/)/.test(name) ? { ...context, parentURL: '${BROWSER}' } : context);`;
 if (!skip) register(`data:text/javascript,${encodeURIComponent(HOOK)}`);
 const load = async () => ({ THREE: await import('three'), ...(await import('../three/index.js')) });
 
-/** A client that does what a test says. */
+/** A client controlled by the test. */
 class FakeClient {
   calls = [];
   load(source, events) {
@@ -19,7 +19,7 @@ class FakeClient {
   }
 }
 
-/** A GLTFLoader that parses when a test says so. */
+/** A GLTFLoader that parses when the test allows it. */
 class FakeGLTFLoader {
   register() {}
   parseAsync() {
@@ -30,7 +30,7 @@ class FakeGLTFLoader {
 const isComplete = { meshes: [], progress: { isComplete: true } };
 const json = { extensions: { TRISTRIP_progressive: {} } };
 
-/** Begins to load a model. */
+/** Starts loading a model. */
 async function begin(options = {}) {
   const { THREE, ProgressiveLoader } = await load();
   const [client, gltfLoader] = [new FakeClient(), new FakeGLTFLoader()];

@@ -30,7 +30,7 @@ test('a curve of many points is thinned out', () => {
   assert.deepEqual([points[0], points.at(-1)], [many[0], many.at(-1)]);
 });
 
-/** A document with a streamed mesh whose positions have such bounds. */
+/** A document with a streamed mesh that has these position bounds. */
 const documentOf = (bounds) => ({ meshes: [{ primitives: [{ attributes: { POSITION: 0 }, extensions: { TRISTRIP_progressive: { stream: 0 } } }] }], accessors: [bounds] });
 
 test('errors are fractions of the size, and finite', () => {
@@ -43,7 +43,7 @@ test('errors are fractions of the size, and finite', () => {
   assert.equal(errorOf({ min: [0, 0, 0], max: [3, 4, 0] }, 1), 0.2);
   assert.equal(errorOf({ min: [0, 0, 0], max: [1e-300, 0, 0] }, 1e20), 0);
   assert.equal(errorOf({ min: [0, 0, 0], max: [1, 0, 0] }, Infinity), 0);
-  // Bounds that are none leave the size unknown.
+  // Invalid bounds leave the size unknown.
   for (const bounds of [{ min: 5, max: 5 }, { min: [0], max: [1] }, { min: ['a', 0, 0], max: [1, 1, 1] }, {}, null]) assert.equal(errorOf(bounds, 0.5), 0.5);
 });
 
@@ -63,7 +63,7 @@ test('chunks are summed up as they would be from scratch, in time that does not 
     figures.addChunks(chunks.map(({ read }) => read));
     for (const [i, { values }] of chunks.entries()) {
       known.set(values.stream, values);
-      // All of them from scratch would take too long.
+      // Recomputing all of them would take too long.
       if (i % 500 !== 499 && round > 0) continue;
       if (round === 0 && i > 40) continue;
       const all = [...known.values()];

@@ -62,7 +62,7 @@ test('matrices are applied from right to left', () => {
   near(transformPoint(turn, [1, 0, 0]), [1, 4, 3]);
   near(transformPoint(multiply(turn, turn), [1, 0, 0]), transformPoint(turn, transformPoint(turn, [1, 0, 0])));
   assert.ok(Math.abs(determinant(turn) - 8) < 1e-12);
-  // The matrix of normals is that of cofactors: here the rotation times 4.
+  // Normals are transformed by the cofactor matrix: here the rotation times 4.
   near(cofactors(turn).slice(0, 3), [0, 4, 0]);
 });
 
@@ -96,7 +96,7 @@ test('a camera sees what it looks at, and its view is text', () => {
 });
 
 /**
- * Returns an object that calls a function whenever a property of it, or of what is in it, is read.
+ * Returns an object that calls a function on every read of a property, also of nested ones.
  * @template {object} T
  * @param {T} object
  * @param {() => void} onread
@@ -167,7 +167,7 @@ test('animations move the weights of morph targets, of any number', () => {
   const animation = new Animation('Smile');
   const times = Float32Array.of(0, 2);
   for (const node of [0, 7]) animation.tracks.push({ node, path: 'weights', interpolation: 'LINEAR', times, values: Float32Array.of(0, 1, 2, 3, 4, 4, 3, 2, 1, 0) });
-  // A spline with a tangent, a value and a tangent per time.
+  // A cubic spline with an in-tangent, a value and an out-tangent per key.
   const zeros = [0, 0, 0, 0, 0];
   animation.tracks.push({ node: 1, path: 'weights', interpolation: 'CUBICSPLINE', times, values: Float32Array.of(...zeros, 0, 0, 0, 0, 4, ...zeros, ...zeros, 8, 0, 0, 0, 0, ...zeros) });
   animation.apply(scene, 1);
@@ -274,7 +274,7 @@ test('triangles of strips are counted without restarts and degenerate ones', () 
 
 test('morph targets are uploaded as one texture, and nothing of it stays', () => {
   const { json, arrays } = morphingSquare({ mesh: [0.5] });
-  // The second target changes normals, too, in integers.
+  // The second target also changes normals, as integers.
   json.meshes[0].primitives[0].targets[1].NORMAL = 7;
   json.accessors.push({ componentType: 5122, normalized: true, count: 4, type: 'VEC3', sparse: { count: 1, indices: { bufferView: 7, componentType: 5121 }, values: { bufferView: 8 } } });
   const { json: views, bytes: binary } = binaryOf(sceneGlb(json, [...arrays, Uint8Array.of(3), Int16Array.of(32767, 0, -32767)]));
@@ -293,7 +293,7 @@ test('morph targets are uploaded as one texture, and nothing of it stays', () =>
   assert.ok(gl.textures[1].isDeleted);
 });
 
-/** Regression: the page said that there was nothing to show. */
+/** Regression: the page reported an empty scene. */
 test('a model that arrives after the context was restored is shown', () => {
   const { json, arrays } = morphingSquare();
   const { json: views, bytes } = binaryOf(sceneGlb(json, arrays));
@@ -328,7 +328,7 @@ test('a material without a surface is no metal', () => {
   assert.equal(readMaterial({ pbrMetallicRoughness: {} }).factors[0], 1);
 });
 
-/** What a context does with buffers, in memory. */
+/** The buffer operations of a context, emulated in memory. */
 class FakeContext {
   bound = new Map();
   COPY_READ_BUFFER = 1;
@@ -353,20 +353,20 @@ class FakeContext {
   texStorage2D = (target, levels, format, width, height) => Object.assign(this.bound.get('texture'), { format, width, height, texels: new Float32Array(4 * width) });
   texParameteri() {}
   texSubImage2D(target, level, x, y, width, height, format, type, array) {
-    // The first row is enough for tests.
+    // The first row suffices for the tests.
     if (y === 0) this.bound.get('texture').texels.set(array.subarray(0, this.bound.get('texture').texels.length));
   }
   getParameter = () => 8192;
   deleteTexture = (texture) => texture && (texture.isDeleted = true);
 }
 
-/** The binary chunk of a small GLB, and the document's lists of what is in it. */
+/** The binary chunk of a small GLB, and the accessors and buffer views of its document. */
 function binaryOf(file) {
   const { json: { buffers, bufferViews }, binary } = readGlb(file);
   return { json: { buffers, bufferViews }, bytes: binary };
 }
 
-/** Whether the bytes of two arrays are the same. */
+/** Whether two arrays have equal bytes. */
 const isSame = (a, b) => Buffer.from(a.buffer, a.byteOffset, a.byteLength).equals(Buffer.from(b.buffer, b.byteOffset, b.byteLength));
 
 test('buffers follow updates, and indices are shown when all of an update is uploaded', () => {
@@ -406,7 +406,7 @@ test('buffers follow updates, and indices are shown when all of an update is upl
   }
 });
 
-/** Opens a model, and takes what it tells. */
+/** Opens a model, and records its notifications. */
 function openModel(json, bytes, binaryBytes = bytes.length) {
   const gl = new FakeContext();
   const told = { errors: [], bounds: [] };
@@ -452,7 +452,7 @@ test('primitives share the textures of wireframes, and nothing of them stays', (
   const json = {
     scenes: [{ nodes: [0] }],
     nodes: [{ mesh: 0 }],
-    // Two sets of vertices, and indices of their own for each primitive.
+    // Two sets of vertices, and separate indices for each primitive.
     meshes: [{ primitives: Array.from({ length: count }, (_, i) => ({ attributes: { POSITION: i % 2 }, indices: 2 + i })) }],
     buffers: [{}],
     bufferViews: [{ buffer: 0, byteLength: 64 }],

@@ -2,8 +2,9 @@ import { Checksum } from '../src/chunk.js';
 import { FAN_CELLS, VERTEX } from '../src/fans.js';
 
 /**
- * Returns a checksum of the mesh so far: the CRC-32 of the vertices of the triangles, then the grid positions of the vertices, then the integers of
- * each attribute, all as 32-bit numbers with the lowest byte first. Decoders that agree return the same after each chunk.
+ * Returns a checksum of the current mesh: the CRC-32 of the vertices of the triangles, then of the
+ * grid positions of the vertices, then of the integers of each attribute, all as 32-bit
+ * little-endian numbers. Conforming decoders return the same value after each chunk.
  * @param {import('../src/decoder.js').StreamPart} part
  * @returns {number}
  */

@@ -1,5 +1,5 @@
 /**
- * What a page has of a model: the buffers that updates have filled.
+ * The state of a model in a page: buffers filled by updates.
  * @module
  */
 
@@ -13,9 +13,12 @@ class MirroredMesh {
   positions = [];
   /** @type {Map<string, number[]>} */
   attributes = new Map();
-  /** For each part its indices. @type {Map<number, { indices: Float64Array, length: number, bytesPerIndex: number }>} */
+  /**
+   * The indices of each part.
+   * @type {Map<number, { indices: Float64Array, length: number, bytesPerIndex: number }>}
+   */
   parts = new Map();
-  /** Indices that were uploaded, and those of all buffers together. */
+  /** The number of indices uploaded, and the total size of all buffers in indices. */
   uploaded = 0;
   whole = 0;
 
@@ -66,7 +69,7 @@ class MirroredMesh {
 }
 
 /**
- * Replaces the values from some place on.
+ * Replaces the values from a position on.
  * @param {number[]} values
  * @param {number} start
  * @param {ArrayLike<number>} replaced

@@ -1,5 +1,5 @@
 /**
- * Small GLB files of tests, made of a document and arrays.
+ * Small GLB files for tests, built from a document and arrays.
  * @module
  */
 
@@ -7,7 +7,7 @@
 const padded = (byteCount) => (byteCount + 3) & ~3;
 
 /**
- * Returns the bytes of a GLB. Each array becomes a buffer view of the same number.
+ * Returns the bytes of a GLB. Each array becomes the buffer view with the same index.
  * @param {any} json without buffers and buffer views
  * @param {ArrayBufferView[]} arrays
  */
@@ -55,8 +55,9 @@ export function readGlb(file) {
 }
 
 /**
- * Returns a square that one morph target makes twice as high and another one twice as wide, and two animations: one moves the weights of the first, the other the node.
- * @param {{ mesh?: number[], node?: number[] }} [weights] those of the mesh and of the node
+ * Returns a square with two morph targets, which double its height and its width, and two
+ * animations, which change the weight of the first target and move the node.
+ * @param {{ mesh?: number[], node?: number[] }} [weights] of the mesh and the node
  */
 export function morphingSquare({ mesh, node } = {}) {
   const arrays = [

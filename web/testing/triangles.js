@@ -1,5 +1,5 @@
 /**
- * Returns triangles from their lowest vertices on, sorted. Those with two equal vertices draw nothing.
+ * Returns triangles rotated to their lowest vertex and sorted, without degenerate ones.
  * @param {Iterable<ArrayLike<number>>} triangles
  */
 export function canonical(triangles) {
@@ -13,7 +13,7 @@ export function canonical(triangles) {
 }
 
 /**
- * What a graphics processor draws of strips with restarts.
+ * Returns the triangles that a GPU draws for strips with restarts.
  * @param {Uint16Array | Uint32Array} indices
  */
 export function* drawnByStrips(indices) {

@@ -3,7 +3,7 @@ import { crc32 } from 'node:zlib';
 import { readChunkHead } from '../src/chunk.js';
 
 /**
- * A stream, and what a decoder must find after each chunk.
+ * A stream, and the expected state of a decoder after each chunk.
  * @typedef {{ name: string, bytes: Uint8Array, chunks: any[], parts: any[] }} Vector
  */
 
@@ -27,7 +27,8 @@ export function vectors() {
 }
 
 /**
- * Returns the stream of the bunny, if `TRISTRIP_BUNNY` is the path of its bytes, with what is expected beside it.
+ * Returns the stream of the bunny, if `TRISTRIP_BUNNY` is its path. The expected results are next
+ * to it.
  * @returns {Vector | undefined}
  */
 export function bunny() {
@@ -37,7 +38,7 @@ export function bunny() {
   return readVector(new URL(`file://${path}`), 'bunny');
 }
 
-/** A generator of pseudo-random numbers: the same ones for a seed. */
+/** A seeded pseudo-random number generator. */
 export class Random {
   /** @param {number} seed */
   constructor(seed) {
@@ -61,7 +62,7 @@ function varint(number) {
 }
 
 /**
- * Returns the bytes of a chunk with a checksum that fits.
+ * Returns the bytes of a chunk with a correct checksum.
  * @param {import('../src/chunk.js').ChunkHead} head
  * @param {Uint8Array} payload
  */
@@ -74,7 +75,7 @@ export function chunkBytes(head, payload) {
 }
 
 /**
- * Returns the heads and payloads of a stream.
+ * Returns the headers and payloads of a stream.
  * @param {Vector} vector
  */
 export function chunksOf({ bytes, chunks }) {

@@ -15,11 +15,12 @@ import tristrip
 REPOSITORY = Path(__file__).resolve().parents[3]
 SHIPPED = REPOSITORY / "testdata" / "models"
 
-# Programs that tests start find the package, too.
+# Programs that tests start also find the package.
 _PATHS = [str(Path(tristrip.__file__).parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
 os.environ["PYTHONPATH"] = os.pathsep.join(_PATHS)
 
-# Examples take longer on a busy machine, which is no defect; a failure is shown with the input that reproduces it.
+# Examples take longer on a busy machine; that is not an error. Failures print the input that
+# reproduces them.
 hypothesis.settings.register_profile(
     "default", max_examples=25, deadline=None, print_blob=True, database=None, derandomize=True
 )
@@ -32,20 +33,20 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def shared_models() -> Path:
-    """Return where large models may be, which are not in the repository."""
+    """Return the directory of large models, which are not in the repository."""
     named = os.environ.get("TRISTRIP_MODELS")
     return Path(named) if named else REPOSITORY.parent / "shared" / "models"
 
 
 @pytest.fixture(scope="session")
 def models() -> Path:
-    """The folder of the models that ship with the repository."""
+    """The directory of the models in the repository."""
     return SHIPPED
 
 
 @pytest.fixture(scope="session")
 def model() -> Callable[[str], Path]:
-    """A function that finds a model by its name, and skips the test without it: the repository has no large ones."""
+    """A function that finds a model by name, and skips the test if it is not available."""
 
     def find(name: str) -> Path:
         folders = [SHIPPED, shared_models()]

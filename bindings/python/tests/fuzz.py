@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Calls the package with arbitrary arguments, and fails on a crash, on a panic, and on a wrong result.
+"""Calls the package with arbitrary arguments, and fails on crashes, panics and wrong results.
 
     python tests/fuzz.py                                  1,000 examples of each target
     python tests/fuzz.py --target strips --examples 100000 --seed 7
 
-The examples run in processes of their own with limited memory, so that a crash is found, too: then the last call is
-printed. Every exception must be one of this package, or of Python for an argument of the wrong type, and have a text.
-A target is a function that draws its arguments; `@target` adds it.
+The examples run in separate processes with limited memory, so that crashes are detected; the last
+call is then printed. Every exception must be one of this package, or Python's for an argument of
+the wrong type, and have a message. A target is a function that draws its arguments; `@target` adds
+it.
 """
 
 from __future__ import annotations
@@ -38,23 +39,23 @@ import oracle  # noqa: E402
 import tristrip  # noqa: E402
 from stub import choices  # noqa: E402
 
-#: Examples per process; each starts with another seed.
+#: Examples per process. Each process has another seed.
 BATCH = 5_000
-#: What a process may allocate: an array that claims more must be refused, not tried.
+#: The memory limit of a process. An array that declares more must be rejected before allocation.
 MEMORY_BYTES = 4 << 30
-#: What hypothesis would complain about.
+#: Health checks of hypothesis to suppress.
 SLOW_BY_DESIGN = [
     hypothesis.HealthCheck.too_slow,
     hypothesis.HealthCheck.data_too_large,
     hypothesis.HealthCheck.filter_too_much,
 ]
-#: The processor time in seconds after which an example has failed. All are tiny.
+#: The CPU time limit of an example in seconds. All examples are tiny.
 SLOWEST = 20
 
 Target: TypeAlias = Callable[[st.DataObject], None]
 TARGETS: dict[str, Target] = {}
 
-#: Where a process notes the example before it runs, if there is a file.
+#: The file in which a process records the example before it runs, if any.
 _note = int(os.environ.get("TRISTRIP_FUZZ_NOTE", "-1"))
 
 
@@ -65,7 +66,7 @@ def target(function: Target) -> Target:
 
 
 def attempt(call: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
-    """Call something, and return its result, or None if it refuses the arguments as it should."""
+    """Call something, and return its result, or None if it rejects the arguments as it should."""
     if _note >= 0:
         text = f"{call}(*{arguments!r}, **{options!r})\n".encode(errors="backslashreplace")
         os.ftruncate(_note, 0)
@@ -106,7 +107,7 @@ ANYTHING: st.SearchStrategy[Any] = st.recursive(
 
 
 def mostly(right: st.SearchStrategy[Any], wrong: st.SearchStrategy[Any] = ANYTHING) -> st.SearchStrategy[Any]:
-    """Draw a right value nine times of ten."""
+    """Draw a valid value nine times out of ten."""
     return st.integers(0, 9).flatmap(lambda number: wrong if number == 9 else right)
 
 
@@ -175,7 +176,7 @@ _VIEWS: list[Callable[[Any], Any]] = [
 
 @st.composite
 def array_like(draw: st.DrawFn) -> Any:
-    """Draw an array of any type, shape and layout, or something like one."""
+    """Draw an array of any type, shape and layout, or something similar."""
     array = draw(_ARRAYS)
     if array.ndim == 0:
         return array
@@ -184,7 +185,7 @@ def array_like(draw: st.DrawFn) -> Any:
 
 @st.composite
 def faces_and_vertices(draw: st.DrawFn) -> tuple[Any, Any]:
-    """Draw faces, and positions or None: two thirds of them are meshes."""
+    """Draw faces, and positions or None. Two thirds of them form meshes."""
     kind = draw(st.integers(0, 5))
     if kind <= 2:
         mesh = draw(meshes.meshes())
@@ -205,7 +206,7 @@ def faces_and_vertices(draw: st.DrawFn) -> tuple[Any, Any]:
 
 @st.composite
 def strip_options(draw: st.DrawFn) -> dict[str, Any]:
-    """Draw options of `stripify`: of these each may be right, wrong, or of another method."""
+    """Draw options of `stripify`, each valid, invalid, or of another method."""
     options: dict[str, Any] = {"method": draw(mostly(st.sampled_from(choices("Method"))))}
     names = st.sampled_from(OF_METHOD.get(str(options["method"]), ["seed"]) + EVERYWHERE)
     for name in sorted(
@@ -344,7 +345,7 @@ _GOALS: dict[str, st.SearchStrategy[Any]] = {
 
 @target
 def levels(data: st.DataObject) -> None:
-    """Draw arguments of `Levels`, and move it."""
+    """Draw arguments of `Levels`, and change its level."""
     faces, vertices = data.draw(faces_and_vertices())
     options: dict[str, Any] = {}
     for name in sorted(data.draw(st.sets(st.sampled_from(sorted(_OF_LEVELS)), max_size=3))):
@@ -404,7 +405,7 @@ def scenes(data: st.DataObject) -> None:
 
 @target
 def pickles(data: st.DataObject) -> None:
-    """Draw the bytes of a pickle: changed, cut or arbitrary."""
+    """Draw the bytes of a pickle: modified, truncated or arbitrary."""
     mesh = data.draw(meshes.meshes())
     reduced: Any = tristrip.stripify(mesh.faces, effort=0).__reduce__()
     restore, (state,) = reduced
@@ -446,7 +447,7 @@ def run_batch(name: str, examples: int, seed: int) -> None:
 
 
 def run_target(name: str, examples: int, seed: int) -> bool:
-    """Run examples of a target in processes, and print what failed. Returns whether none did."""
+    """Run examples of a target in processes, print failures, and return whether all passed."""
     started = time.monotonic()
     for number in range(math.ceil(examples / BATCH)):
         count = min(BATCH, examples - number * BATCH)

@@ -1,4 +1,4 @@
-"""Meshes for the tests of conversions, with faces of several sizes and all attributes."""
+"""Meshes for the tests of conversions, with faces of different sizes and all attributes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 
-#: Two triangles, two quads and a pentagon, mixed, over nine vertices of which one is not used.
+#: Two triangles, two quads and a pentagon, in mixed order. One of the nine vertices is unused.
 POLYGONS = [[0, 1, 2], [2, 3, 4, 5], [3, 1, 2], [4, 5, 6, 7, 0], [0, 3, 4, 5]]
 
 
@@ -18,7 +18,7 @@ def vertices() -> Array:
 
 
 def attributes() -> dict[str, Any]:
-    """Return the arguments with attributes: every value is another one."""
+    """Return the arguments with attributes, all with distinct values."""
     normals = vertices() - 0.5
     return {
         "normals": normals / np.linalg.norm(normals, axis=1)[:, None],

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def interrupt_after(seconds: float) -> Generator[None]:
-    """Send SIGINT to this process while the body runs, and wait for it there, so that it never hits another test."""
+    """Send SIGINT to this process during the body, and wait for it."""
     sent = threading.Event()
 
     def send() -> None:

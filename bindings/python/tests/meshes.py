@@ -1,4 +1,4 @@
-"""Meshes for tests: read from files, generated, and drawn by hypothesis."""
+"""Meshes for tests: read from files, generated, or drawn by hypothesis."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Polygons: TypeAlias = list[list[int]]
 
 @dataclass(frozen=True)
 class GeneratedMesh:
-    """A triangle mesh, and how it was made."""
+    """A triangle mesh and its origin."""
 
     name: str
     vertices: Positions
@@ -50,7 +50,7 @@ _PLY_TYPES = {
 
 
 def read_model(path: Path) -> tuple[Positions, Polygons]:
-    """Read the positions and polygons of a file: binary, little-endian PLY, or OBJ; not all that these formats have."""
+    """Read positions and polygons of an OBJ or a binary little-endian PLY (a subset)."""
     return _read_obj(path) if path.suffix == ".obj" else _read_ply(path)
 
 
@@ -124,7 +124,7 @@ def _halves(quads: Triangles) -> Triangles:
 
 
 def torus(width: int, height: int) -> GeneratedMesh:
-    """Build a torus of genus 1: closed, manifold, width × height squares with width, height ≥ 3."""
+    """Build a closed torus with width × height squares, where width and height are at least 3."""
     x, y = (part.ravel() for part in np.meshgrid(np.arange(width), np.arange(height)))
 
     def at(right: int, up: int) -> Triangles:
@@ -138,7 +138,7 @@ def torus(width: int, height: int) -> GeneratedMesh:
 
 
 def sphere(divisions: int) -> GeneratedMesh:
-    """Build a closed sphere: an octahedron whose faces are divided this many times into four."""
+    """Build a closed sphere by subdividing an octahedron this many times."""
     points: list[tuple[float, ...]] = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
     faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
     for _ in range(divisions):
@@ -161,7 +161,7 @@ def sphere(divisions: int) -> GeneratedMesh:
 
 
 def fan(triangles: int) -> GeneratedMesh:
-    """Build triangles that all share one edge, which is not manifold if there are more than two."""
+    """Build triangles that share one edge, which is non-manifold if there are more than two."""
     apexes = np.arange(2, triangles + 2)
     faces = np.column_stack([np.zeros_like(apexes), np.ones_like(apexes), apexes]).astype(np.int64)
     angles = np.linspace(0, np.pi, triangles)
@@ -176,7 +176,7 @@ def empty() -> GeneratedMesh:
 
 
 def soup(triangles: int, vertices: int, seed: int) -> GeneratedMesh:
-    """Build random triangles over few vertices: non-manifold edges, degenerate and repeated faces, any winding."""
+    """Build random triangles over few vertices: non-manifold, degenerate, repeated, any winding."""
     random = np.random.default_rng(seed)
     points = random.normal(size=(vertices, 3)).astype(np.float32)
     return GeneratedMesh(
@@ -185,7 +185,7 @@ def soup(triangles: int, vertices: int, seed: int) -> GeneratedMesh:
 
 
 def joined(meshes: list[GeneratedMesh]) -> GeneratedMesh:
-    """Join meshes as components without common vertices."""
+    """Combine meshes as separate components."""
     faces, points, base = [empty().faces], [empty().vertices], 0
     for number, mesh in enumerate(meshes):
         faces.append(mesh.faces + base)
@@ -195,7 +195,7 @@ def joined(meshes: list[GeneratedMesh]) -> GeneratedMesh:
     return GeneratedMesh(name, np.concatenate(points), np.concatenate(faces))
 
 
-# --- changes that keep a mesh a list of triangles
+# --- modifications that keep a mesh a list of triangles
 
 
 def flipped(mesh: GeneratedMesh, random: np.random.Generator) -> GeneratedMesh:
@@ -221,12 +221,12 @@ def with_degenerates(mesh: GeneratedMesh, random: np.random.Generator) -> Genera
 
 
 def with_holes(mesh: GeneratedMesh, random: np.random.Generator) -> GeneratedMesh:
-    """Leave out half of the faces, so that some are isolated."""
+    """Remove half of the faces, so that some are isolated."""
     return GeneratedMesh(f"{mesh.name}, holes", mesh.vertices, mesh.faces[random.random(len(mesh.faces)) < 0.5])
 
 
 def shuffled(mesh: GeneratedMesh, random: np.random.Generator) -> GeneratedMesh:
-    """Put the faces into random order, and begin each at a random corner."""
+    """Shuffle the faces, and rotate each to a random first corner."""
     faces = random.permutation(mesh.faces, axis=0) if len(mesh.faces) else mesh.faces
     first = random.integers(0, 3, (len(faces), 1))
     return GeneratedMesh(
@@ -235,7 +235,7 @@ def shuffled(mesh: GeneratedMesh, random: np.random.Generator) -> GeneratedMesh:
 
 
 def sparse(mesh: GeneratedMesh, random: np.random.Generator) -> GeneratedMesh:
-    """Number the vertices with gaps between them."""
+    """Renumber the vertices with gaps."""
     count = len(mesh.vertices)
     numbers = np.sort(random.choice(3 * count + 1, count, replace=False)).astype(np.int64)
     points = np.zeros((3 * count + 1, 3), dtype=np.float32)
@@ -247,7 +247,7 @@ CHANGES = [flipped, with_duplicates, with_degenerates, with_holes, shuffled, spa
 
 
 def examples() -> list[GeneratedMesh]:
-    """Return one small mesh of each kind, for tests that are parametrized by them."""
+    """Return one small mesh of each kind, for parametrized tests."""
     random = np.random.default_rng(1)
     plain = [empty(), grid(1, 1), grid(7, 5), torus(5, 4), sphere(2), fan(5), soup(40, 12, seed=2)]
     plain.append(joined([grid(3, 2), sphere(1), fan(3), grid(1, 1)]))
@@ -270,7 +270,7 @@ _PLAIN: st.SearchStrategy[GeneratedMesh] = st.one_of(
 
 @st.composite
 def meshes(draw: st.DrawFn) -> GeneratedMesh:
-    """Draw a mesh of one to three components, changed in up to three ways."""
+    """Draw a mesh with one to three components and up to three modifications."""
     mesh = joined(draw(st.lists(_PLAIN, min_size=1, max_size=3)))
     random = np.random.default_rng(draw(_SEEDS))
     for change in draw(st.lists(st.sampled_from(CHANGES), max_size=3, unique_by=lambda change: change.__name__)):
@@ -280,7 +280,7 @@ def meshes(draw: st.DrawFn) -> GeneratedMesh:
 
 @st.composite
 def polygon_meshes(draw: st.DrawFn) -> tuple[Positions, Polygons]:
-    """Draw a grid whose faces are triangles, squares, and convex or concave polygons made of a row of squares."""
+    """Draw a grid of triangles, squares, and larger polygons, convex or concave."""
     width, height = draw(st.integers(1, 6)), draw(st.integers(1, 4))
     mesh = grid(width, height)
     polygons: Polygons = []

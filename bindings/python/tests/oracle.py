@@ -1,8 +1,8 @@
-"""An independent oracle: index buffers as triangles, in plain NumPy, without the package.
+"""An independent oracle: index buffers as triangles, in NumPy without the package.
 
-Triangle i of a strip consists of its vertices i, i + 1, i + 2, in that order for even i and with the first two
-exchanged for odd i. Triangles with two equal vertices draw nothing. Two triangles are the same if one is a rotation
-of the other.
+Triangle i of a strip has the vertices i, i + 1, i + 2, in this order for even i, and with the first
+two swapped for odd i. Triangles with two equal vertices draw nothing. Two triangles are equal if
+one is a rotation of the other.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ Indices: TypeAlias = npt.NDArray[Any]
 
 
 def expand(indices: Indices, layout: str, offsets: Indices | None = None) -> IntArray:
-    """Return the triangles that an index buffer draws, in their order: shape (n, 3).
+    """Return the triangles of an index buffer in draw order, shape (n, 3).
 
-    offsets: the starts of strips and the end of the last one, which the layout "separate" needs.
+    offsets: the starts of strips and the end of the last one; required for the layout "separate".
     """
     flat = np.asarray(indices)
     assert flat.ndim == 1
@@ -58,7 +58,7 @@ def _drawn(triangles: IntArray) -> IntArray:
 
 
 def canonical(triangles: npt.ArrayLike) -> IntArray:
-    """Rotate each triangle until its lowest vertex is the first, leave out those that draw nothing, and sort them."""
+    """Rotate triangles to their lowest vertex, drop degenerate ones, and sort them."""
     rows = _drawn(np.asarray(triangles, dtype=np.int64).reshape(-1, 3))
     first = np.argmin(rows, axis=1)
     rows = np.take_along_axis(rows, (first[:, None] + np.arange(3)) % 3, axis=1)
@@ -66,7 +66,7 @@ def canonical(triangles: npt.ArrayLike) -> IntArray:
 
 
 def assert_same_triangles(found: npt.ArrayLike, expected: npt.ArrayLike) -> None:
-    """Fail unless both have the same triangles, each as often, with the same winding."""
+    """Fail unless both have the same triangles, equally often and with the same winding."""
     left, right = canonical(found), canonical(expected)
     if left.shape == right.shape and np.array_equal(left, right):
         return
@@ -82,10 +82,11 @@ def _some(triangles: Counter[tuple[int, ...]]) -> str:
 
 
 def assert_triangulates(found: npt.ArrayLike, polygons: Iterable[Sequence[int]]) -> None:
-    """Fail unless triangles cut simple polygons.
+    """Fail unless triangles triangulate simple polygons.
 
-    Each polygon has as many as its corners minus two, each triangle lies in one polygon, and the oriented edges of all
-    triangles, without the diagonals, which cancel, are those of the polygons.
+    Each polygon has as many triangles as corners minus two, each triangle lies in one polygon, and
+    the oriented edges of all triangles, without the diagonals, which cancel out, are those of the
+    polygons.
     """
     triangles = canonical(found).tolist()
     faces = [list(map(int, polygon)) for polygon in polygons]
@@ -102,7 +103,7 @@ def assert_triangulates(found: npt.ArrayLike, polygons: Iterable[Sequence[int]])
 
 
 def _boundary(faces: Iterable[Sequence[int]]) -> Counter[tuple[int, int]]:
-    """Return how often each edge occurs from its lower to its higher vertex, minus the other way round, if not zero."""
+    """Return the count of each edge, oriented from lower to higher vertex, minus its reverse."""
     edges: Counter[tuple[int, int]] = Counter()
     for face in faces:
         for u, v in zip(face, [*face[1:], face[0]], strict=True):
@@ -111,7 +112,7 @@ def _boundary(faces: Iterable[Sequence[int]]) -> Counter[tuple[int, int]]:
 
 
 def cache_misses(strips: Iterable[Sequence[int]], policy: str, entries: int, *, flush: bool = False) -> int:
-    """Count the misses of a vertex cache, vertex by vertex: policy "fifo" or "lru"."""
+    """Count the misses of a vertex cache, vertex by vertex, with the policy "fifo" or "lru"."""
     misses = 0
     cache: deque[int] = deque()
     for strip in strips:
@@ -131,7 +132,7 @@ def cache_misses(strips: Iterable[Sequence[int]], policy: str, entries: int, *, 
 
 
 def figures(vertices: Indices, offsets: Indices) -> dict[str, float]:
-    """Return the metrics of strips, with the keys of the command's JSON; without the triangles that join strips."""
+    """Return the metrics of strips, without joining triangles, keyed as in the command's JSON."""
     strips = [part.tolist() for part in np.split(np.asarray(vertices, dtype=np.int64), np.asarray(offsets)[1:-1])]
     if len(offsets) == 1:
         strips = []

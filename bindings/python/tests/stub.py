@@ -1,4 +1,4 @@
-"""Names that stand in the stub of the native module, which has no values when it runs."""
+"""Names in the stub of the native module that have no values at run time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ STUB = PACKAGE / "_native.pyi"
 
 
 def choices(name: str) -> list[str]:
-    """Return the texts of a `Literal` of the stub, such as `Method`."""
+    """Return the strings of a `Literal` of the stub, such as `Method`."""
     for statement in ast.parse(STUB.read_text(encoding="utf-8")).body:
         if (
             isinstance(statement, ast.AnnAssign)
@@ -26,14 +26,14 @@ def choices(name: str) -> list[str]:
 
 
 def only_types() -> list[str]:
-    """Return the names of the stub that exist for type checkers alone: aliases and typed dictionaries."""
+    """Return the names of the stub that exist only for type checkers."""
     names = []
     for statement in ast.parse(STUB.read_text(encoding="utf-8")).body:
         if isinstance(statement, ast.AnnAssign) and isinstance(statement.annotation, ast.Name):
             if statement.annotation.id == "TypeAlias" and isinstance(statement.target, ast.Name):
                 names.append(statement.target.id)
         elif isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Call):
-            # A typed dictionary with keys that are no names.
+            # A typed dictionary with keys that are not identifiers.
             names.extend(target.id for target in statement.targets if isinstance(target, ast.Name))
         elif isinstance(statement, ast.ClassDef):
             bases = {base.id for base in statement.bases if isinstance(base, ast.Name)}

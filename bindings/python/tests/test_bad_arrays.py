@@ -1,4 +1,4 @@
-"""Arguments that are no mesh, each of which is a clear exception; and unusual arrays, each of which works."""
+"""Invalid meshes, which must raise clear exceptions, and unusual arrays, which must work."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MESH = meshes.torus(6, 5)
 
 
 class Wrong(NamedTuple):
-    """An argument and what must be said about it: where, what was found, what was expected."""
+    """An argument and its expected error: where, what was found, what was expected."""
 
     name: str
     make: Callable[[], Any]
@@ -33,7 +33,7 @@ def masked(values: Any, mask: Any) -> Any:
 
 
 def at(values: Any, place: Any, value: Any) -> Any:
-    """Return a copy with one other value."""
+    """Return a copy with one changed value."""
     changed = np.array(values)
     changed[place] = value
     return changed
@@ -201,14 +201,14 @@ WRONG_INDICES = [
 
 
 def raises(wrong: Wrong, call: Callable[[Any], object]) -> None:
-    """Check that a call fails as it must, without memory for what an array claims to have."""
+    """Check that a call fails as expected, without allocating the size that an array declares."""
     argument = wrong.make()
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(wrong.error, match=wrong.text) as caught:
         call(argument)
     assert caught.type is wrong.error
     assert issubclass(wrong.error, (TypeError, ValueError))
-    # Kilobytes on Linux; other systems have larger or smaller units, which would only fail earlier or later.
+    # Kilobytes on Linux. Other systems have larger or smaller units, which only shift the limit.
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - memory < 50_000
 
 
@@ -340,7 +340,7 @@ def test_an_empty_index_buffer(layout: Any, indices: Any) -> None:
 
 @pytest.mark.parametrize("highest", [10**6, 2**31, 2**32 - 3])
 def test_sparse_vertex_numbers(highest: int) -> None:
-    """Few faces with large vertex numbers take memory by the number of faces."""
+    """Few faces with large vertex indices take memory proportional to the number of faces."""
     faces = MESH.faces.copy()
     faces[faces == 29] = highest
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

@@ -1,4 +1,4 @@
-"""The Blender add-on: its functions on arrays, and with the package bpy its operators."""
+"""The Blender add-on: its functions on arrays, and its operators with the package bpy."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def grid_of_quads(rows: int) -> tuple[Any, Any]:
 def test_strips_of_triangles_and_quads_and_larger_faces() -> None:
     points, quads = grid_of_quads(4)
     faces = [quads[0, :3].tolist(), quads[0, [0, 2, 3]].tolist(), *quads[1:12].tolist()]
-    # A concave pentagon, of which only Blender's triangles are right.
+    # A concave pentagon, for which only Blender's triangulation is correct.
     more = np.array([[10, 0, 0], [14, 0, 0], [14, 4, 0], [12, 1, 0], [10, 4, 0]], np.float32)
     faces.append([25, 26, 27, 28, 29])
     cut = [[25, 26, 28], [26, 27, 28], [25, 28, 29]]
@@ -47,7 +47,7 @@ def test_strips_of_triangles_and_quads_and_larger_faces() -> None:
     assert found.strip.max() == found.metrics["strips"] - 1
     assert len(set(found.order)) == len(faces)
     assert found.order.min() == 0
-    # Faces that follow each other in the order are those of one strip, or begin another one.
+    # Consecutive faces in the order belong to one strip, or start another one.
     assert (np.diff(found.strip[np.argsort(found.order)]) >= 0).all()
     assert found.notes == []
 
@@ -107,7 +107,7 @@ def test_seams_between_classes_and_texture_coordinates_stay() -> None:
     uv = flat / 10 + 2 * side[:, None]
     level = levels.MeshLevels(corner_mesh(10, face_class=side, uv={"map": uv})).level(ratio=0.1)
     chosen = level.triangles
-    # All corners of a triangle are of one class, and its texture coordinates those of its positions.
+    # All corners of a triangle have the same class, and texture coordinates match positions.
     assert (side[chosen] == side[chosen][:, :1]).all()
     assert np.allclose(uv[chosen], points[faces.ravel()[chosen], :2] / 10 + 2 * side[chosen][..., None])
     x = points[faces.ravel()[chosen]][..., 0]
@@ -169,7 +169,7 @@ def bpy() -> Iterator[Any]:
 
 @pytest.fixture
 def monkey(bpy: Any) -> Any:
-    """Return an object with two materials, texture coordinates, colours, weights, sharp edges and another attribute."""
+    """Return an object with materials, texture coordinates, colours, weights and sharp edges."""
     bpy.ops.mesh.primitive_monkey_add()
     made = bpy.context.object
     mesh = made.data
@@ -192,7 +192,7 @@ def monkey(bpy: Any) -> Any:
 
 
 def loops(mesh: Any) -> dict[tuple[Any, ...], set[tuple[float, ...]]]:
-    """Return the texture coordinates that each position has, with the material."""
+    """Return the texture coordinates and material of each position."""
     found: dict[tuple[Any, ...], set[tuple[float, ...]]] = {}
     layer = mesh.uv_layers["UVMap"].data
     for polygon in mesh.polygons:
@@ -227,7 +227,7 @@ def test_simplified_meshes_keep_what_they_have(bpy: Any, monkey: Any) -> None:
     assert not mesh.validate()
     assert 460 <= len(mesh.polygons) <= 484
     assert [material.name for material in mesh.materials] == ["left", "right"]
-    # Every corner has texture coordinates and a material that the full mesh has there.
+    # Every corner has texture coordinates and a material that the full mesh has at its position.
     for key, coordinates in loops(mesh).items():
         assert coordinates <= known[key]
     for vertex in mesh.vertices:

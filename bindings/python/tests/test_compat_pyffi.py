@@ -36,7 +36,7 @@ CASES: list[list[Triangle]] = [
 
 
 def drawn(triangles: Iterable[Sequence[int]]) -> Counter[Triangle]:
-    """Count triangles by their corners from the lowest on, which keeps the winding."""
+    """Count triangles rotated to their lowest corner, which preserves winding."""
     found: Counter[Triangle] = Counter()
     for triangle in triangles:
         a, b, c = triangle
@@ -50,12 +50,12 @@ def once(triangles: Iterable[Sequence[int]]) -> Counter[Triangle]:
 
 
 def faces_of(path: Path) -> list[list[int]]:
-    """Return the faces of a model, polygons as fans."""
+    """Return the faces of a model, with polygons as fans."""
     return [[face[0], face[i], face[i + 1]] for face in read_model(path)[1] for i in range(1, len(face) - 1)]
 
 
 def words(strips: list[list[int]]) -> int:
-    """Count the numbers that a NIF file has for strips: their vertices, and the length of each."""
+    """Return the size of strips in a NIF file: their vertices, and one length per strip."""
     return sum(len(strip) + 1 for strip in strips)
 
 
@@ -93,7 +93,7 @@ def test_one_strip_for_nif(name: str, model: Callable[[str], Path]) -> None:
     (other,) = theirs.stripify(faces, stitchstrips=True)
     assert drawn(theirs.triangulate([strip])) == once(faces)
     assert len(strip) < len(other)
-    # NIF counts all triangles of a strip, degenerate ones included, with 16 bits.
+    # NIF stores the triangle count of a strip, including degenerate triangles, in 16 bits.
     assert max(strip) < 1 << 16
 
 

@@ -1,4 +1,4 @@
-"""A progressive GLB while its bytes arrive."""
+"""Incremental decoding of a progressive GLB."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Find = Callable[[str], Path]
 
 
 def in_pieces(data: bytes, size: int) -> Iterator[bytes]:
-    """Cut bytes into pieces."""
+    """Split bytes into pieces."""
     return (data[start : start + size] for start in range(0, len(data), size))
 
 
@@ -69,7 +69,7 @@ def test_the_full_mesh_is_that_of_unpack(model: Find) -> None:
     assert part.level == part.full_level
     assert part.triangle_count == part.full_triangle_count
     assert part.vertex_count == part.full_vertex_count == len(unpacked.vertices)
-    # The same vertices in the same order, so the same triangles.
+    # The same vertices in the same order, so the triangles are also equal.
     assert sorted(map(tuple, part.vertices.tolist())) == sorted(map(tuple, unpacked.vertices.tolist()))
     drawn = np.sort(part.vertices[part.faces].reshape(-1, 9), axis=0)
     assert (drawn == np.sort(unpacked.vertices[unpacked.faces].reshape(-1, 9), axis=0)).all()
@@ -122,7 +122,7 @@ def test_bytes_that_end_early_are_told() -> None:
     decoder = list(tristrip.decode([BYTES[: len(BYTES) // 2]], partial=True))[-1]
     assert not decoder.is_complete
     assert decoder.triangle_count > 0
-    # It goes on from there.
+    # Decoding continues from there.
     decoder.update(BYTES[decoder.offset :])
     assert decoder.is_complete
 
@@ -164,7 +164,7 @@ def test_limits_are_kept() -> None:
         tristrip.Decoder(max_bytes=100).update(BYTES)
     with pytest.raises(tristrip.LimitError, match=r"triangles: found 1[0-9]+, the limit is 1000"):
         tristrip.Decoder(max_triangles=1000).update(BYTES)
-    # A document may claim any length; nothing is allocated for it.
+    # A document may declare any length; nothing is allocated for it.
     header = b"glTF" + (2).to_bytes(4, "little") + b"\xff" * 8 + b"JSON"
     with pytest.raises(tristrip.LimitError):
         tristrip.Decoder().update(header)

@@ -1,4 +1,4 @@
-"""Documentation as tests: examples of docstrings, and the code of the READMEs."""
+"""Documentation as tests: examples in docstrings, and the code of the READMEs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def modules() -> Iterator[ModuleType]:
 
 
 def documented() -> Iterator[tuple[str, Any]]:
-    """Return all objects that have docstrings of their own, by their full names."""
+    """Return all objects with their own docstrings, by qualified name."""
     for module in modules():
         yield module.__name__, module
         for name, item in vars(module).items():
@@ -69,7 +69,7 @@ def test_examples_of_docstrings(name: str, tmp_path: Path, monkeypatch: pytest.M
 
 
 def stage_models(folder: Path) -> None:
-    """Put the models that ship with the repository where examples look for them."""
+    """Put the models of the repository where examples look for them."""
     for model in SHIPPED.iterdir():
         shutil.copy(model, folder / model.name)
     (folder / "testdata").mkdir()
@@ -83,7 +83,7 @@ def test_there_are_examples() -> None:
 
 @pytest.mark.parametrize("name", [name for name in DOCUMENTED if re.fullmatch(r"tristrip\._native\.\w+(\.\w+)?", name)])
 def test_public_items_are_documented(name: str) -> None:
-    """Each has a summary of one line that ends with a full stop, and functions name all their arguments."""
+    """Each has a summary that ends with a full stop, and functions name all their arguments."""
     text = inspect.getdoc(DOCUMENTED[name])
     if name.endswith((".VERSION", ".__doc__")):
         return

@@ -1,4 +1,4 @@
-"""A few examples of each fuzz target; `--examples N` runs more, `tests/fuzz.py` any number."""
+"""A few examples of each fuzz target. `--examples N` runs more; `tests/fuzz.py` any number."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all conversions have in common: arrays that are taken, and errors of wrong ones and of missing packages."""
+"""Shared code of conversions: supported arrays, errors of invalid ones, and missing packages."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ def test_placed_parts_turn_with_their_normals(numbers: list[float]) -> None:
     assert np.allclose(placed.vertices, points @ transform[:3, :3].T + [1, 2, 3])
     for a, b, c in placed.vertices[placed.triangles()]:
         found = np.cross(b - a, c - a)
-        # The front of a face is where its normals point, also in a mirror.
+        # The front of a face is on the side of its normals, also after mirroring.
         assert np.allclose(found / np.linalg.norm(found), placed.attributes["NORMAL"], atol=1e-6)
 
 

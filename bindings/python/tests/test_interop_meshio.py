@@ -1,4 +1,4 @@
-"""Conversions from and to meshio, and through files that it writes."""
+"""Conversions from and to meshio, also through files that it writes."""
 
 from __future__ import annotations
 

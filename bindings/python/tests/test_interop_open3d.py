@@ -21,7 +21,7 @@ def test_tensor_meshes_keep_all_attributes() -> None:
     used = np.unique(part.triangles())
     for name, values in expected_attributes().items():
         wanted = values[:, :3] if name == "COLOR_0" else values
-        # Texture coordinates are those of corners, so that vertices of no face have none.
+        # Texture coordinates belong to corners, so vertices without faces have none.
         rows = used if name == "TEXCOORD_0" else slice(None)
         assert np.array_equal(part.attributes[name].reshape(wanted.shape)[rows], wanted[rows]), name
 
@@ -62,7 +62,7 @@ def test_a_texture() -> None:
     image = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
     mesh = tristrip.to_open3d(points, faces, uv=points[:, :2] / 2, image=image)
     assert mesh.has_textures()
-    # Open3D has the lower row first.
+    # Open3D stores the bottom row first.
     assert np.array_equal(np.flipud(np.asarray(mesh.textures[0])), image)
     assert np.asarray(mesh.triangle_material_ids).tolist() == [0] * 8
 

@@ -1,4 +1,4 @@
-"""Conversions from and to PyVista, and pictures of strips."""
+"""Conversions from and to PyVista, and plots of strips."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def test_a_picture_has_the_colour_of_each_strip(tmp_path: Path) -> None:
     assert len(strips) > 1
     assert wanted <= found
     assert (255, 255, 255) in found
-    # Each strip covers its part of the picture: pixels per triangle are alike.
+    # Each strip covers its part of the image; pixels per triangle are similar.
     share = {colour: (picture == colour).all(axis=2).sum() for colour in wanted}
     triangles = [len(strip) - 2 for strip in strips]
     per_triangle = [

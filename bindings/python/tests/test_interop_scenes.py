@@ -1,4 +1,4 @@
-"""Scenes with materials, images and nodes, to other packages and back."""
+"""Scenes with materials, images and nodes, converted to other packages and back."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PIL = pytest.importorskip("PIL.Image")
 
 
 def picture() -> Any:
-    """Return an image in which each pixel has another colour."""
+    """Return an image in which every pixel has a different colour."""
     return np.arange(8 * 4 * 3, dtype=np.uint8).reshape(8, 4, 3) * 2
 
 
@@ -33,13 +33,13 @@ def pixels_of(image: bytes) -> Any:
 
 
 def properties_of(part: tristrip.Part) -> Any:
-    """Return the properties of the material of a part, which has one."""
+    """Return the properties of the material of a part."""
     assert part.material_properties is not None
     return part.material_properties
 
 
 def image_of(part: tristrip.Part) -> bytes:
-    """Return the image of the material of a part, which has one."""
+    """Return the image of the material of a part."""
     image: bytes | None = properties_of(part)["base_color_image"]
     assert image is not None
     return image
@@ -52,7 +52,7 @@ def polygons_of(part: tristrip.Part) -> list[list[int]]:
 
 
 def textured() -> tristrip.Scene:
-    """Return a scene of two parts: one with an image, and one of another colour."""
+    """Return a scene of two parts, one with an image and one with a colour."""
     points, faces = grid(3)
     uv = points[:, :2] / 3
     board = {"name": "board", "base_color_image": encoded(picture()), "roughness": 0.25}
@@ -66,7 +66,7 @@ def textured() -> tristrip.Scene:
 
 
 def assert_same(found: tristrip.Part, wanted: tristrip.Part) -> None:
-    """Compare geometry and texture coordinates at the corners of faces, in their order."""
+    """Compare geometry and texture coordinates at face corners, in order."""
     assert np.allclose(found.vertices[found.faces], wanted.vertices[wanted.faces], atol=1e-6)
     if wanted.uv is not None:
         assert found.uv is not None
@@ -87,7 +87,7 @@ def test_trimesh_keeps_materials_and_images() -> None:
         assert np.array_equal(found.faces, wanted.faces)
         assert found.material == wanted.material
         given, kept = properties_of(wanted), properties_of(found)
-        # trimesh has colours with 8 bits.
+        # trimesh stores colours with 8 bits.
         assert kept["base_color"] == pytest.approx(given["base_color"], abs=1 / 255)
         assert (kept["metallic"], kept["roughness"]) == (given["metallic"], given["roughness"])
         assert kept["blend"] == given["blend"]
@@ -144,7 +144,7 @@ def test_transforms_of_trimesh_stay_with_nodes() -> None:
     mesh = tristrip.to_meshio(read)
     assert isinstance(mesh, meshio.Mesh)
     assert np.allclose([mesh.points.min(axis=0), mesh.points.max(axis=0)], scene.bounds)
-    # Also the mirrored box has its faces outside.
+    # The mirrored box must also have its faces outside.
     corners = mesh.points[mesh.cells[0].data]
     volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
     assert volume == pytest.approx(1 + 1 + 2)
@@ -218,7 +218,7 @@ def test_models_by_way_of_trimesh(name: str, model: Callable[[str], Path]) -> No
         assert np.array_equal(found.faces, wanted.faces)
         assert_same(found, wanted)
         assert np.allclose(found.attributes["NORMAL"], wanted.attributes["NORMAL"], atol=1e-6)
-    # The nodes are in another order.
+    # The nodes are in a different order.
     places = [
         sorted((part, place.round(5).tolist()) for parts, place in one.placements for part in parts)
         for one in (back, scene)
@@ -292,7 +292,7 @@ def test_open3d_has_a_texture_per_material() -> None:
         assert_same(found, wanted)
     images = [pixels_of(image_of(part)) for part in back.parts]
     assert np.array_equal(images[0], picture())
-    # The colour of the other material, encoded for a screen.
+    # The colour of the other material, encoded as sRGB.
     assert images[1].tolist() == [[[188, 137, 255]]]
 
 

@@ -23,7 +23,7 @@ MODELS = ["progressive-mesh", "naive", "progressive", "sets", "blocks", "skip"]
 
 
 def renamed(triangles: npt.ArrayLike, renaming: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return triangles with other vertices, without those that have two equal ones."""
+    """Return triangles with replaced vertices, without degenerate ones."""
     return oracle.canonical(renaming[oracle.canonical(triangles)])
 
 
@@ -121,7 +121,7 @@ def test_another_object_stands_at_its_own_level() -> None:
 
 def test_seams_of_attributes_stay_closed() -> None:
     mesh = meshes.grid(12, 12)
-    # Two copies of the vertices in the middle, which differ in their texture coordinates.
+    # Two copies of the vertices in the middle, with different texture coordinates.
     middle = np.flatnonzero(mesh.vertices[:, 0] == 6)
     copies = np.arange(len(middle)) + len(mesh.vertices)
     positions = np.concatenate([mesh.vertices, mesh.vertices[middle]])

@@ -1,4 +1,4 @@
-"""The tutorial runs from its first cell to its last."""
+"""The tutorial runs from the first to the last cell."""
 
 from __future__ import annotations
 

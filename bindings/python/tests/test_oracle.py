@@ -1,4 +1,4 @@
-"""The oracle and the generated meshes themselves: what compares results must find every difference."""
+"""The oracle and the generated meshes: comparisons must find every difference."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faces with positions: polygons of any size, cut as strips pass, and welded vertices."""
+"""Faces with positions: polygons of any size, triangulated along strips, and welded vertices."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ METHODS = choices("Method")
 
 
 def area(vertices: Any, faces: list[list[int]]) -> float:
-    """Return the area of faces of which each lies in the plane z = 0, counterclockwise."""
+    """Return the area of counterclockwise faces in the plane z = 0."""
     points = np.asarray(vertices, dtype=np.float64)[:, :2]
     return sum(
         float(points[a, 0] * points[b, 1] - points[b, 0] * points[a, 1]) / 2
@@ -61,7 +61,7 @@ def test_concave_polygons(points: list[tuple[float, float]], method: str) -> Non
     polygon = [list(range(len(points)))]
     triangles = tristrip.stripify(polygon, vertices, method=method, verify=True).triangles().tolist()
     oracle.assert_triangulates(triangles, polygon)
-    # No triangle is flipped or outside: otherwise their areas would not add up.
+    # No triangle is flipped or outside; otherwise the areas would not add up.
     areas = [area(vertices, [triangle]) for triangle in triangles]
     assert min(areas) > 0
     assert sum(areas) == pytest.approx(area(vertices, polygon))

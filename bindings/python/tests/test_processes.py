@@ -27,7 +27,7 @@ ERRORS = [
 
 
 def strips_of(seed: int) -> bytes:
-    """Strip a mesh, in a thread or a process of its own."""
+    """Strip a mesh, in a separate thread or process."""
     mesh = meshes.shuffled(meshes.torus(30, 20), np.random.default_rng(seed))
     strips = tristrip.stripify(mesh.faces, mesh.vertices, effort=2)
     strips.verify(mesh.faces)
@@ -67,14 +67,14 @@ def test_threads_change_the_number_of_threads() -> None:
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
-# Of Python 3.12 and later, about forks of processes with threads.
+# A warning of Python 3.12 and later about forks of processes with threads.
 @pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")
 def test_processes(method: str) -> None:
     if method not in multiprocessing.get_all_start_methods():
         pytest.skip(f"this system has no {method}")
     expected = [strips_of(seed) for seed in range(2)]
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context(method)) as executor:
-        # A process that was forked would wait for ever for threads that it does not have.
+        # Otherwise a forked process would wait forever for threads that it does not have.
         assert list(executor.map(strips_of, range(2), timeout=60)) == expected
     assert strips_of(0) == expected[0]
 
@@ -124,7 +124,7 @@ def test_damaged_pickles(data: bytes) -> None:
 
 @pytest.mark.parametrize("error", ERRORS, ids=lambda error: error.__name__)
 def test_exceptions(error: type[BaseException]) -> None:
-    """Every exception has the text it was given, pickles, and can be caught as what Python has for it."""
+    """Exceptions have the given text, can be pickled, and are subclasses of Python's exceptions."""
     assert error.__module__ == "tristrip"
     assert error.__doc__
     if error is tristrip.Interrupted:

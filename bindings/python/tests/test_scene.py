@@ -1,4 +1,4 @@
-"""Scenes: reading, arrays, parts, materials, files of the same bytes as the command's, pickles."""
+"""Scenes: reading, arrays, parts, materials, files identical to the command's, pickles."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def model(name: str) -> Path:
 
 
 def png(red: int, green: int, blue: int) -> bytes:
-    """A picture of 2 × 2 pixels."""
+    """An image of 2 × 2 pixels."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
@@ -123,7 +123,7 @@ def test_texture_coordinates_from_the_top_are_kept() -> None:
     scene = tristrip.Scene.from_arrays(SQUARE, HALVES, uv=integers)
     found = tristrip.Scene.from_bytes(scene.to_bytes("glb")).parts[0]
     assert found.uv is not None and np.array_equal(found.uv, integers)
-    # Parts whose coordinates count in different directions become one scene.
+    # Parts with different directions of v become one scene.
     both = tristrip.Scene.from_parts([found, tristrip.Part(SQUARE, HALVES, uv=integers)])
     first, second = both.parts
     assert (first.uv_origin, second.uv_origin) == ("top", "top")
@@ -252,7 +252,7 @@ def test_other_results_are_saved_as_the_command_does(tmp_path: Path) -> None:
     source = model("milktruck.glb")
     chain = tristrip.load(source).chain("100%,50%")
     assert chain.report["proven"] is True
-    # What was not verified is not disproven either.
+    # An unverified result is not disproven either.
     assert tristrip.load(source).chain("100%,50%", verify=False).report["proven"] is None
     chain.save(mine / "lod.glb")
     chain.save(f"{mine}/levels/", format="ply")
@@ -268,7 +268,7 @@ def test_images_beside_a_gltf_go_into_a_glb(tmp_path: Path) -> None:
     scene = textured()
     report = scene.save(tmp_path / "a.gltf")
     assert (tmp_path / "a.bin").is_file() and report["bytes"] > 0
-    # The image into a file of its own.
+    # The image goes to a separate file.
     document = json.loads((tmp_path / "a.gltf").read_text())
     (tmp_path / "image.png").write_bytes(png(200, 100, 0))
     document["images"] = [{"uri": "image.png"}]
@@ -279,7 +279,7 @@ def test_images_beside_a_gltf_go_into_a_glb(tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     outside.strip().save(tmp_path / "out" / "b.glb")
     assert tristrip.load(tmp_path / "out" / "b.glb").parts[0].material_properties == scene.parts[0].material_properties
-    # In the same folder it stays a file.
+    # In the same directory, it remains a file.
     outside.strip().save(tmp_path / "c.gltf")
     assert json.loads((tmp_path / "c.gltf").read_text())["images"] == [{"uri": "image.png"}]
     outside.simplify(ratio=1).save(tmp_path / "d.gltf")
@@ -328,7 +328,7 @@ def test_strips_of_a_file_are_returned(tmp_path: Path) -> None:
     strips = [part.strips for part in again.parts]
     assert [len(found) if found is not None else 0 for found in strips] == [len(found) for found in stripped.parts]
     assert again.analyze()["drawn"] == "strips"
-    # Strips stay strips.
+    # Strips remain strips.
     again.save(tmp_path / "t.glb", layout="restart")
     assert tristrip.load(tmp_path / "t.glb").parts[0].strips is not None
 
@@ -458,7 +458,7 @@ def test_scenes_work_in_threads() -> None:
         assert all(found == expected for found in threads.map(lambda _: scene.strip().to_bytes(), range(8)))
 
 
-# --- files that are wrong
+# --- invalid files
 
 
 def glb(document: bytes, binary: bytes = b"") -> bytes:
@@ -562,5 +562,5 @@ def test_models_go_through_all_formats(name: str, tmp_path: Path) -> None:
     again = tristrip.load(tmp_path / "a.glb")
     for part, strips, written in zip(scene.parts, stripped.parts, again.parts, strict=True):
         assert part.polygons is not None or strips.verify(part.faces)["faces"] == len(part.faces)
-        # A material whose library is missing is only a name.
+        # A material whose library is missing has only a name.
         assert part.material_properties in (None, written.material_properties)

@@ -1,4 +1,4 @@
-"""Searches that take long: progress, budgets, Ctrl-C, and exceptions on the way."""
+"""Long searches: progress, budgets, Ctrl-C, and exceptions in callbacks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LONG: dict[str, Any] = {"effort": 9}
 
 
 class FoundEnoughError(Exception):
-    """What a callback of a test raises."""
+    """Raised by a callback of a test."""
 
 
 def test_progress_of_a_function(hand: Hand) -> None:
@@ -64,7 +64,7 @@ def test_an_exception_of_the_callback_ends_the_search(hand: Hand) -> None:
 
     with pytest.raises(FoundEnoughError, match="stripify") as caught:
         tristrip.stripify(hand[1], progress=stop, **LONG)
-    # The work is not lost.
+    # The result so far is available.
     best = vars(caught.value)["best"]
     oracle.assert_same_triangles(best.triangles(), hand[1])
 

@@ -17,7 +17,7 @@ from interrupts import interrupt_after
 
 
 def bumpy(width: int) -> meshes.GeneratedMesh:
-    """Make an open grid with bumps as height."""
+    """Build an open grid with bumps."""
     mesh = meshes.grid(width, width)
     vertices = mesh.vertices.copy()
     x, y = vertices[:, 0] / width, vertices[:, 1] / width
@@ -26,7 +26,7 @@ def bumpy(width: int) -> meshes.GeneratedMesh:
 
 
 def edges_of(faces: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return the edges of triangles without their direction, each as often as it occurs."""
+    """Return the undirected edges of triangles, with repetitions."""
     return np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
 
 
@@ -68,7 +68,7 @@ def test_goals() -> None:
     vertices, faces = tristrip.simplify(mesh.vertices, mesh.faces, triangles=123, error="100%")
     assert 121 <= len(faces) <= 123
     assert faces.max() + 1 == len(vertices)
-    # Any error in mesh units, or as a share of the diagonal.
+    # Any error, in mesh units or relative to the diagonal.
     exact, loose = (
         tristrip.simplify(mesh.vertices, mesh.faces, error=error, fit=False, measure=True) for error in (0.01, 0.2)
     )
@@ -88,7 +88,7 @@ def test_the_fit_is_closer_and_keeps_borders() -> None:
     mesh = bumpy(60)
     options: dict[str, Any] = {"ratio": 0.05, "error": "100%", "measure": True}
     kept, fitted = (tristrip.simplify(mesh.vertices, mesh.faces, fit=fit, **options) for fit in (False, True))
-    # The triangles are the same, over vertices in another order.
+    # The triangles are the same, over reordered vertices.
     oracle.assert_same_triangles(kept.sources[kept.faces], fitted.sources[fitted.faces])
     assert kept.rms_deviation is not None
     assert fitted.rms_deviation is not None
@@ -147,7 +147,7 @@ def test_a_result_pickles() -> None:
 
 
 def stop(progress: tristrip.Progress) -> None:
-    """Raise as Ctrl-C does, once some triangles are gone."""
+    """Raise like Ctrl-C, once some triangles have been removed."""
     if progress.stage == "simplify" and progress.steps > 0:
         raise KeyboardInterrupt
 
@@ -176,7 +176,7 @@ def test_ctrl_c_after_the_collapses_keeps_them(stage: str) -> None:
         if progress.stage == stage:
             raise KeyboardInterrupt
 
-    # A stage is seen if it takes longer than the time between two reports.
+    # A stage is reported if it takes longer than the interval of reports.
     for width in (100, 200, 400, 800):
         mesh = bumpy(width)
         try:
@@ -197,7 +197,7 @@ def test_an_interrupted_file_is_not_that_of_less_collapses() -> None:
     for verify in (False, True):
         small = scene.simplify(ratio=0.01, error="100%", measure=False, verify=verify)
         again = pickle.loads(pickle.dumps(small))
-        # What a file is made of is computed now, and again after the interrupt.
+        # The data for files are computed now, and again after the interrupt.
         with pytest.raises(KeyboardInterrupt), interrupt_after(0.03):
             again.to_bytes("glb")
         assert len(tristrip.Scene.from_bytes(again.to_bytes("glb")).parts[0].faces) == small.report["triangles_after"]
@@ -256,7 +256,7 @@ def test_an_interrupted_scene() -> None:
     assert len(best.scene.parts[0].faces) == count
     again = pickle.loads(pickle.dumps(best))
     assert again.interrupted
-    # Its files are made of the same number of triangles.
+    # Its files have the same number of triangles.
     assert len(tristrip.Scene.from_bytes(again.to_bytes("ply")).parts[0].faces) == count
     assert scene.simplify(ratio=0.001, error="100%", progress=stop, on_interrupt="return").interrupted
     with pytest.raises(TypeError, match="budget"):

@@ -1,4 +1,4 @@
-"""Progressive GLB: packing, unpacking, inspecting, and what is wrong with files."""
+"""Progressive GLB: packing, unpacking, inspecting, and invalid files."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ def test_a_file_that_is_cut_off_gives_a_level_or_an_error(end: int) -> None:
             unpacked = tristrip.unpack(BYTES[:end])
         except tristrip.FormatError:
             return
-        # The base meshes are there, but not the first chunk, which has the counts.
+        # The base meshes are available, but not the first chunk, which has the counts.
         assert unpacked.report["ended_early"]
         assert unpacked.report["level"] == 0
         return

@@ -30,7 +30,7 @@ KEYS_OF_COSTS = {
     "opengl": "vertices_sent",
     "gl": "gl_cost",
 }
-#: Those that need nothing but the buffer.
+#: Methods that need only the buffer.
 BUFFERS: list[Any] = ["restart", "degenerate", "list"]
 EXAMPLES = meshes.examples()
 
@@ -38,7 +38,7 @@ mesh_parameter = pytest.mark.parametrize("mesh", EXAMPLES, ids=lambda mesh: mesh
 
 
 def check(strips: tristrip.Strips, faces: Any) -> None:
-    """Check that strips draw the faces, in all forms in which they can be had."""
+    """Check in all forms that strips draw the faces."""
     oracle.assert_same_triangles(strips.triangles(), faces)
     for layout in BUFFERS:
         oracle.assert_same_triangles(oracle.expand(strips.indices(layout), layout), faces)
@@ -51,7 +51,7 @@ def test_every_method_draws_the_faces(method: str, mesh: meshes.GeneratedMesh) -
     strips = tristrip.stripify(mesh.faces, method=method)
     check(strips, mesh.faces)
     assert strips.verify(mesh.faces)["triangles"] == len(oracle.canonical(mesh.faces))
-    # Positions are only needed for polygons and to weld, and must not make a difference in what is drawn.
+    # Positions are needed only for polygons and welding, and must not change what is drawn.
     check(tristrip.stripify(mesh.faces, mesh.vertices, method=method, verify=True), mesh.faces)
 
 
@@ -190,7 +190,8 @@ def test_strips_are_a_sequence(mesh: meshes.GeneratedMesh) -> None:
 
 
 def test_iteration_takes_linear_time(hand: tuple[meshes.Positions, meshes.Triangles]) -> None:
-    # Each strip by its number: 16,000 strips of which each costs a microsecond, not the length of all before it.
+    # Access each strip by index: 16,000 strips at a microsecond each, independent of the preceding
+    # strips.
     strips = tristrip.stripify(np.tile(hand[1], (8, 1)), method="input")
     assert sum(len(strip) for strip in strips) == strips.metrics()["vertices_sent"]
     assert sum(len(strips[index]) for index in range(len(strips))) == strips.metrics()["vertices_sent"]
@@ -349,7 +350,7 @@ def test_models(model: Callable[[str], Path], name: str) -> None:
     strips = tristrip.stripify(polygons, vertices, verify=True)
     assert strips.proven
     oracle.assert_triangulates(strips.triangles(), polygons)
-    # A third of the indices of a list or better, with what a restart costs.
+    # A third of the indices of a list or better, including restarts.
     assert strips.metrics()["indices_restart_per_triangle"] < 1.4
 
 
@@ -366,7 +367,7 @@ def write_ply(path: Path, vertices: meshes.Positions, strips: tristrip.Strips) -
 @pytest.mark.parametrize("method", ["best", "fewest", "cache", "tunnel"])
 @pytest.mark.parametrize("name", ["fish_control.ply", "wingnut.ply"])
 def test_the_checker_of_files_agrees(tmp_path: Path, model: Callable[[str], Path], name: str, method: str) -> None:
-    """A program that shares no code with this project proves the strips of a file against its source."""
+    """An independent program proves the strips of a file against its source."""
     program = shared_models().parent / "check_strips.py"
     if not program.is_file():
         pytest.skip(f"{program} is missing")
@@ -394,7 +395,7 @@ def test_contiguous_uint32_is_not_copied() -> None:
         tracemalloc.stop()
         return found
 
-    # NumPy reports its arrays to tracemalloc.
+    # NumPy reports its allocations to tracemalloc.
     assert peak(faces) < faces.nbytes / 10
     assert peak(faces.ravel()) < faces.nbytes / 10
     assert peak(faces.astype(np.int64)) >= faces.nbytes

@@ -1,4 +1,4 @@
-"""The stub of the native module agrees with the module, and the public names are those that it exports."""
+"""The stub agrees with the native module, and the public names are those it exports."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tristrip import _native
 def test_the_stub_agrees_with_the_module(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
     allowed = tmp_path / "allowed.txt"
-    # What exists for type checkers alone.
+    # Names that exist only for type checkers.
     names = [*only_types(), "__all__"]
     allowed.write_text("".join(f"tristrip\\._native\\.{name}\n" for name in names), encoding="utf-8")
     done = subprocess.run(

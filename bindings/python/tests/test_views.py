@@ -1,4 +1,4 @@
-"""View-dependent detail: models, views and flights."""
+"""View-dependent detail: models, views and camera flights."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MODEL = tristrip.ViewModel.build(VERTICES, FACES)
 
 
 def overview(view: tristrip.View, pixels: float = 0.0) -> None:
-    """Look at all of the terrain from above."""
+    """Look at the whole terrain from above."""
     view.set_view((30, 90, 30), (30, 0, 30.001), pixels=pixels, frustum=False)
 
 
@@ -110,7 +110,7 @@ def test_budgets_and_steps_are_kept() -> None:
     assert MODEL.base_triangle_count < view.triangle_count <= 800
     slow = MODEL.view()
     moved = slow.set_view((30, 3, -3), (30, 0, 30), pixels=0.1, steps=10)
-    # The last split comes with those that it needs.
+    # The last split includes the splits that it needs.
     assert not moved["complete"]
     assert moved["collapses"] + moved["splits"] < 10 + MODEL.collapse_count / 10
     calls = 1
@@ -210,7 +210,8 @@ def test_any_flight_leaves_a_mesh_that_is_proven(eyes: list[tuple[float, float, 
         view.set_view(eye, (30.5, 0.5, 30.5), pixels=pixels)
         view.verify()
     fresh.set_view(eyes[-1], (30.5, 0.5, 30.5), pixels=pixels)
-    # What was split for an earlier frame may stay for a while: errors from four fifths of what is allowed are kept.
+    # Splits for an earlier frame may remain: they are kept while their errors are above four fifths
+    # of the limit.
     assert view.triangle_count >= fresh.triangle_count * 0.95
 
 

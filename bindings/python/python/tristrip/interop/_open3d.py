@@ -133,7 +133,7 @@ def _set_textures(open3d: Any, mesh: Any, materials: list[dict[str, Any]], of_tr
 
 
 def _materials(parts: list[Part]) -> tuple[list[dict[str, Any]], Array]:
-    """Return the distinct materials and the material index of each part; empty without materials."""
+    """Return the distinct materials, and the material index of each part."""
     materials: list[dict[str, Any]] = []
     numbers = []
     if all(part.material is None for part in parts):
