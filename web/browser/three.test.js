@@ -98,7 +98,7 @@ test('the full level looks like the source', { skip }, async (t) => {
   }
 });
 
-test('the scene is there early, and refines while the rest arrives', { skip }, async () => {
+test('the scene is available early, and refines as the rest arrives', { skip }, async () => {
   const { packed, bytes } = pack(ownModel('hand.ply'));
   server.shape(packed, { bytesPerSecond: bytes / 5 });
   const { page, problems } = await openStage();
@@ -128,7 +128,7 @@ test('the scene is there early, and refines while the rest arrives', { skip }, a
   assert.deepEqual(problems, []);
 });
 
-test('loading stops by a signal, before and after the scene is there', { skip }, async () => {
+test('a signal stops loading, before and after the scene is available', { skip }, async () => {
   const { packed, bytes } = pack(ownModel('hand.ply'));
   server.shape(packed, { bytesPerSecond: bytes / 5 });
   const { page, problems } = await openStage();
@@ -154,7 +154,7 @@ test('loading stops by a signal, before and after the scene is there', { skip },
   assert.deepEqual(problems, []);
 });
 
-test('nothing stays on the GPU after dispose', { skip }, async () => {
+test('everything on the GPU is freed by dispose', { skip }, async () => {
   const scenes = [ownModel('milktruck.glb'), ...texturedScenes.slice(1, 2)].map((file) => pack(file).packed);
   const { page, problems } = await openStage();
   const found = await page.evaluate(async (scenes) => {
@@ -192,7 +192,7 @@ test('nothing stays on the GPU after dispose', { skip }, async () => {
   assert.deepEqual(problems, []);
 });
 
-test('errors come to onError before the scene is there, and as events afterwards', { skip }, async () => {
+test('errors are passed to onError before the scene is available, and are events afterwards', { skip }, async () => {
   const { packed, bytes } = pack(ownModel('hand.ply'));
   const { page, problems } = await openStage();
   const load = (/** @type {string} */ url) =>
@@ -372,7 +372,7 @@ test('buffers that are replaced are freed on the GPU', { skip }, async () => {
   assert.deepEqual(problems, []);
 });
 
-test('a lost connection is retried where it was lost, also after it was given up', { skip }, async () => {
+test('a lost connection resumes where it was lost, also after the last automatic retry', { skip }, async () => {
   const { packed, bytes } = pack(ownModel('hand.ply'));
   const { page, problems } = await openStage();
   const drop = Math.floor(0.6 * bytes);
@@ -445,7 +445,7 @@ test('nothing arrives while a model is paused', { skip }, async () => {
   assert.deepEqual(problems, []);
 });
 
-test('variants of materials are those of GLTFLoader, and may be chosen while the mesh refines', { skip }, async () => {
+test('material variants work as in GLTFLoader, also while the mesh refines', { skip }, async () => {
   const { json, binary } = readGlb(readFileSync(ownModel('milktruck.glb')));
   const red = json.materials.length;
   json.materials.push({ name: 'red', pbrMetallicRoughness: { baseColorFactor: [1, 0, 0, 1] } });
@@ -502,7 +502,7 @@ test('variants of materials are those of GLTFLoader, and may be chosen while the
   assert.deepEqual(problems, []);
 });
 
-test('morph targets stay as they are beside a mesh that refines', { skip }, async () => {
+test('morph targets of other meshes are unchanged while a mesh refines', { skip }, async () => {
   const { json, binary } = readGlb(readFileSync(ownModel('milktruck.glb')));
   const square = morphingSquare({ mesh: [0.5, 0], node: [0.25, 1] });
   const own = readGlb(square.bytes);
@@ -579,7 +579,7 @@ test('a primitive with morph targets and a stream keeps its base mesh', { skip }
   assert.deepEqual(problems, []);
 });
 
-test('a model that is disposed of or aborted while it is downloaded gets nothing more', { skip }, async () => {
+test('a model that is disposed of or aborted during the download gets no more events', { skip }, async () => {
   const { packed, bytes } = pack(ownModel('hand.ply'));
   server.shape(packed, { bytesPerSecond: bytes / 4 });
   const { page, problems } = await openStage();
@@ -633,7 +633,7 @@ test('a model that is disposed of or aborted while it is downloaded gets nothing
   assert.deepEqual(problems, []);
 });
 
-test('one URL loaded twice gives two models, of which each goes its way', { skip }, async () => {
+test('loading a URL twice gives two independent models', { skip }, async () => {
   const { packed, bytes } = pack(ownModel('hand.ply'));
   server.shape(packed, { bytesPerSecond: bytes / 2 });
   const { page, problems } = await openStage();

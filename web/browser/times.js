@@ -64,7 +64,7 @@ test('the main thread', { skip: missing }, async (t) => {
   }
 });
 
-test('the first picture', { skip: missing }, async (t) => {
+test('the first image', { skip: missing }, async (t) => {
   const dragon = pack('dragon.ply');
   server.shape(dragon.url, { bytesPerSecond: 5e6 / 8 });
   for (let run = 0; run < RUNS; run++) {

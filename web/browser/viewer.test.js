@@ -135,7 +135,7 @@ async function eventually(check) {
 /** @param {Page} page */
 const triangles = (page) => page.evaluate(() => window.tristrip.viewer.figures.sums.triangles);
 
-test('a model goes from its base to the full picture over a link that stops', { skip }, async () => {
+test('a model refines from its base mesh to the full image over a stalling link', { skip }, async () => {
   const model = present(hand);
   const reference = await openViewer(model);
   await waitForState(reference.page, 'complete');
@@ -168,7 +168,7 @@ test('a model goes from its base to the full picture over a link that stops', { 
   assert.deepEqual([...problems, ...reference.problems], []);
 });
 
-test('a flipped bit shows a message, and the last good picture stays', { skip }, async () => {
+test('a flipped bit shows a message, and the last valid image remains', { skip }, async () => {
   const model = present(hand);
   server.shape(model.url, { flipAt: Math.floor(0.6 * model.bytes) });
   const { page, problems } = await openViewer(model);
@@ -188,7 +188,7 @@ test('a flipped bit shows a message, and the last good picture stays', { skip },
   assert.deepEqual(problems, []);
 });
 
-test('a file that is not there, and one that is no GLB, show a message', { skip }, async () => {
+test('missing files, and files that are not GLB, show a message', { skip }, async () => {
   const { page } = await openViewer();
   for (const [name, words] of /** @type {[string, RegExp][]} */ ([['models/none.glb', /refused/], ['models/models.json', /not a GLB/]])) {
     await goTo(page, `#model=${name}`);
@@ -220,7 +220,7 @@ test('a scene without meshes, and an error after the context was lost, show a me
   assert.equal(await page.evaluate(() => document.activeElement?.id), 'canvas');
 });
 
-test('a lost connection is resumed where it was lost', { skip }, async () => {
+test('a lost connection resumes where it was lost', { skip }, async () => {
   const model = present(hand);
   const drop = Math.floor(0.5 * model.bytes);
   const known = server.requestsOf(model.url).length;
@@ -237,7 +237,7 @@ test('a lost connection is resumed where it was lost', { skip }, async () => {
   assert.deepEqual(problems.filter((problem) => !/ERR_(CONNECTION|INCOMPLETE|CONTENT)/.test(problem)), []);
 });
 
-test('all works with the keyboard', { skip }, async () => {
+test('everything works with the keyboard', { skip }, async () => {
   const model = present(hand);
   const { page, problems } = await openViewer();
   await page.locator('#cards a').first().focus();
@@ -292,7 +292,7 @@ test('all works with the keyboard', { skip }, async () => {
   assert.deepEqual(problems, []);
 });
 
-test('a thumbnail that is not drawn yet is asked for again, and the page says that it waits for a busy server', { skip }, async () => {
+test('a missing thumbnail is requested again, and the page shows that it waits for a busy server', { skip }, async () => {
   const { page } = await openViewer();
   const listed = [present(hand)].map(({ name, url, bytes }) => ({ name, url: url.slice(1), kind: 'packed', bytes, triangles: 1, vertices: 3, thumbnail: 'thumbnails/hand.svg' }));
   await page.route('**/models.json', (route) => route.fulfill({ json: { models: listed, notes: [] } }));
@@ -311,7 +311,7 @@ test('a thumbnail that is not drawn yet is asked for again, and the page says th
   assert.equal(loaded, 4, 'answers of a busy server are no lost connections');
 });
 
-test('an animation is chosen among several, and is part of the address', { skip }, async () => {
+test('an animation can be selected, and is part of the address', { skip }, async () => {
   const { page, problems } = await openViewer(unmorphed);
   await waitForState(page, 'complete');
   const choice = page.getByRole('combobox', { name: 'Animation', exact: true });
@@ -418,7 +418,7 @@ async function middleColor(page) {
   }, png);
 }
 
-test('images in other files come from the folder of the model, and from nowhere else', { skip }, async () => {
+test('images in other files are loaded only from the directory of the model', { skip }, async () => {
   const write = (/** @type {string} */ name, /** @type {Uint8Array} */ bytes) => writeFileSync(path.join(models.folder, name), bytes);
   mkdirSync(path.join(models.folder, 'inner/images'), { recursive: true });
   write('inner/images/a b.png', Buffer.from(pixel('red'), 'base64'));
@@ -452,7 +452,7 @@ test('images in other files come from the folder of the model, and from nowhere 
   assert.deepEqual(problems.filter((problem) => !problem.includes('404')), []);
 });
 
-test('several files may be dropped at once: a model, and its images', { skip }, async () => {
+test('a model and its images can be dropped together', { skip }, async () => {
   const { page, problems } = await openViewer();
   const drop = (/** @type {[string, string, string][]} */ ...files) =>
     page.evaluate((files) => {
@@ -479,7 +479,7 @@ test('several files may be dropped at once: a model, and its images', { skip }, 
   assert.deepEqual(problems, []);
 });
 
-test('files that are no models, or broken ones, get a message, and the next model is shown', { skip }, async () => {
+test('invalid and damaged files show a message, and the next model is shown', { skip }, async () => {
   const whole = readFileSync(path.join(models.folder, present(hand).name));
   const changed = (/** @type {(bytes: Buffer) => void} */ change) => {
     const bytes = Buffer.from(whole);
@@ -513,7 +513,7 @@ test('files that are no models, or broken ones, get a message, and the next mode
   assert.deepEqual(problems, []);
 });
 
-test('a file of the device that changes after it was chosen is not read, and is not kept by a reload', { skip }, async () => {
+test('a local file that changes after its selection is not read, and is not kept by a reload', { skip }, async () => {
   const file = path.join(models.folder, 'chosen.glb');
   writeFileSync(file, readFileSync(path.join(models.folder, present(hand).name)));
   const { page, problems } = await openViewer();
@@ -528,7 +528,7 @@ test('a file of the device that changes after it was chosen is not read, and is 
   assert.deepEqual(problems, []);
 });
 
-test('models that are opened one after another, closed early and found again in the history', { skip }, async () => {
+test('models can be opened in sequence, closed early and revisited through the history', { skip }, async () => {
   const { page, problems } = await openViewer();
   const [first, second] = [present(hand), present(truck)].map(({ url }) => `#model=${url.slice(1)}`);
   const nameOf = () => page.locator('#name').innerText();
@@ -564,7 +564,7 @@ test('models that are opened one after another, closed early and found again in 
   assert.deepEqual(problems, []);
 });
 
-test('a view is the same after a reload, and one that is none is not taken', { skip }, async () => {
+test('a view survives a reload, and an invalid one is ignored', { skip }, async () => {
   const { page, problems } = await openViewer(unmorphed);
   await waitForState(page, 'complete');
   // The focus outline is part of the images.
@@ -637,7 +637,7 @@ test('the context is lost while a model loads, and while another one is opened',
   assert.deepEqual([...problems, ...full.problems, ...reference.problems].filter((problem) => !/context/i.test(problem)), []);
 });
 
-test('a texture that is uploaded while the context is lost is made again', { skip }, async () => {
+test('a texture that is uploaded while the context is lost is created again', { skip }, async () => {
   writeFileSync(path.join(models.folder, 'square.glb'), texturedSquare(`data:image/png;base64,${pixel('blue')}`));
   const { page, problems } = await openViewer();
   await page.addInitScript(() => {
@@ -666,7 +666,7 @@ test('a texture that is uploaded while the context is lost is made again', { ski
   assert.deepEqual(problems.filter((problem) => !/CONTEXT_LOST/.test(problem)), []);
 });
 
-test('without WebGL 2 there is a message, and no control that does nothing', { skip }, async () => {
+test('without WebGL 2, the page shows a message and no useless controls', { skip }, async () => {
   const { page, problems } = await openViewer();
   await page.addInitScript(() => (HTMLCanvasElement.prototype.getContext = () => null));
   await page.reload();
@@ -676,7 +676,7 @@ test('without WebGL 2 there is a message, and no control that does nothing', { s
   assert.deepEqual(problems, []);
 });
 
-test('nothing is beyond a screen of 360 pixels, whatever it shows', { skip }, async () => {
+test('no content overflows a screen of 360 pixels', { skip }, async () => {
   const { page } = await openViewer(undefined, { ...PHONE, viewport: { width: 360, height: 640 } });
   const name = `${'long-name-'.repeat(12)}.glb`;
   // Its errors are small.
@@ -707,7 +707,7 @@ test('all controls can be reached by Tab', { skip }, async () => {
   await assertReached(unmorphed);
 });
 
-test('it fits a phone', { skip }, async () => {
+test('the page fits a phone', { skip }, async () => {
   const { page, problems } = await openViewer(present(truck), PHONE);
   await waitForState(page, 'complete');
   const find = () =>
@@ -759,7 +759,7 @@ test('the page meets WCAG A and AA, light and dark', { skip }, async (t) => {
   }
 });
 
-test('what a model has on the GPU is freed with the mode that needs it, and with the model', { skip }, async (t) => {
+test('GPU resources are freed with the mode that needs them, and with the model', { skip }, async (t) => {
   const { page, problems } = await openViewer();
   await page.evaluate(() => {
     const live = { Texture: 0, Buffer: 0, VertexArray: 0 };
@@ -835,7 +835,7 @@ test('memory does not grow with the number of models opened', { skip }, async (t
   assert.deepEqual(problems, []);
 });
 
-test('the first picture of a large model needs few of its bytes', { skip: skip || needsModels }, async (t) => {
+test('the first image of a large model needs few of its bytes', { skip: skip || needsModels }, async (t) => {
   const dragon = pack(path.join(/** @type {string} */ (largeModels), 'dragon.ply'));
   server.shape(dragon.url, { holdAfter: FIRST_BYTES });
   const { page } = await openViewer(dragon);

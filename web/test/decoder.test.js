@@ -100,7 +100,7 @@ function tryDecode(pieces) {
   return undefined;
 }
 
-test('damaged streams are refused', { timeout: 600_000 }, () => {
+test('damaged streams are rejected', { timeout: 600_000 }, () => {
   const random = new Random(1);
   const small = vectors().filter(({ bytes }) => bytes.length < 6000);
   const counts = { complete: 0, checksum: 0, contents: 0 };
@@ -134,7 +134,7 @@ test('damaged streams are refused', { timeout: 600_000 }, () => {
   assert.ok(counts.checksum > 1000 && counts.contents > 1000 && counts.complete > 100, JSON.stringify(counts));
 });
 
-test('an error tells where, and what comes before it stays', () => {
+test('an error has the location, and the part before it remains', () => {
   const { bytes, chunks } = vectors().filter(({ name }) => name === 'components')[0];
   const damaged = bytes.slice();
   damaged[chunks[1].end - 1] ^= 1;
@@ -147,7 +147,7 @@ test('an error tells where, and what comes before it stays', () => {
   assert.equal(fingerprint(decoder.part(0)), chunks[0].fingerprint);
 });
 
-test('limits are kept', () => {
+test('limits are enforced', () => {
   const { bytes, chunks } = vectors().filter(({ name }) => name === 'meshes')[0];
   const most = Math.max(...chunks.map(({ triangles }) => triangles));
   const refused = (/** @type {object} */ limits, /** @type {RegExp} */ expected) => {

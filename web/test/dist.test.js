@@ -6,7 +6,7 @@ import { bundle, DIST } from '../build.js';
 
 const MAX_BYTES = 60_000;
 
-test('the bundle is that of the sources: npm run build', async () => {
+test('the bundle matches the sources: npm run build', async () => {
   const files = await bundle();
   assert.deepEqual(readdirSync(DIST).sort(), [...files.keys()].sort());
   for (const [name, bytes] of files) assert.ok(readFileSync(new URL(name, DIST)).equals(bytes), `${name} is not that of the sources`);

@@ -35,14 +35,14 @@ test('the stream of a file is found however its bytes are split', () => {
   }
 });
 
-test('the base meshes are there before the end of the file', () => {
+test('the base meshes are available before the end of the file', () => {
   const file = glb(document());
   const decoder = new GlbDecoder();
   decoder.update(file.subarray(0, file.length - 3 - stream.length + chunks[1].end));
   assert.deepEqual(decoder.parts.map((part) => part.level), [0, 0]);
 });
 
-test('other files are refused', () => {
+test('other files are rejected', () => {
   const refused = (/** @type {Uint8Array} */ file, /** @type {object} */ error) => {
     const decoder = new GlbDecoder({ chunkBytes: 10_000 });
     assert.throws(() => decoder.update(file), { name: 'StreamError', ...error });

@@ -9,7 +9,7 @@ function logarithmOf(x) {
   return 8 * (digits.length - 1) + parseInt(`${digits}000`.slice(1, 4), 2);
 }
 
-test('logarithms of whole numbers', () => {
+test('logarithms of integers', () => {
   for (let bits = 0; bits < 53; bits++) {
     for (const offset of [-1, 0, 1, 2 ** (bits - 1) - 1, 2 ** (bits - 1)]) {
       const x = Math.max(2 ** bits + Math.floor(offset), 1);

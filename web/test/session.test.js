@@ -140,7 +140,7 @@ for (const output of /** @type {Output[]} */ (['strips', 'lists'])) {
   });
 }
 
-test('the document, the binary chunk before the stream and the chunks are told', async () => {
+test('the document, the binary chunk before the stream and the chunks are reported', async () => {
   const page = new Page(new Blob([FILE]));
   await page.complete();
   const { json, binaryBytes } = page.messages.find(({ type }) => type === 'document');
@@ -155,7 +155,7 @@ test('the document, the binary chunk before the stream and the chunks are told',
   );
 });
 
-test('of a damaged file everything before the damage is shown, and then the error', async () => {
+test('a damaged file is shown up to the damage, then the error is reported', async () => {
   const bytes = FILE.slice();
   const start = FILE.length - 3 - MESHES.bytes.length;
   bytes[start + MESHES.chunks[4].end - 1] ^= 1;
@@ -167,7 +167,7 @@ test('of a damaged file everything before the damage is shown, and then the erro
   assertSame(page, decoded(FILE.subarray(0, start + MESHES.chunks[3].end)), 'lists');
 });
 
-test('a file that is no GLB, or is cut off, is an error', async () => {
+test('a truncated file, or one that is not a GLB, is an error', async () => {
   const errors = [];
   for (const bytes of [new Uint8Array(0), new TextEncoder().encode('solid of a cube, as text'), FILE.slice(0, 500), FILE.slice(0, FILE.length - 100)]) {
     const page = new Page(new Blob([bytes]));
@@ -176,7 +176,7 @@ test('a file that is no GLB, or is cut off, is an error', async () => {
   assert.deepEqual(errors, ['not-glb', 'not-glb', 'damaged', 'damaged']);
 });
 
-test('a GLB without a binary chunk is one', async () => {
+test('a GLB without a binary chunk is valid', async () => {
   const text = new TextEncoder().encode('{"asset":{"version":"2.0"}} ');
   const bytes = new Uint8Array(20 + text.length);
   [0x46546c67, 2, bytes.length, text.length, 0x4e4f534a].forEach((word, i) => new DataView(bytes.buffer).setUint32(4 * i, word, true));
@@ -186,7 +186,7 @@ test('a GLB without a binary chunk is one', async () => {
   assert.equal(page.messages.find(({ type }) => type === 'document').binaryBytes, 0);
 });
 
-test('a GLB without a stream is told of as a whole', async () => {
+test('a GLB without a stream is reported as a whole', async () => {
   const json = { asset: { version: '2.0' }, buffers: [{ byteLength: 40 }] };
   const page = new Page(new Blob([glb(json)]));
   const { update } = await page.complete();
@@ -231,7 +231,7 @@ function sending(most = Infinity, tag = '"a"') {
   };
 }
 
-test('a download goes on where the connection was lost', async () => {
+test('a download resumes where the connection was lost', async () => {
   const { url, ranges, close } = await serve([sending(1000), sending(700), sending()]);
   const page = new Page(url, { output: 'lists' });
   await page.complete();
@@ -243,7 +243,7 @@ test('a download goes on where the connection was lost', async () => {
   close();
 });
 
-test('a server that ignores ranges, or is busy, is no error', async () => {
+test('a server that ignores ranges, or is busy, is not an error', async () => {
   const whole = (/** @type {any} */ request, /** @type {import('node:http').ServerResponse} */ response) => {
     response.writeHead(200, { ETag: '"a"' }).end(FILE);
   };
@@ -255,7 +255,7 @@ test('a server that ignores ranges, or is busy, is no error', async () => {
   close();
 });
 
-test('a server that makes the file first is asked again and again', async () => {
+test('requests are repeated while a server packs the file', async () => {
   const busy = (/** @type {any} */ request, /** @type {import('node:http').ServerResponse} */ response) => response.writeHead(503, { 'Retry-After': '0.01' }).end();
   const { url, ranges, close } = await serve([...Array(12).fill(busy), sending(1000), busy, sending()]);
   const page = new Page(url, { output: 'lists' });
@@ -267,7 +267,7 @@ test('a server that makes the file first is asked again and again', async () => 
   close();
 });
 
-test('ranges that are not told, and tags that get strong, are no change of the file', async () => {
+test('missing ranges, and tags that become strong, do not mean that the file changed', async () => {
   const untold = await serve([
     sending(1000),
     (request, response) => {
@@ -287,7 +287,7 @@ test('ranges that are not told, and tags that get strong, are no change of the f
   weak.close();
 });
 
-test('a file that changes, and one that is not there, are errors', async () => {
+test('changed and missing files are errors', async () => {
   const changed = await serve([sending(1000), sending(Infinity, '"b"')]);
   assert.equal((await new Page(changed.url).error()).kind, 'changed');
   changed.close();
@@ -297,7 +297,7 @@ test('a file that changes, and one that is not there, are errors', async () => {
   missing.close();
 });
 
-test('a lost connection can be tried again', async () => {
+test('a lost connection can be retried', async () => {
   const { url, close } = await serve([(request, response) => response.destroy(), (request, response) => response.destroy(), sending()]);
   const page = new Page(url, { output: 'lists' });
   assert.equal((await page.error()).kind, 'connection');
@@ -307,7 +307,7 @@ test('a lost connection can be tried again', async () => {
   close();
 });
 
-test('an error is told while fewer chunks are shown than have arrived', async () => {
+test('an error is reported while fewer chunks are shown than have arrived', async () => {
   const { url, close } = await serve([sending(FILE.length - 200), (request, response) => response.writeHead(404).end()]);
   const page = new Page(url, { keepBytes: true });
   await page.until(({ type }) => type === 'document');
@@ -343,7 +343,7 @@ test('models of higher priority come first', async () => {
   close();
 });
 
-test('a model that is paused goes on later, and one that is closed says nothing more', async () => {
+test('a paused model can be resumed, and a closed one sends no more messages', async () => {
   const { url, close } = await serve([sending()]);
   const link = new Link();
   link.bitsPerSecond = 8 * 4 * FILE.length;
@@ -365,6 +365,6 @@ test('a model that is paused goes on later, and one that is closed says nothing 
   close();
 });
 
-test('the decoder gets ready with a mesh of some size', () => {
+test('warming up decodes a mesh of some size', () => {
   assert.ok(warmUp() > 5000);
 });

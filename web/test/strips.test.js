@@ -49,7 +49,7 @@ for (const vector of vectors()) {
   });
 }
 
-test('strips of faulty chunks draw what these have built', () => {
+test('strips of invalid chunks draw the part that was decoded', () => {
   const random = new Seeded(2);
   const small = vectors().filter(({ bytes }) => bytes.length < 6000);
   let faults = 0;

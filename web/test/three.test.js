@@ -45,7 +45,7 @@ async function begin(options = {}) {
 
 const nextTask = () => new Promise((resolve) => setTimeout(resolve));
 
-test('an error of the parser is told, also when all has arrived', { skip }, async () => {
+test('an error of the parser is reported, also after everything has arrived', { skip }, async () => {
   const { manager, settled, events, parser } = await begin();
   const ended = new Promise((resolve) => (manager.onLoad = resolve));
   events.document(json, 0);
@@ -55,13 +55,13 @@ test('an error of the parser is told, also when all has arrived', { skip }, asyn
   await ended;
 });
 
-test('a document that is none rejects', { skip }, async () => {
+test('an invalid document rejects', { skip }, async () => {
   const { settled, events } = await begin();
   events.document(null, 0);
   assert.ok((await settled) instanceof TypeError);
 });
 
-test('a model is complete when its scene is there', { skip }, async () => {
+test('a model is complete when its scene is available', { skip }, async () => {
   const { settled, events, parser, gltf, calls } = await begin();
   events.document(json, 0);
   events.update(isComplete);
@@ -91,7 +91,7 @@ test('loading stops by a signal between the last byte and the scene', { skip }, 
   assert.ok(isFreed);
 });
 
-test('only a lost connection is tried again, or one that is being tried', { skip }, async () => {
+test('only a lost connection is retried, or one that is being retried', { skip }, async () => {
   const { settled, events, parser, gltf, calls } = await begin();
   events.document(json, 0);
   parser.resolve(gltf);
@@ -109,7 +109,7 @@ test('only a lost connection is tried again, or one that is being tried', { skip
   await assert.rejects(progressive.done);
 });
 
-test('a loader keeps no model that is complete', { skip }, async () => {
+test('a loader drops complete models', { skip }, async () => {
   const { loader, settled, events, parser, gltf, THREE } = await begin();
   events.document(json, 0);
   parser.resolve(gltf);

@@ -16,7 +16,7 @@ test('a curve lies between two powers of ten', () => {
   assert.ok(below < above);
 });
 
-test('errors that are not finite are on no curve', () => {
+test('non-finite errors are not on the curve', () => {
   assert.equal(curveOf(pointsOf(0, Infinity, -1, NaN), 100), undefined);
   const { points, least, most, step } = curveOf(pointsOf(Infinity, 1e300, 1e-300, 0), 100);
   assert.deepEqual(points.map(({ error }) => error), [1e300, 1e-300]);
@@ -47,7 +47,7 @@ test('errors are fractions of the size, and finite', () => {
   for (const bounds of [{ min: 5, max: 5 }, { min: [0], max: [1] }, { min: ['a', 0, 0], max: [1, 1, 1] }, {}, null]) assert.equal(errorOf(bounds, 0.5), 0.5);
 });
 
-test('chunks are summed up as they would be from scratch, in time that does not grow with the meshes', () => {
+test('incremental sums over chunks are correct, in time independent of the number of meshes', () => {
   const meshes = 3000;
   const figures = new Figures();
   let seed = 1;

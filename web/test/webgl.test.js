@@ -36,7 +36,7 @@ test('sparse accessors replace values, also of zeros', () => {
   assert.deepEqual([...readAccessor(json, 0, bytes).array], [4, 5, 0, 0, 6, 7]);
 });
 
-test('accessors beyond their view, of other files and of unknown types are refused', () => {
+test('accessors beyond their view, in other files and of unknown types are rejected', () => {
   for (const json of [documentOf({ count: 17 }), documentOf({ byteOffset: -4 }), documentOf({}, { byteLength: 65 }), documentOf({}, {}, { uri: 'a.bin' }), documentOf({ componentType: 5 }), documentOf({ bufferView: undefined, count: 2 ** 40 }), documentOf({}, { byteStride: 2 })]) {
     assert.throws(() => readAccessor(json, 0, numbers), Error);
   }
@@ -66,7 +66,7 @@ test('matrices are applied from right to left', () => {
   near(cofactors(turn).slice(0, 3), [0, 4, 0]);
 });
 
-test('a box is moved as its corners are', () => {
+test('a box is transformed like its corners', () => {
   const turn = compose([1, -2, 3], [0.1, -0.5, 0.3, 0.8], [2, -1, 0.5]);
   const [min, max] = [[-1, 0, 2], [3, 5, 4]];
   const corners = Array.from({ length: 8 }, (_, corner) => transformPoint(turn, [0, 1, 2].map((i) => (corner & (1 << i) ? max : min)[i])));
@@ -118,7 +118,7 @@ function counting(object, onread) {
   return wrap(object);
 }
 
-test('a scene ignores cycles, and bounds its meshes where they stand', () => {
+test('a scene ignores cycles, and its bounds include the node transforms', () => {
   const scene = new Scene({
     scenes: [{ nodes: [0] }],
     nodes: [{ children: [1, 0, 7], translation: [10, 0, 0] }, { mesh: 0, scale: [2, 2, 2], children: [0] }],
@@ -129,7 +129,7 @@ test('a scene ignores cycles, and bounds its meshes where they stand', () => {
   assert.deepEqual(scene.bounds, { min: [10, 0, 0], max: [12, 4, 6] });
 });
 
-test('a scene of many nodes is read in linear time, and bounds that are none do not count', () => {
+test('a scene with many nodes is read in linear time, and invalid bounds are ignored', () => {
   const count = 200_000;
   let reads = 0;
   const bounds = (accessor) => new Scene(counting({
@@ -193,7 +193,7 @@ test('weights of many nodes and targets take no more than the document', () => {
   assert.ok(reads < 200 * (targets + nodes), `${reads} reads`);
 });
 
-test('morph targets that nothing adds are not read', () => {
+test('unused morph targets are not read', () => {
   const { json, arrays } = morphingSquare();
   delete json.animations;
   for (const weights of [undefined, [0, 0], [0, 0.5]]) {
@@ -205,7 +205,7 @@ test('morph targets that nothing adds are not read', () => {
   }
 });
 
-test('another animation starts from the pose at rest', () => {
+test('another animation starts from the rest pose', () => {
   const { json, bytes } = morphingSquare();
   json.nodes.push({ translation: [0, 5, 0] });
   json.scenes[0].nodes.push(1);
@@ -232,7 +232,7 @@ test('keyframes may be normalized integers', () => {
   assert.deepEqual([...model.animations[0].tracks[0].values], [1, -1, 0, 64 / 127].map(Math.fround));
 });
 
-test('the bounds of a mesh have its morph targets', () => {
+test('the bounds of a mesh include its morph targets', () => {
   const boundsOf = (weights, change = () => {}) => {
     const { json } = morphingSquare(weights);
     change(json);
@@ -246,7 +246,7 @@ test('the bounds of a mesh have its morph targets', () => {
   assert.deepEqual(boundsOf({ mesh: 'ab' }, isStill), [1, 1, 0]);
 });
 
-test('the largest weights are added, as many as the shader has room for', () => {
+test('the largest weights are applied, up to the limit of the shader', () => {
   assert.deepEqual(addedTargets([0, 0.5, 0, -2]), [[1, 0.5], [3, -2]]);
   const many = addedTargets(Array.from({ length: 100 }, (_, i) => i - 50));
   assert.equal(many.length, MAX_ADDED);
@@ -254,7 +254,7 @@ test('the largest weights are added, as many as the shader has room for', () => 
   assert.match(VERTEX, new RegExp(`vec2 added\\[${MAX_ADDED}\\]`));
 });
 
-test('shaders take powers of numbers that are not negative: others are black pixels on some drivers', () => {
+test('shaders compute powers of non-negative numbers only: others give black pixels on some drivers', () => {
   const powers = [...FRAGMENT.matchAll(/\bpow\((.*)/g)].map(([, rest]) => rest);
   assert.ok(powers.length >= 3);
   for (const rest of powers) assert.match(rest, /^max\(.*, 0\.0\)/);
@@ -272,7 +272,7 @@ test('triangles of strips are counted without restarts and degenerate ones', () 
   assert.equal(countTriangles({ mode: 5, array: null, length: 5 }), 3);
 });
 
-test('morph targets are uploaded as one texture, and nothing of it stays', () => {
+test('morph targets are uploaded as one texture, which is freed', () => {
   const { json, arrays } = morphingSquare({ mesh: [0.5] });
   // The second target also changes normals, as integers.
   json.meshes[0].primitives[0].targets[1].NORMAL = 7;
@@ -309,7 +309,7 @@ test('a model that arrives after the context was restored is shown', () => {
   }
 });
 
-test('morph targets beyond the room are left out', () => {
+test('morph targets beyond the limit are dropped', () => {
   const { json } = morphingSquare({ node: [1] });
   const count = 2 ** 20;
   json.accessors = [{ componentType: 5126, count, type: 'VEC3' }, { componentType: 5126, count, type: 'VEC3' }];
@@ -323,7 +323,7 @@ test('morph targets beyond the room are left out', () => {
   assert.deepEqual(gl.textures.map(({ width, height }) => width * height), [8 * count]);
 });
 
-test('a material without a surface is no metal', () => {
+test('a material without surface properties is not a metal', () => {
   assert.equal(readMaterial({ name: 'plain' }).factors[0], 0);
   assert.equal(readMaterial({ pbrMetallicRoughness: {} }).factors[0], 1);
 });
@@ -417,7 +417,7 @@ function openModel(json, bytes, binaryBytes = bytes.length) {
   return { gl, model, told };
 }
 
-test('primitives share what they have in common', () => {
+test('primitives share buffers of equal accessors', () => {
   const count = 30;
   const json = {
     scenes: [{ nodes: [0] }],
@@ -447,7 +447,7 @@ test('primitives share what they have in common', () => {
   assert.ok(buffers.every(({ bytes }) => bytes === undefined));
 });
 
-test('primitives share the textures of wireframes, and nothing of them stays', () => {
+test('primitives share wireframe textures, which are freed', () => {
   const count = 30;
   const json = {
     scenes: [{ nodes: [0] }],
@@ -478,7 +478,7 @@ test('primitives share the textures of wireframes, and nothing of them stays', (
   assert.equal(live().length, 0);
 });
 
-test('a mesh that refines has two sets of textures for wireframes, a full one has one', () => {
+test('a refining mesh has two sets of wireframe textures, a full mesh has one', () => {
   const json = {
     scenes: [{ nodes: [0] }],
     nodes: [{ mesh: 0 }],
@@ -517,7 +517,7 @@ test('a mesh that refines has two sets of textures for wireframes, a full one ha
   model.close();
 });
 
-test('a model whose bytes will never come tells it at once', () => {
+test('a model with missing bytes reports an error at once', () => {
   const json = (view, buffer = {}) => ({ ...documentOf({ type: 'VEC3' }, view, buffer), scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }] });
   for (const view of [{ byteOffset: 1 }, { byteLength: 1e9 }, { byteLength: 'x' }]) assert.match(openModel(json(view), numbers).told.errors[0].message, /not in the file/);
   assert.ok(openModel(json({}, { uri: 'a.bin' }), new Uint8Array(0)).told.errors[0] instanceof UnsupportedError);

@@ -1,5 +1,5 @@
-//! The tests of the module are in Python: see `bindings/python/test`. This program makes `cargo test` build the module with what the
-//! other tests are built with, and checks that it is there.
+//! The tests of the module are in Python; see `bindings/python/test`. This test makes `cargo test`
+//! build the module with the same settings as the other tests, and checks that it exists.
 
 #[test]
 fn the_module_is_built_beside_the_tests() {
