@@ -265,7 +265,7 @@ test('everything works with the keyboard', { skip }, async () => {
   assert.ok(await page.locator('#help-dialog').isVisible());
   await page.keyboard.press('Escape');
   assert.ok(!(await page.locator('#help-dialog').isVisible()));
-  // The level of detail by its slider.
+  // Change the level of detail with the slider.
   const full = await triangles(page);
   await page.locator('#level').focus();
   await page.keyboard.press('Home');
@@ -469,7 +469,7 @@ test('a model and its images can be dropped together', { skip }, async () => {
   await page.locator('#facts', { hasText: 'textures/my image.png' }).waitFor();
   await settle(page);
   assert.equal(await middleColor(page), 'white');
-  // What cannot be shown is named.
+  // The message names unsupported data.
   await drop(['scene.bin', '', ''], ['scene.gltf', '', Buffer.from('{"asset":{"version":"2.0"},"buffers":[]}').toString('base64')]);
   await page.locator('#message', { hasText: 'tristrip pack scene.gltf -o model.glb' }).waitFor();
   const { json, arrays } = morphingSquare();
@@ -532,21 +532,21 @@ test('models can be opened in sequence, closed early and revisited through the h
   const { page, problems } = await openViewer();
   const [first, second] = [present(hand), present(truck)].map(({ url }) => `#model=${url.slice(1)}`);
   const nameOf = () => page.locator('#name').innerText();
-  // Two at once: the last one counts.
+  // Of two models opened in a row, the last one is shown.
   await page.evaluate(([first, second]) => {
     location.hash = first;
     location.hash = second;
   }, [first, second]);
   await page.waitForFunction(() => window.tristrip.viewer.state === 'complete' && /truck/i.test(document.querySelector('#name')?.textContent ?? ''));
   const all = await triangles(page);
-  // Closed in the middle of decoding.
+  // Close the model during decoding.
   server.shape(present(hand).url, { bytesPerSecond: present(hand).bytes / 4 });
   await goTo(page, first);
   await page.waitForFunction(() => window.tristrip.viewer.figures.sums.triangles > 256);
   await page.locator('.back').click();
   await waitForState(page, 'empty');
   assert.ok(await page.evaluate((first) => document.activeElement?.getAttribute('href') === first, first), 'the card has the focus');
-  // Nothing that was decoded before arrives late.
+  // Data decoded before do not arrive late.
   await page.waitForTimeout(500);
   assert.equal(await triangles(page), 0);
   server.shape(present(hand).url);

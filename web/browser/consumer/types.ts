@@ -1,4 +1,4 @@
-// Every entry of the package, as TypeScript sees it.
+// Type checks of every entry point of the package.
 import { Decoder, GlbDecoder, StreamError, type StreamPart } from 'tristrip';
 import { Client, type Model, type Progress, type Update } from 'tristrip/client';
 import { Strips } from 'tristrip/strips';
