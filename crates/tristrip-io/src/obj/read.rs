@@ -252,7 +252,7 @@ impl<'a> ObjParser<'a> {
             (None, _) => format!("an integer as {name} index"),
             (Some(0), _) => format!("a {name} index of at least 1, or at most -1"),
             (Some(1..), _) => format!("a {name} index from 1 to {}", self.limits[kind]),
-            (Some(i), 0) => format!("a {name} index of at least 1: there is no {name} before this line"),
+            (Some(_), 0) => format!("a {name} index of at least 1: there is no {name} before this line"),
             (Some(_), count) => format!("a {name} index of at least -{count}, the number so far"),
         };
         Error::format(self.text.position(), quote(word), expected)
