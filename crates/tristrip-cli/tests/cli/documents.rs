@@ -277,18 +277,3 @@ fn every_json_key_is_described() {
         }
     }
 }
-
-#[test]
-fn the_rust_code_of_the_readme_is_in_the_examples() {
-    let readme = fs::read_to_string(document("README.md")).unwrap();
-    let blocks = readme.split("```rust\n").skip(1).filter_map(|rest| rest.split("```").next());
-    let blocks: Vec<&str> = blocks.collect();
-    let examples = ["crates/tristrip/examples/index_buffer.rs", "crates/tristrip-cli/examples/strip_file.rs"];
-    assert_eq!(blocks.len(), examples.len());
-    for (block, name) in blocks.into_iter().zip(examples) {
-        let example = fs::read_to_string(document(name)).unwrap();
-        for line in block.lines().filter_map(|line| line.split("//").next()) {
-            assert!(example.lines().any(|other| other.trim() == line.trim()), "not in {name}: {line}");
-        }
-    }
-}
