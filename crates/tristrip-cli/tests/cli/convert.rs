@@ -132,7 +132,7 @@ fn the_images_of_a_gltf_travel_into_the_glb() {
         let missing = "images not embedded: 1, such as ";
         run().arg("-q").assert().success().stderr(contains(missing).and(contains("none.png")));
         let notes = json(run().arg("--json"))["notes"].to_string();
-        assert!(notes.contains(missing) && notes.contains("into the file: 1"), "{notes}");
+        assert!(notes.contains(missing) && notes.contains("embedded from separate files: 1"), "{notes}");
         let written = fs::read(&glb).unwrap();
         assert!(written.windows(PNG.len()).any(|bytes| bytes == PNG));
         assert_eq!(fs::read_dir(target.path()).unwrap().count(), 1);

@@ -87,7 +87,7 @@ impl TlodLimits {
     #[doc = include_str!("example.txt")]
     /// # let mut bytes = Vec::new();
     /// # tlod::write(&model, &mut bytes)?;
-    /// This model has no attributes.
+    /// // This model has no attributes.
     /// assert!(tlod::read(&bytes[..], &TlodLimits::default().with_attributes(0)).is_ok());
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```

@@ -31,10 +31,9 @@ impl TlodModel {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// assert_eq!(model.mesh.faces().corners(), model.sequence.triangles()); let none =
-    /// TlodModel::new(model.mesh, Strips::default(), model.sequence);
-    /// assert!(none.unwrap_err().to_string().starts_with("strips of the mesh: triangles missing: 2,
-    /// "));
+    /// assert_eq!(model.mesh.faces().corners(), model.sequence.triangles());
+    /// let none = TlodModel::new(model.mesh, Strips::default(), model.sequence);
+    /// assert!(none.unwrap_err().to_string().starts_with("strips of the mesh: triangles missing: 2, "));
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn new(mesh: Mesh, strips: Strips, sequence: CollapseSequence) -> Result<Self, Error> {

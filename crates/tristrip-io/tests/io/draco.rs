@@ -82,7 +82,7 @@ fn a_compressed_primitive_is_read_and_written_without_compression() {
     let positions: Vec<u8> = mesh.positions().iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
     assert_eq!(positions, expected.attributes()[0].bytes());
     assert_eq!((&*mesh.attributes()[0].name, mesh.attributes()[0].components), ("COLOR_0", 3));
-    assert!(model.notes[0].starts_with("primitives compressed by Draco"), "{:?}", model.notes);
+    assert!(model.notes[0].starts_with("primitives compressed with Draco"), "{:?}", model.notes);
     let glb = write(&model, &[Drawing::Faces], Format::Glb, Layout::List).unwrap();
     let text = String::from_utf8_lossy(&glb);
     assert!(!text.contains("draco") && text.contains("rest"), "{text}");

@@ -182,5 +182,5 @@ fn models_without_triangles_or_in_order_stay() {
         ..Part::default()
     });
     let reordered = reorder(&other, &drawn(&strips_of(&other)), Format::Glb, Layout::Restart).unwrap();
-    assert!(reordered.groups[1].kept.as_ref().unwrap().contains("a value for each vertex"));
+    assert!(reordered.groups[1].kept.as_ref().unwrap().contains("one value per vertex"));
 }

@@ -135,11 +135,11 @@ fn vertices_keep_their_order_where_something_depends_on_it() {
     let view =
         push(&mut draft.json["bufferViews"], json!({ "buffer": 0, "byteOffset": 16, "byteLength": 40 }));
     draft.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
-    kept(&draft, 0, "belong to other data");
+    kept(&draft, 0, "uses the same bytes");
     // A view without an accessor.
     let mut draft = shared_scene(4);
     push(&mut draft.json["bufferViews"], json!({ "buffer": 0, "byteOffset": 28, "byteLength": 4 }));
-    kept(&draft, 0, "belong to other data");
+    kept(&draft, 0, "uses the same bytes");
     let mut draft = shared_scene(4);
     draft.json["extensions"] = json!({ "EXT_unknown_thing": { "buffer": 0, "byteOffset": 144 } });
     let (reordered, _) = check_scene(&draft.glb(), Layout::Degenerate);

@@ -189,7 +189,7 @@ fn vertices_stay_where_something_depends_on_their_numbers() {
     let view =
         push(&mut draft.json["bufferViews"], json!({ "buffer": 0, "byteOffset": 28, "byteLength": 4 }));
     draft.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
-    kept(&draft, 0, "belong to other data");
+    kept(&draft, 0, "uses the same bytes");
     let mut draft = shared_scene(4);
     let lines = draft.indices(U8, &[0, 1]);
     for position in [0, 11] {

@@ -199,7 +199,7 @@ fn a_model_whose_fields_were_changed_is_not_written() {
     let mut model = small();
     model.strips.push(&[0, 1, 2]);
     let refused = |model: &TlodModel| write(model, &mut Vec::new()).unwrap_err().to_string();
-    assert!(refused(&model).starts_with("triangles: found others"));
+    assert!(refused(&model).starts_with("triangles: found differences"));
     model.strips.push(&[8]);
     assert_eq!(refused(&model), "strip 4, vertex 0: found vertex index 8, expected less than 8");
     model.sequence = CollapseSequence::default();
