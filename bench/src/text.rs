@@ -13,15 +13,15 @@ use crate::vertex_caches::{CachePoint, CacheResults};
 /// A table: text columns first, then columns of numbers.
 #[derive(Debug, Clone)]
 pub struct Table {
-    heads: Vec<&'static str>,
+    heads: Vec<String>,
     text_columns: usize,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
     /// Creates a table whose first columns are text, aligned left.
-    pub fn new(text_columns: usize, heads: &[&'static str]) -> Self {
-        Self { heads: heads.to_vec(), text_columns, rows: Vec::new() }
+    pub fn new(text_columns: usize, heads: &[impl ToString]) -> Self {
+        Self { heads: heads.iter().map(ToString::to_string).collect(), text_columns, rows: Vec::new() }
     }
 
     /// Adds a row.
@@ -42,8 +42,7 @@ impl Table {
     }
 
     fn with_heads(&self) -> Vec<Vec<String>> {
-        let heads = self.heads.iter().map(ToString::to_string).collect();
-        std::iter::once(heads).chain(self.rows.iter().cloned()).collect()
+        std::iter::once(self.heads.clone()).chain(self.rows.iter().cloned()).collect()
     }
 }
 

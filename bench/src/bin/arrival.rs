@@ -1,11 +1,17 @@
-//! Measures what a page can show of a model while its file arrives: the distance from the full mesh against time, next to files that are shown when all of them has arrived.
+//! Measures what a page can show of a model while its file arrives, next to files that are shown when
+//! they are complete.
 //!
 //! ```sh
-//! cargo run --profile dist -p tristrip-bench --bin arrival -- ../shared/models/dragon.ply --whole gltfpack=dragon_cc.glb --docs docs
+//! gltfpack -cc -i dragon.obj -o dragon_cc.glb && zstd -19 dragon_cc.glb
+//! cargo run --profile dist -p tristrip-bench --bin arrival -- ../shared/models/dragon.ply \
+//!     --whole "gltfpack -cc=dragon_cc.glb" --whole "gltfpack -cc, zstd=dragon_cc.glb,dragon_cc.glb.zst" \
+//!     --docs docs
 //! ```
 //!
-//! A chunk is shown when a network of the given bandwidth has delivered the file up to its end and the chunks so far are decoded, whichever is later. Files that are not progressive are
-//! charged for their bytes only, not for decoding. Distances are root mean squares over both surfaces, in percent of the diagonal.
+//! A chunk is shown when a network of the given bandwidth has delivered the file up to its end and the
+//! chunks so far are decoded, whichever is later. Other files are charged for the bytes that are served
+//! only, not for decompression and decoding. Distances are root mean squares over both surfaces, in
+//! percent of the diagonal.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 use std::fs;
@@ -32,57 +38,107 @@ const COMPARED: usize = 12;
 struct Args {
     /// The model; its first mesh is compared
     model: PathBuf,
-    /// A file of the same model that is shown when all of it has arrived, and its name
-    #[arg(long, value_name = "NAME=FILE", value_parser = named_file)]
-    whole: Vec<(String, PathBuf)>,
-    /// The bandwidth in megabits per second
-    #[arg(long, default_value_t = 5.0)]
-    megabits: f64,
+    /// A file of the same model that is shown when it is complete: its name, the file, and the
+    /// compressed copy that is served
+    #[arg(long, value_name = "NAME=FILE[,SERVED]", value_parser = named_file)]
+    whole: Vec<WholeFile>,
+    /// The bandwidths in megabits per second
+    #[arg(long, value_delimiter = ',', default_values_t = [1.0, 5.0, 20.0])]
+    megabits: Vec<f64>,
     /// Write arrival.md and arrival.svg into this folder
     #[arg(long)]
     docs: Option<PathBuf>,
 }
 
-fn named_file(text: &str) -> Result<(String, PathBuf), String> {
-    let (name, path) = text.split_once('=').ok_or("expected NAME=FILE")?;
-    Ok((name.to_owned(), path.into()))
+/// A file that is shown when it is complete.
+#[derive(Debug, Clone)]
+struct WholeFile {
+    name: String,
+    path: PathBuf,
+    /// The file whose bytes are sent.
+    served: PathBuf,
 }
 
-/// What is shown at a time: bytes of the file, triangles, and the distance in percent.
+fn named_file(text: &str) -> Result<WholeFile, String> {
+    let (name, paths) = text.split_once('=').ok_or("expected NAME=FILE or NAME=FILE,SERVED")?;
+    let (path, served) = paths.split_once(',').unwrap_or((paths, paths));
+    Ok(WholeFile { name: name.to_owned(), path: path.into(), served: served.into() })
+}
+
+/// An image of the model: the bytes that it needs, and what it shows.
 #[derive(Debug, Clone, Copy)]
 struct Shown {
-    seconds: f64,
     bytes: usize,
+    /// The seconds in which the bytes are decoded, as far as they count.
+    decode: f64,
     triangles: usize,
+    /// The distance from the full mesh in percent of the diagonal.
     rms: f64,
 }
+
+impl Shown {
+    /// Returns the seconds from the begin of the download to this image.
+    fn seconds(&self, megabits: f64) -> f64 {
+        (8.0 * self.bytes as f64 / (1e6 * megabits)).max(self.decode)
+    }
+}
+
+/// What is shown of a file in turn.
+type Arrival = (String, Vec<Shown>);
 
 fn main() -> Result<(), Failure> {
     let args = Args::parse();
     let model = read_path(&args.model)?;
     let mesh = &model.parts.first().ok_or("no mesh")?.mesh;
     let packed = pack::run(&model, &pack::Options::default(), &())?;
-    let mut curves = vec![("tristrip".to_owned(), progressive(mesh, packed.bytes, args.megabits)?)];
-    for (name, path) in &args.whole {
-        curves.push((name.clone(), vec![whole(mesh, path, args.megabits)?]));
+    let mut arrivals = vec![("tristrip pack".to_owned(), progressive(mesh, packed.bytes)?)];
+    for file in &args.whole {
+        arrivals.push((file.name.clone(), vec![whole(mesh, file)?]));
     }
-    let mut table = Table::new(1, &["file", "seconds", "bytes", "triangles", "RMS %"]);
-    for (name, shown) in &curves {
-        for Shown { seconds, bytes, triangles, rms } in shown {
-            let cells =
-                [format!("{seconds:.3}"), bytes.to_string(), triangles.to_string(), format!("{rms:.5}")];
-            table.push([name.clone()].into_iter().chain(cells).collect());
-        }
-    }
-    println!("{}", table.aligned());
+    let (files, images) =
+        (file_table(&arrivals, &args.megabits), image_table(&arrivals[0].1, &args.megabits));
+    println!("{}\n{}", files.aligned(), images.aligned());
     if let Some(folder) = &args.docs {
-        write_docs(folder, &args, &curves, &table)?;
+        write_docs(folder, &args, &arrivals, [&files, &images])?;
     }
     Ok(())
 }
 
+/// Returns the first and the complete image of each file.
+fn file_table(arrivals: &[Arrival], megabits: &[f64]) -> Table {
+    let heads = ["first image", "complete"];
+    let times =
+        heads.iter().flat_map(|head| megabits.iter().map(move |rate| format!("{head}, {rate} Mbit/s")));
+    let columns: Vec<String> =
+        ["file".into(), "bytes served".into()].into_iter().chain(times).chain(["RMS %".into()]).collect();
+    let mut table = Table::new(1, &columns);
+    for (name, shown) in arrivals {
+        let (Some(first), Some(last)) = (shown.first(), shown.last()) else { continue };
+        let times = [first, last]
+            .into_iter()
+            .flat_map(|image| megabits.iter().map(|&rate| format!("{:.2} s", image.seconds(rate))));
+        let cells = [name.clone(), last.bytes.to_string()].into_iter().chain(times);
+        table.push(cells.chain([format!("{:.5}", last.rms)]).collect());
+    }
+    table
+}
+
+/// Returns the images of the progressive file.
+fn image_table(shown: &[Shown], megabits: &[f64]) -> Table {
+    let times = megabits.iter().map(|rate| format!("{rate} Mbit/s"));
+    let columns: Vec<String> =
+        ["bytes".into(), "triangles".into(), "RMS %".into()].into_iter().chain(times).collect();
+    let mut table = Table::new(0, &columns);
+    for image in shown {
+        let cells = [image.bytes.to_string(), image.triangles.to_string(), format!("{:.5}", image.rms)];
+        let times = megabits.iter().map(|&rate| format!("{:.3} s", image.seconds(rate)));
+        table.push(cells.into_iter().chain(times).collect());
+    }
+    table
+}
+
 /// Returns what the progressive file shows after some of its chunks: more of the first ones, as they are closer together.
-fn progressive(mesh: &Mesh, glb: Vec<u8>, megabits: f64) -> Result<Vec<Shown>, Failure> {
+fn progressive(mesh: &Mesh, glb: Vec<u8>) -> Result<Vec<Shown>, Failure> {
     let glb = ProgressiveGlb::open(glb)?.ok_or("the file has no stream")?;
     let count = chunks(glb.chunks()).count();
     let mut decoder = Decoder::new(glb.limits());
@@ -99,20 +155,15 @@ fn progressive(mesh: &Mesh, glb: Vec<u8>, megabits: f64) -> Result<Vec<Shown>, F
         next = (next * (count as f64).powf(1.0 / COMPARED as f64)).max(next + 1.0);
         let part = decoder.part(0).ok_or("no base mesh")?;
         let rms = rms_percent(mesh, &part.positions(), &part.triangles())?;
-        let arrived = seconds(bytes, megabits);
-        shown.push(Shown {
-            seconds: arrived.max(decode),
-            bytes,
-            triangles: StreamPart::triangle_count(part),
-            rms,
-        });
+        shown.push(Shown { bytes, decode, triangles: StreamPart::triangle_count(part), rms });
     }
     Ok(shown)
 }
 
-/// Returns what a file shows when all of it has arrived.
-fn whole(mesh: &Mesh, path: &Path, megabits: f64) -> Result<Shown, Failure> {
-    let bytes = fs::metadata(path).map_err(|error| format!("{}: {error}", path.display()))?.len() as usize;
+/// Returns what a file shows when it is complete.
+fn whole(mesh: &Mesh, WholeFile { path, served, .. }: &WholeFile) -> Result<Shown, Failure> {
+    let bytes =
+        fs::metadata(served).map_err(|error| format!("{}: {error}", served.display()))?.len() as usize;
     let model = read_path(path)?;
     let part = &model.parts.first().ok_or("no mesh")?.mesh;
     let places = model.scene.as_ref().map(Scene::placements).transpose()?;
@@ -126,52 +177,45 @@ fn whole(mesh: &Mesh, path: &Path, megabits: f64) -> Result<Shown, Failure> {
     let positions: Vec<[f32; 3]> = part.positions().iter().map(placed).collect();
     let triangles = part.faces().fans();
     let rms = rms_percent(mesh, &positions, &triangles)?;
-    Ok(Shown { seconds: seconds(bytes, megabits), bytes, triangles: triangles.len() / 3, rms })
+    Ok(Shown { bytes, decode: 0.0, triangles: triangles.len() / 3, rms })
 }
 
-/// The seconds in which bytes are delivered.
-fn seconds(bytes: usize, megabits: f64) -> f64 {
-    8.0 * bytes as f64 / (1e6 * megabits)
-}
-
-fn write_docs(
-    folder: &Path,
-    args: &Args,
-    curves: &[(String, Vec<Shown>)],
-    table: &Table,
-) -> Result<(), Failure> {
-    let points = |(name, shown): &(String, Vec<Shown>)| {
-        (name.clone(), shown.iter().map(|shown| (shown.seconds, shown.rms)).collect())
-    };
-    let curves: Vec<(String, Vec<(f64, f64)>)> = curves.iter().map(points).collect();
+fn write_docs(folder: &Path, args: &Args, arrivals: &[Arrival], tables: [&Table; 2]) -> Result<(), Failure> {
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy();
-    let title = format!("{name} at {} Mbit/s", args.megabits);
-    fs::write(folder.join("arrival.svg"), draw(&title, &curves)?)?;
+    let panels = args.megabits.iter().map(|&rate| panel(&format!("{name} at {rate} Mbit/s"), arrivals, rate));
+    fs::write(folder.join("arrival.svg"), svg(&panels.collect::<Vec<_>>(), 1)?)?;
+    let [files, images] = tables.map(Table::markdown);
     let page = format!(
-        "# While a file arrives\n\n\
-         What can be shown of the {name} at {} megabits per second: the distance from the full mesh against time. A progressive file shows its base mesh first; other files are shown when \
-         all of them has arrived, and are charged for their bytes only, not for decoding. Distances are root mean squares over both surfaces, in percent of the diagonal.\n\n\
-         ![Distance against time](arrival.svg)\n\n{}\n\
-         Generated by `cargo run --profile dist -p tristrip-bench --bin arrival -- MODEL --whole gltfpack=FILE --docs docs`; FILE is what `gltfpack -cc` makes of the model.\n",
-        args.megabits,
-        table.markdown()
+        "# First image and complete model\n\n\
+         How long a page waits for the {name}. A progressive file shows its base mesh first and \
+         refines it. Other files are shown when they are complete, and are charged for the bytes that \
+         are served only, not for decompression and decoding. The times of `tristrip pack` include \
+         decoding. Distances are root mean squares over both surfaces, in percent of the diagonal.\n\n\
+         {files}\n\
+         `tristrip pack` is slower than the smallest complete file to its last triangle; it shows an \
+         image long before.\n\n\
+         ![Distance against time](arrival.svg)\n\n\
+         ## Images of the progressive file\n\n{images}\n\
+         Generated by `cargo run --profile dist -p tristrip-bench --bin arrival -- MODEL --whole \
+         NAME=FILE,SERVED … --docs docs`. SERVED is FILE as `gzip -9` or `zstd -19` compresses it. \
+         Draco is `gltf-transform draco --quantize-position 14`, level 10.\n"
     );
     fs::write(folder.join("arrival.md"), page)?;
     Ok(())
 }
 
-/// Draws the distance of the levels shown from the full mesh against the seconds since the download began: steps for each named
-/// file, from its first image on. Distances are in percent of the diagonal; those of 0 are left out.
-fn draw(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> Result<String, tristrip_render::Error> {
-    let series = |(name, points): &(String, Vec<(f64, f64)>)| {
-        let mark = if points.len() > 1 { Mark::Steps } else { Mark::Points };
-        Series::new(name, mark, points.iter().copied().filter(|&(_, rms)| rms > 0.0).collect())
+/// Draws the distances of the images from the full mesh against the seconds since the download began:
+/// steps for each file, from its first image on. Distances of 0 are left out.
+fn panel(title: &str, arrivals: &[Arrival], megabits: f64) -> Panel {
+    let series = |(name, shown): &Arrival| {
+        let mark = if shown.len() > 1 { Mark::Steps } else { Mark::Points };
+        let points = shown.iter().map(|image| (image.seconds(megabits), image.rms));
+        Series::new(name, mark, points.filter(|&(_, rms)| rms > 0.0).collect())
     };
-    let panel = Panel::new(
+    Panel::new(
         &format!("Distance against time: {title}"),
         Axis::new("seconds since the download began", Scale::Linear { from_zero: true }),
         Axis::new("RMS distance, % of the diagonal", Scale::Log10),
-        curves.iter().map(series).collect(),
-    );
-    svg(&[panel], 1)
+        arrivals.iter().map(series).collect(),
+    )
 }
