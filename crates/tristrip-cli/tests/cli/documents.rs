@@ -1,5 +1,6 @@
-//! The documents agree with the command: its help, its JSON keys, and the code of the README.
+//! The documents agree with the command: its help and its JSON reports.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 
@@ -154,7 +155,7 @@ mod tables {
                 kind.names.retain(|name| name != "`null`");
                 kind.names.push("absent".into());
             }
-            rows.push_str(&format!("| `{path}` | {} | {meaning} |\n", kind.text()));
+            writeln!(rows, "| `{path}` | {} | {meaning} |", kind.text()).unwrap();
             if let Some(object) = kind.object {
                 add_rows(object, &format!("{path}{}", kind.brackets), rows);
             }
