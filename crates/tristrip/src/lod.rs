@@ -1,7 +1,9 @@
-//! Levels of detail: the strips of the full mesh, render-ready at every level of a [`CollapseSequence`](crate::CollapseSequence).
+//! Levels of detail: ready-to-draw strips at every level of a
+//! [`CollapseSequence`](crate::CollapseSequence).
 //!
-//! A collapse renames vertices, also in strips. The strips are therefore made once, for the full mesh. At any other level they are the same strips
-//! with some vertices renamed, and a [`Filter`] removes degenerate triangles.
+//! A collapse renames vertices, and the strips can be renamed in the same way. Strips are therefore
+//! built once, for the full mesh. Every other level uses the same strips with some vertices
+//! renamed, and a [`Filter`] removes the degenerate triangles.
 //!
 //! ```text
 //! Strips of the full mesh ─ renamed for a level ─▶ simplified strips ─ filter ─▶ display strips
@@ -26,7 +28,7 @@
 //! for triangles in [2, 20, 100] {
 //!     cursor.set_level(sequence.level_of_triangles(triangles))?;
 //!     assert_eq!(cursor.strips().triangles().count(), cursor.levels().triangle_count(cursor.level())?);
-//!     // Only these ranges of the buffer have to be sent to the graphics processor.
+//!     // Only these ranges of the buffer must be uploaded to the GPU.
 //!     let changed = cursor.strips().update_indices(tristrip::Layout::Restart, &mut buffer)?;
 //!     assert!(!changed.is_empty());
 //! }
@@ -65,8 +67,8 @@ pub use skip::{
     ViewSnapshot, ViewUpdate,
 };
 
-/// What the models of strips by states share, for models outside this crate: the baselines of `tristrip-lab`. It may change with any
-/// version.
+/// Internals that the level models based on strip graphs share. They are exported for the baselines
+/// in `tristrip-lab` and may change in any version.
 #[doc(hidden)]
 pub mod strip_graphs {
     pub use crate::csr::Csr;

@@ -1,4 +1,5 @@
-//! Levels: the traits of models and cursors, tables of triangles and errors, the choice of a level by a view, and the way between two levels.
+//! Levels: the traits of models and cursors, tables of triangles and errors, choosing a level for a
+//! view, and geomorphs between two levels.
 
 pub(crate) mod geomorph;
 pub(crate) mod hysteresis;

@@ -1,4 +1,4 @@
-//! The level models by name.
+//! The kinds of level models, and how to build one by kind.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::lod::level::level_model::LevelModel;
 use crate::names::names;
 use crate::strip::Strips;
 
-/// A level model: how the levels are stored and replayed.
+/// A kind of level model: how levels are stored and replayed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum ModelKind {
@@ -24,25 +24,27 @@ pub enum ModelKind {
     /// [`Blocks`] with [`BlockOptions::default`].
     #[default]
     Blocks,
-    /// Skip Strips: a vertex tree over the strips of the full mesh, of which each view may also have its own detail.
+    /// [`SkipStrips`]: a vertex tree over the strips of the full mesh. It also supports
+    /// view-dependent detail.
     Skip,
 }
 
 names! {
     "tristrip::lod::ModelKind", ModelKind, "model",
-    ProgressiveMesh => "progressive-mesh", "Single triangles, and the corners that each collapse renames (Hoppe 1996)";
-    Naive => "naive", "Progressive strips that hold every vertex (Kim et al. 2005, section 3.2)";
+    ProgressiveMesh => "progressive-mesh", "Triangle list with the corners that each collapse renames (Hoppe 1996)";
+    Naive => "naive", "Progressive strips that store every vertex (Kim et al. 2005, section 3.2)";
     Progressive => "progressive", "Progressive strips that refer to nearby vertices by offsets (Kim et al. 2005)";
-    Sets => "sets", "For each vertex of a strip, its successors sorted by level (Belmonte et al. 2006)";
-    Blocks => "blocks", "Index buffers of key levels, and the slots that change between them (ours)";
+    Sets => "sets", "Successors of each strip vertex, sorted by level (Belmonte et al. 2006)";
+    Blocks => "blocks", "Index buffers at key levels, with the slots that change between them (ours)";
     Skip => "skip", "Skip Strips: vertices drawn as their first active ancestor (El-Sana et al. 2000)";
 }
 
 impl ModelKind {
-    /// Builds the model from strips of the full mesh.
+    /// Builds a model of this kind from strips of the full mesh.
     ///
     /// # Errors
-    /// As of the constructor of the model.
+    /// The constructor of the model fails: the strips do not match the sequence, or the collapses
+    /// rename too many slots.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -1,10 +1,13 @@
-//! Geomorphs: the vertices between two levels move from their places in the finer one to those in the coarser one.
+//! Geomorphs: smooth transitions between two levels.
 //!
-//! A switch of levels can be seen where a vertex jumps. A geomorph draws the strips of the finer level, with values of the vertices between those
-//! that they have and those of the vertices that they collapse to. At weight 0 that is the finer level; at weight 1 all dropped triangles have shrunk to
-//! nothing, and the surface is that of the coarser level, to which the buffer can be switched unseen.
+//! Switching levels is visible because vertices jump. A geomorph draws the strips of the finer
+//! level and moves each vertex that the coarser level lacks toward the vertex it collapses to.
+//! Weight 0 draws the finer level. At weight 1 the triangles that the coarser level drops are
+//! degenerate and the surface is that of the coarser level, so the index buffer can be switched
+//! without a visible change.
 //!
-//! [`SkipView::geomorphs`](crate::lod::SkipView::geomorphs) finds those between two states of a view.
+//! [`SkipView::geomorphs`](crate::lod::SkipView::geomorphs) computes geomorphs between two states
+//! of a view.
 //!
 //! ```text
 //! finer level           weight ½             coarser level
@@ -17,12 +20,12 @@ use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::text::counted;
 
-/// A vertex between two levels.
+/// A vertex that moves between two levels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Transit {
-    /// The vertex, which the finer level has and the coarser one has not.
+    /// The vertex. It exists in the finer level only.
     pub vertex: u32,
-    /// The vertex of the coarser level to which it collapses.
+    /// The vertex of the coarser level that it collapses to.
     pub target: u32,
 }
 
@@ -32,7 +35,7 @@ pub struct Transit {
 #[doc = include_str!("../example.txt")]
 /// let geomorph = Geomorph::between(&sequence, 2, 0)?;
 /// assert_eq!(geomorph.transits(), [Transit { vertex: 3, target: 2 }, Transit { vertex: 4, target: 2 }]);
-/// // One value per vertex; half of the way.
+/// // One value per vertex; weight 0.5.
 /// let heights = [0.0, 1.0, 2.0, 3.0, 4.0];
 /// let mut drawn = heights;
 /// geomorph.blend(0.5, 1, &heights, &mut drawn)?;
@@ -46,15 +49,16 @@ pub struct Geomorph {
 }
 
 impl Geomorph {
-    /// Creates a geomorph of vertices, which rise, in a mesh of this many.
+    /// Creates a geomorph from transits sorted by vertex, for a mesh of `vertex_count` vertices.
     pub(crate) fn new(transits: Vec<Transit>, vertex_count: usize) -> Self {
         Self { transits, vertex_count }
     }
 
-    /// Finds the vertices that move between two levels, in any order. O(n) time for n vertices.
+    /// Finds the vertices that move between two levels, given in any order. O(n) time for n
+    /// vertices.
     ///
     /// # Errors
-    /// There is no such level.
+    /// `a` or `b` is greater than the level of the full mesh.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -71,7 +75,7 @@ impl Geomorph {
         Ok(Self::new(transits, sequence.vertex_count()))
     }
 
-    /// Returns the vertices that move, rising.
+    /// Returns the vertices that move, in ascending order.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -82,12 +86,15 @@ impl Geomorph {
         &self.transits
     }
 
-    /// Writes the values of the moving vertices at a weight from 0 (the finer level) to 1 (the coarser one); all others stay. The values
-    /// have `components` numbers per vertex: positions, normals (to be normalized afterwards) or texture coordinates. At 0 and 1 the results
-    /// are exactly the values of the vertex and of its target.
+    /// Writes the interpolated values of the moving vertices; all other values in `drawn` are left
+    /// unchanged. The weight runs from 0 (the finer level) to 1 (the coarser level).
+    ///
+    /// `values` and `drawn` have `components` numbers per vertex: positions, texture coordinates,
+    /// or normals, which must be normalized afterwards. At weights 0 and 1 the results are exactly
+    /// the values of the vertex and of its target.
     ///
     /// # Errors
-    /// The weight is not from 0 to 1, or one of the slices does not have `components` numbers per vertex.
+    /// The weight is not between 0 and 1, or a slice does not have `components` numbers per vertex.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -112,17 +119,17 @@ impl Geomorph {
         for (name, len) in [("values", values.len()), ("drawn", drawn.len())] {
             if Some(len) != self.vertex_count.checked_mul(components) {
                 let found = format!(
-                    "{} for {} of {components}",
+                    "{} for {} with {components} components",
                     counted(len, "number"),
                     counted(self.vertex_count, "vertex")
                 );
-                return Err(Error::Parameter { name, found, expected: "as many numbers per vertex" });
+                return Err(Error::Parameter { name, found, expected: "one number per vertex and component" });
             }
         }
         for transit in &self.transits {
             let [from, to] = [transit.vertex, transit.target].map(|v| v as usize * components);
             for i in 0..components {
-                // This way both ends are exact.
+                // This form is exact at both ends.
                 drawn[from + i] = (1.0 - weight) * values[from + i] + weight * values[to + i];
             }
         }
@@ -138,7 +145,8 @@ mod tests {
     use crate::lod::samples::{samples, sorted};
 
     proptest! {
-        /// At weight 1, the triangles of the finer level are those of the coarser one, and points.
+        /// At weight 1 the non-degenerate triangles of the finer level are those of the coarser
+        /// level.
         #[test]
         #[allow(clippy::cast_sign_loss, reason = "numbers of vertices")]
         fn both_ends_are_those_of_the_levels(sample in samples(), levels in any::<[usize; 2]>()) {

@@ -1,7 +1,8 @@
-//! Levels that stay while a view moves to and fro.
+//! Hysteresis: prevents small camera movements from switching levels.
 //!
-//! A view that wavers would change the level with each frame. The coarsest level within an error is therefore not taken at once: the current level
-//! stays as long as its error is allowed, and no coarser level is within a share of what is allowed.
+//! Without hysteresis, a camera that moves back and forth around a threshold would switch levels in
+//! every frame. The cursor therefore keeps its level while the error of the level is allowed and no
+//! coarser level has an error of at most `share` × the allowed error.
 //!
 //! ```text
 //! error of the level   0 ───────── share ───────── allowed ─────────▶
@@ -9,17 +10,19 @@
 //!                          coarsen ──────────────▶ │
 //!                                 │ ◀────────────── refine
 //! ```
-//! A level that is too coarse is replaced with the finest of the range, and one that is too fine with the coarsest one. So a view that goes on in its
-//! direction changes the level again only after it has passed the whole range.
+//! A level that is too coarse is replaced with the finest level of the range, and one that is too
+//! fine with the coarsest. A camera that continues in its direction therefore changes the level
+//! again only after the whole range has been crossed.
 
 use super::level_table::LevelTable;
 use crate::error::Error;
 
-/// The share of the allowed error: a level is too fine if a coarser one is within it, too.
+/// A share of the allowed error. A level is too fine if a coarser level has an error of at most
+/// this share of the allowed error.
 ///
 /// ```
 /// # use tristrip::lod::Hysteresis;
-/// // The default: a level stays while its error is above four fifths of what is allowed.
+/// // The default keeps a level while its error is above 4/5 of the allowed error.
 /// assert_eq!(Hysteresis::new(0.8)?, Hysteresis::default());
 /// # Ok::<(), tristrip::Error>(())
 /// ```
@@ -29,17 +32,18 @@ pub struct Hysteresis {
 }
 
 impl Default for Hysteresis {
-    /// Levels stay from four fifths of the allowed error on.
+    /// A share of 4/5.
     fn default() -> Self {
         Self { share: 0.8 }
     }
 }
 
 impl Hysteresis {
-    /// Creates a hysteresis from a share from 0 to 1. At 1 there is none; at 0 a level is never too fine.
+    /// Creates a hysteresis from a share between 0 and 1. A share of 1 disables hysteresis. At 0 a
+    /// level is never too fine.
     ///
     /// # Errors
-    /// The share is outside of this range.
+    /// The share is not between 0 and 1.
     ///
     /// ```
     /// # use tristrip::lod::Hysteresis;
@@ -57,13 +61,13 @@ impl Hysteresis {
         self.share
     }
 
-    /// Returns the level to which to move from the current one if an error is allowed, in mesh units.
+    /// Returns the level to use after `current` for an allowed error in mesh units.
     ///
     /// # Errors
-    /// The error is negative or not a number.
+    /// The error is negative or NaN.
     pub(crate) fn level(self, levels: &LevelTable, current: usize, error: f32) -> Result<usize, Error> {
         let coarsest = levels.level_of_error(error)?;
-        // At 0 no level is too fine.
+        // With a share of 0 no level is too fine.
         let finest = if self.share == 0.0 {
             levels.collapse_count()
         } else {
@@ -88,7 +92,8 @@ mod tests {
     use crate::strip::Strips;
 
     proptest! {
-        /// The error is always kept. Having moved, the level stays while the view goes back by less than the share, or on by less.
+        /// The error of the level never exceeds the allowed error. After a switch, the level is
+        /// kept while the allowed error moves back, or further on, by less than the share.
         #[test]
         fn a_wavering_view_changes_nothing(
             errors in prop::collection::vec(0.0..1.0_f32, 1..40),
@@ -112,7 +117,7 @@ mod tests {
         }
     }
 
-    /// A table with these errors, largest first.
+    /// Returns a table with these errors, largest first.
     fn table(mut errors: Vec<f32>) -> LevelTable {
         errors.sort_unstable_by(f32::total_cmp);
         let count = errors.len() as u32;
@@ -140,7 +145,7 @@ mod tests {
     fn a_view_that_comes_and_goes_jumps_over_the_range() {
         let levels = table((1..=100).map(|error| error as f32 / 100.0).collect());
         let hysteresis = Hysteresis::default();
-        // The level of an error of e hundredths is 100 − e.
+        // The level with an error of e/100 is 100 − e.
         assert_eq!(hysteresis.level(&levels, 0, 0.5).unwrap(), 60);
         assert_eq!(hysteresis.level(&levels, 55, 0.5).unwrap(), 55);
         assert_eq!(hysteresis.level(&levels, 99, 0.5).unwrap(), 50);

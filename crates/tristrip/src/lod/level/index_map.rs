@@ -1,4 +1,5 @@
-//! Index maps: the vertices of all strips one after the other, with [`RESTART`] between strips, as a restart index buffer has them.
+//! Index maps: the vertices of all strips in sequence, separated by [`RESTART`], as in an index
+//! buffer with primitive restart.
 
-/// Separates strips in an index map; no vertex has this number.
+/// Separates strips in an index map. No vertex has this index.
 pub const RESTART: u32 = u32::MAX;

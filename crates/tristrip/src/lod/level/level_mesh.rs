@@ -1,24 +1,34 @@
-//! The triangles of a level and the rings of corners around its vertices, updated by collapses and splits.
+//! The triangles of a level and the ring of corners around each vertex, updated by collapses and
+//! splits.
 //!
 //! ```text
-//!        x                      x         The corners around each vertex form a ring. A collapse removes the dropped triangles'
-//!      ╱ │ ╲                   ╱ ╲        corners from their rings and moves the removed vertex's ring into the kept one's.
-//!    ╱ d │ d ╲       ─▶      ╱     ╲      A corner removed from a linked ring still knows its neighbours, so that the split
-//!  kept──removed──         kept────────   restores it in O(1), as long as splits undo the last collapse first.
+//!        x                      x
+//!      ╱ │ ╲                   ╱ ╲
+//!    ╱ d │ d ╲       ─▶      ╱     ╲
+//!  kept──removed──         kept────────
 //! ```
-//! `simplify` keeps its own structure under collapses (`simplify/topology.rs`): it never splits, needs no twins, and stores rings as arrays, which its
-//! searches read in order. Here splits must restore rings exactly, which linked rings do in O(1) per corner.
+//! The corners around each vertex form a ring. A collapse removes the corners of the dropped
+//! triangles from their rings, and moves the ring of the removed vertex into that of the kept one.
+//! A corner removed from a linked ring keeps its neighbours. A split therefore restores it in O(1),
+//! provided that splits undo the last collapse first.
 //!
-//! A view of Skip Strips undoes collapses in another order: all that depend on one first, but others that were done later may stay. Then the neighbours that a
-//! corner knows may be gone, and it goes to the front of its ring; and the corners that a split takes from the kept vertex's ring are
-//! those whose vertex in the full mesh is below the removed one in the tree of all collapses.
+//! `simplify` has its own structure (`simplify/topology.rs`): it never splits, needs no twins, and
+//! stores rings as arrays, which its searches read sequentially. Here splits must restore rings
+//! exactly. Linked rings do that in O(1) per corner.
+//!
+//! A view of Skip Strips undoes collapses in a different order: those that depend on a collapse are
+//! undone first, but other, later collapses may remain applied. The stored neighbours of a corner
+//! may then have left the ring, and the corner is inserted at the front instead. A split takes
+//! those corners from the kept vertex's ring whose vertex in the full mesh lies below the removed
+//! vertex in the collapse tree.
 //!
 //! # References
 //! Knuth: *Dancing links*, 2000.
 //!
 //! # Complexity
-//! A collapse or a split takes O(k) time where k triangles surround the removed vertices, or, in any order, the kept ones. 36 bytes per triangle and 8 per
-//! vertex; in any order 8 bytes per vertex more.
+//! A collapse or split takes O(k) time, where k is the number of triangles around the removed
+//! vertices, or around the kept vertices in arbitrary order. The structure takes 36 bytes per
+//! triangle and 8 per vertex, and 8 more per vertex for arbitrary order.
 
 use std::sync::Arc;
 
@@ -26,19 +36,21 @@ use super::vertex_ranges::VertexRanges;
 use crate::collapse::{Collapse, CollapseSequence};
 use crate::mesh::is_degenerate;
 
-/// The triangles of a level under collapses and splits. Corner e of triangle t is 3 t + e.
+/// The triangles of a level, updated by collapses and splits. Corner e of triangle t is 3 t + e.
 #[derive(Debug, Clone)]
 pub(crate) struct LevelMesh {
-    /// The current vertex at each corner, or the one at the time when its triangle was dropped.
+    /// The current vertex at each corner. Corners of dropped triangles keep the vertex they had
+    /// when the triangle was dropped.
     corners: Vec<u32>,
-    /// The ring of each vertex: its corners and its head. Heads are numbered after all corners.
+    /// The ring of each vertex, made of its corners and a head. Heads are numbered after all
+    /// corners.
     next: Vec<u32>,
     previous: Vec<u32>,
-    /// What splits in any order need.
+    /// The data for splits in arbitrary order.
     full: Option<FullMesh>,
 }
 
-/// The full mesh of a level mesh of which any collapse may be undone that no other one depends on.
+/// The data for undoing any collapse that no other collapse depends on.
 #[derive(Debug, Clone)]
 struct FullMesh {
     sequence: Arc<CollapseSequence>,
@@ -46,13 +58,13 @@ struct FullMesh {
 }
 
 impl LevelMesh {
-    /// Builds the full mesh, of which collapses may be done and undone in any order in which what they depend on is done.
+    /// Builds the full mesh for collapses and splits in any order that respects their dependencies.
     pub(crate) fn in_any_order(sequence: &Arc<CollapseSequence>) -> Self {
         let full = FullMesh { sequence: Arc::clone(sequence), ranges: VertexRanges::new(sequence) };
         Self { full: Some(full), ..Self::new(sequence) }
     }
 
-    /// Builds the full mesh. Triangles that are not drawn are in no ring.
+    /// Builds the full mesh. Degenerate triangles belong to no ring.
     pub(crate) fn new(sequence: &CollapseSequence) -> Self {
         let corners = sequence.triangles().to_vec();
         let ring = 0..(corners.len() + sequence.vertex_count()) as u32;
@@ -82,7 +94,7 @@ impl LevelMesh {
         self.corners.len() / 3
     }
 
-    /// Returns whether a triangle is drawn. A dropped triangle is degenerate.
+    /// Checks whether a triangle is drawn. Dropped triangles are degenerate.
     pub(crate) fn is_drawn(&self, t: u32) -> bool {
         !is_degenerate(self.triangle(t))
     }
@@ -92,15 +104,15 @@ impl LevelMesh {
         [0, 1, 2].map(|e| self.corners[3 * t as usize + e])
     }
 
-    /// Returns the vertices at which a half-edge begins and ends. Half-edges are numbered by fours, as in priced paths: edge e of triangle t
-    /// is 4 t + e.
+    /// Returns the start and end vertex of a half-edge. Half-edges use the numbering of priced
+    /// paths: edge e of triangle t is 4 t + e.
     pub(crate) fn edge(&self, half_edge: u32) -> [u32; 2] {
         let triangle = self.triangle(half_edge / 4);
         let e = half_edge as usize % 4;
         [triangle[e], triangle[(e + 1) % 3]]
     }
 
-    /// Iterates over the corners at a vertex that is not removed.
+    /// Iterates over the corners at a vertex of the level.
     pub(crate) fn around(&self, v: u32) -> impl Iterator<Item = u32> {
         let head = self.head(v);
         std::iter::successors(Some(self.next[head as usize]), |&corner| Some(self.next[corner as usize]))
@@ -125,7 +137,8 @@ impl LevelMesh {
         }
     }
 
-    /// Undoes a collapse: the last applied one, or in a mesh of any order one that no other depends on.
+    /// Undoes a collapse: the last one applied, or, in arbitrary order, one that no other applied
+    /// collapse depends on.
     pub(crate) fn split(&mut self, collapse: &Collapse<'_>) {
         if let Some(full) = self.full.take() {
             self.split_in_any_order(collapse, &full);
@@ -136,7 +149,7 @@ impl LevelMesh {
             (3 * t..3 * t + 3).rev().for_each(|corner| self.link(corner));
         }
         for rename in collapse.renames.iter().rev() {
-            // The removed vertex's head still refers to the ends of its ring.
+            // The removed vertex's head still points to both ends of its ring.
             let from = self.head(rename.removed);
             let (first, last) = (self.next[from as usize], self.previous[from as usize]);
             if first == from {
@@ -174,7 +187,7 @@ impl LevelMesh {
         }
     }
 
-    /// Puts a corner to the front of the ring of a vertex.
+    /// Inserts a corner at the front of the ring of a vertex.
     fn insert(&mut self, corner: u32, vertex: u32) {
         let head = self.head(vertex);
         let after = self.next[head as usize];
@@ -182,7 +195,8 @@ impl LevelMesh {
         self.follow(corner, after);
     }
 
-    /// Returns the edges that two triangles share, by the half-edges of the two sides, numbered as in [`LevelMesh::edge`].
+    /// Returns the shared edges of two triangles as pairs of half-edges, numbered as in
+    /// [`LevelMesh::edge`].
     pub(crate) fn shared(&self, t: u32, u: u32) -> impl Iterator<Item = [u32; 2]> {
         let [from, to] = [t, u].map(|t| self.triangle(t));
         let edges = (0..3_u32).flat_map(|e| (0..3_u32).map(move |f| (e, f)));
@@ -198,7 +212,7 @@ impl LevelMesh {
         self.corners.len() as u32 + v
     }
 
-    /// Sets the vertex at the corners of a ring from one of them up to `end`.
+    /// Sets the vertex of the corners of a ring from `first` up to, but excluding, `end`.
     fn rename(&mut self, first: u32, end: u32, vertex: u32) {
         let mut corner = first;
         while corner != end {
@@ -212,14 +226,14 @@ impl LevelMesh {
         self.previous[after as usize] = before;
     }
 
-    /// Puts a corner back between its stored neighbours.
+    /// Relinks a corner between its stored neighbours.
     fn link(&mut self, corner: u32) {
         let (before, after) = (self.previous[corner as usize], self.next[corner as usize]);
         self.next[before as usize] = corner;
         self.previous[after as usize] = corner;
     }
 
-    /// Removes a corner from its ring; it keeps its stored neighbours.
+    /// Unlinks a corner from its ring. The corner keeps its stored neighbours.
     fn unlink(&mut self, corner: u32) {
         let (before, after) = (self.previous[corner as usize], self.next[corner as usize]);
         self.next[before as usize] = after;

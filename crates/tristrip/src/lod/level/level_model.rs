@@ -1,13 +1,16 @@
-//! What all level-of-detail models have in common: an immutable model, and cursors that stand at one of its levels.
+//! The traits of all level-of-detail models: an immutable model, and cursors that select one of its
+//! levels.
 //!
-//! A model is built once, shared by everything that draws it, and never changes. A cursor is small: one per instance of the model in a
-//! scene, or per view. It moves between levels, and returns the display strips of its level. How a model stores its levels is its own affair.
+//! A model is built once, shared by all its users and never modified. A cursor is small and belongs
+//! to one instance of the model in a scene, or to one view. It moves between levels and returns the
+//! display strips of the current level. Each kind of model stores its levels in its own way.
 //!
 //! ```text
-//! Arc<model> ──▶ cursor: set_level, set_error, set_pixels ──▶ strips ──▶ update_indices: the ranges of the buffer that changed
+//! Arc<model> ──▶ cursor: set_level, set_error, set_pixels ──▶ strips ──▶ update_indices
 //!            └─▶ cursor of another instance
 //! ```
-//! The levels themselves are the same in all models of one [`CollapseSequence`](crate::CollapseSequence): the [`LevelTable`] has the triangles and the error of each.
+//! All models of one [`CollapseSequence`](crate::CollapseSequence) have the same levels. The
+//! [`LevelTable`] lists the triangle count and the error of each.
 
 use std::sync::Arc;
 
@@ -17,7 +20,7 @@ use super::view::View;
 use crate::error::Error;
 use crate::strip::Strips;
 
-/// A mesh at all levels of detail.
+/// A mesh at all its levels of detail.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -34,14 +37,14 @@ use crate::strip::Strips;
 /// for model in models {
 ///     let mut cursor = model.start();
 ///     assert_eq!(cursor.strips().triangles().count(), 2);
-///     // An error of half a mesh unit is allowed: that is level 0.
+///     // An error of half a mesh unit is allowed, which selects level 0.
 ///     assert_eq!(cursor.set_error(0.5)?, 0);
 ///     assert_eq!(cursor.strips().triangles().collect::<Vec<_>>(), [[0, 1, 2]]);
 /// }
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub trait LevelModel: Send + Sync {
-    /// Returns the triangles and the error of each level.
+    /// Returns the triangle count and the error of each level.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -51,7 +54,7 @@ pub trait LevelModel: Send + Sync {
     /// ```
     fn levels(&self) -> &LevelTable;
 
-    /// Returns the memory of the model in bytes, without that of its cursors.
+    /// Returns the memory of the model in bytes, excluding its cursors.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -67,7 +70,7 @@ pub trait LevelModel: Send + Sync {
     /// ```
     #[doc = include_str!("../example.txt")]
     /// let model: Arc<dyn LevelModel> = Arc::new(ProgressiveMesh::new(&sequence)?);
-    /// // Two instances of the object share the model; the one in the distance is drawn coarser.
+    /// // Two instances share the model; the distant one is drawn coarser.
     /// let (mut near, mut far) = (Arc::clone(&model).start(), model.start());
     /// far.set_level(0)?;
     /// assert_eq!((near.strips().triangles().count(), far.strips().triangles().count()), (3, 1));
@@ -76,9 +79,9 @@ pub trait LevelModel: Send + Sync {
     fn start(self: Arc<Self>) -> Box<dyn LevelCursor>;
 }
 
-/// The current level of a model, for one instance or view.
+/// A position among the levels of a model, for one instance or view.
 pub trait LevelCursor: Send {
-    /// Returns the triangles and the error of each level.
+    /// Returns the triangle count and the error of each level.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -90,7 +93,7 @@ pub trait LevelCursor: Send {
     /// ```
     fn levels(&self) -> &LevelTable;
 
-    /// Returns the current level: 0 for the base mesh, the number of collapses for the full mesh.
+    /// Returns the current level: 0 is the base mesh, and the number of collapses is the full mesh.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -105,7 +108,7 @@ pub trait LevelCursor: Send {
     /// Moves to a level.
     ///
     /// # Errors
-    /// There is no such level; the cursor stays where it is.
+    /// `level` is greater than the level of the full mesh. The cursor does not move.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -117,7 +120,7 @@ pub trait LevelCursor: Send {
     /// ```
     fn set_level(&mut self, level: usize) -> Result<(), Error>;
 
-    /// Returns the display strips of the level.
+    /// Returns the display strips of the current level.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -129,23 +132,23 @@ pub trait LevelCursor: Send {
     /// ```
     fn strips(&mut self) -> &Strips;
 
-    /// Returns the memory of the cursor in bytes, without that of the model.
+    /// Returns the memory of the cursor in bytes, excluding the model.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Naive)?).start();
     /// let before = cursor.memory();
     /// let display = cursor.strips().memory();
-    /// // Entries as they are stored, then the same decoded, and the display strips.
+    /// // The stored entries, the decoded entries, and the display strips.
     /// assert_eq!((before, cursor.memory()), (20, 20 + 20 + display));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     fn memory(&self) -> usize;
 
-    /// Moves to the coarsest level within an error, in mesh units, and returns it.
+    /// Moves to the coarsest level with at most this error in mesh units, and returns that level.
     ///
     /// # Errors
-    /// The error is negative or not a number.
+    /// The error is negative or NaN.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -161,10 +164,11 @@ pub trait LevelCursor: Send {
         Ok(level)
     }
 
-    /// Moves to the finest level with at most this number of triangles, or to the base mesh if it has more, and returns the level.
+    /// Moves to the finest level with at most this many triangles and returns it. If even the base
+    /// mesh has more, moves to the base mesh.
     ///
     /// # Errors
-    /// [`LevelCursor::set_level`] fails, which it does not for a level of [`LevelCursor::levels`].
+    /// [`LevelCursor::set_level`] fails. It never fails for a level of [`LevelCursor::levels`].
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -179,15 +183,16 @@ pub trait LevelCursor: Send {
         Ok(level)
     }
 
-    /// Moves to the coarsest level whose error covers at most this number of pixels of a view, and returns it.
+    /// Moves to the coarsest level whose error covers at most this many pixels of a view, and
+    /// returns that level.
     ///
     /// # Errors
-    /// The number of pixels is negative or not a number.
+    /// The number of pixels is negative or NaN.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
-    /// // At four pixels per mesh unit, an error of 0.25 covers one pixel, and 0.5 two.
+    /// // At four pixels per mesh unit, an error of 0.25 covers one pixel and 0.5 covers two.
     /// let view = View::parallel(4.0)?;
     /// assert_eq!((cursor.set_pixels(1.0, view)?, cursor.set_pixels(2.0, view)?), (1, 0));
     /// # Ok::<(), tristrip::Error>(())
@@ -196,20 +201,24 @@ pub trait LevelCursor: Send {
         self.set_error(view.length_of(pixels))
     }
 
-    /// Moves only if the current level is too coarse or too fine for an error, in mesh units, and returns the current level. A level that is too fine is
-    /// replaced with that of [`LevelCursor::set_error`], one that is too coarse with that of a share of the error. So a view
-    /// that moves to and fro does not change the level with each frame.
+    /// Moves only if the current level is too coarse or too fine for an error in mesh units, and
+    /// returns the resulting level. A level that is too fine is replaced with the level that
+    /// [`LevelCursor::set_error`] would choose. A level that is too coarse is replaced with the
+    /// level for a share of the error. Small camera movements therefore do not switch levels back
+    /// and forth.
     ///
     /// # Errors
-    /// The error is negative or not a number.
+    /// The error is negative or NaN.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
-    /// // Levels 0, 1 and 2 have errors of 0.5, 0.25 and 0. The full mesh is not too fine before a coarser level is within half of the error.
+    /// // Levels 0, 1 and 2 have errors of 0.5, 0.25 and 0. The full mesh becomes too fine when a
+    /// // coarser level has at most half of the allowed error.
     /// let half = Hysteresis::new(0.5)?;
     /// assert_eq!((cursor.follow_error(0.25, half)?, cursor.follow_error(0.5, half)?), (2, 0));
-    /// // The base mesh is too coarse for less than its error, and is replaced with the level of half of what is allowed.
+    /// // The base mesh is too coarse if less than its error is allowed. Level 2 is the coarsest
+    /// // with at most half of the allowed error.
     /// assert_eq!((cursor.follow_error(0.6, half)?, cursor.follow_error(0.4, half)?), (0, 2));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -219,10 +228,10 @@ pub trait LevelCursor: Send {
         Ok(level)
     }
 
-    /// Moves as [`LevelCursor::follow_error`] does, by the pixels of a view.
+    /// Moves as [`LevelCursor::follow_error`] does, for an error in pixels of a view.
     ///
     /// # Errors
-    /// The number of pixels is negative or not a number.
+    /// The number of pixels is negative or NaN.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -246,7 +255,7 @@ mod tests {
     use crate::random::Random;
     use crate::strip::Layout;
 
-    /// Every model of a sample.
+    /// Returns every model of a sample.
     fn models(sample: &Sample) -> Vec<Arc<dyn LevelModel>> {
         let Sample { strips, sequence } = sample;
         let shared = Arc::new(sequence.clone());
@@ -266,7 +275,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(1))]
 
-        /// Errors would add up over many moves.
+        /// Mistakes would accumulate over many moves.
         #[test]
         fn ten_thousand_moves_leave_every_model_exact(sample in samples(), seed in any::<u64>()) {
             let sequence = &sample.sequence;
@@ -283,7 +292,7 @@ mod tests {
     }
 
     proptest! {
-        /// The oracle is the triangles that the sequence leaves.
+        /// The oracle is the list of triangles that the sequence draws.
         #[test]
         fn every_model_draws_every_level(sample in samples(), jumps in prop::collection::vec(any::<usize>(), 1..9)) {
             let sequence = &sample.sequence;

@@ -1,9 +1,10 @@
-//! The triangles and the errors of all levels, which are the same in all models of one [`CollapseSequence`].
+//! The triangle counts and errors of all levels. All models of one [`CollapseSequence`] have the
+//! same table.
 
 use crate::collapse::{CollapseSequence, check_level};
 use crate::error::Error;
 
-/// The number of triangles and the error of each level. 8 bytes per level.
+/// The triangle count and the error of each level, 8 bytes per level.
 ///
 /// ```
 /// use tristrip::{CollapseSequence, Rename};
@@ -39,7 +40,8 @@ impl LevelTable {
         }
     }
 
-    /// Returns the number of collapses, which is the level of the full mesh. There is one level more.
+    /// Returns the number of collapses, which is also the level of the full mesh. There is one more
+    /// level than collapses.
     ///
     /// ```
     /// # use tristrip::{CollapseSequence, lod::LevelTable};
@@ -54,7 +56,7 @@ impl LevelTable {
     /// Returns the number of triangles at a level.
     ///
     /// # Errors
-    /// There is no such level.
+    /// `level` is greater than the level of the full mesh.
     ///
     /// ```
     /// # use tristrip::{CollapseSequence, lod::LevelTable};
@@ -66,10 +68,11 @@ impl LevelTable {
         self.check(level).map(|()| self.triangles_at(level))
     }
 
-    /// Returns the largest error of the collapses that lead to a level, in mesh units; 0 for the full mesh.
+    /// Returns the error of a level in mesh units: the largest error of the collapses that lead to
+    /// it, or 0 for the full mesh.
     ///
     /// # Errors
-    /// There is no such level.
+    /// `level` is greater than the level of the full mesh.
     ///
     /// ```
     /// # use tristrip::{CollapseSequence, lod::LevelTable};
@@ -81,10 +84,10 @@ impl LevelTable {
         self.check(level).map(|()| self.errors[level])
     }
 
-    /// Returns the lowest level whose error is not larger, in mesh units.
+    /// Returns the coarsest level with at most this error in mesh units.
     ///
     /// # Errors
-    /// The error is negative or not a number.
+    /// The error is negative or NaN.
     ///
     /// ```
     /// # use tristrip::{CollapseSequence, lod::LevelTable};
@@ -97,11 +100,12 @@ impl LevelTable {
         if error.is_nan() || error < 0.0 {
             return Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" });
         }
-        // Errors fall from the base mesh to the full mesh, which has none.
+        // Errors decrease from the base mesh to the full mesh, whose error is 0.
         Ok(self.errors.partition_point(|&e| e > error).min(self.collapse_count()))
     }
 
-    /// Returns the highest level with at most this number of triangles; 0 if there is none.
+    /// Returns the finest level with at most this many triangles, or 0 if even the base mesh has
+    /// more.
     ///
     /// ```
     /// # use tristrip::{CollapseSequence, lod::LevelTable};
@@ -113,10 +117,10 @@ impl LevelTable {
         self.triangle_counts.partition_point(|&count| count as usize <= triangle_count).saturating_sub(1)
     }
 
-    /// Checks that there is a level.
+    /// Checks that a level exists.
     ///
     /// # Errors
-    /// There is none of this number.
+    /// `level` is greater than the level of the full mesh.
     ///
     /// ```
     /// use tristrip::lod::LevelTable;
@@ -127,7 +131,7 @@ impl LevelTable {
         check_level(level, self.collapse_count())
     }
 
-    /// Returns the number of triangles at a level that exists.
+    /// Returns the number of triangles at an existing level.
     pub(crate) fn triangles_at(&self, level: usize) -> usize {
         self.triangle_counts[level] as usize
     }

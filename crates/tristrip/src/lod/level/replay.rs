@@ -1,22 +1,23 @@
-//! Replay: the entries of an index map at a level, and the records by which collapses and vertex splits rename them.
+//! Replay: the entries of an index map at a level, and the records with which collapses and vertex
+//! splits rename entries.
 
 use super::index_map::RESTART;
 use crate::error::Error;
 
-/// The most renamed slots per entry of a map, over all collapses: meshes have about five, a hostile sequence has as many as there are
-/// collapses.
+/// The maximum number of renamed slots per entry of a map, over all collapses. Typical meshes have
+/// about five; a malicious sequence can have as many as there are collapses.
 pub(crate) const MAX_SLOTS_PER_ENTRY: usize = 256;
 
-/// What a vertex split writes: one vertex, into some slots of the index map.
+/// The effect of a vertex split: one vertex is written to some slots of the index map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SlotUpdate<'a> {
     /// The restored vertex.
     pub vertex: u32,
-    /// Its slots in the index map, counted from 0, rising.
+    /// Its slots in the index map, counted from 0, in ascending order.
     pub slots: &'a [u32],
 }
 
-/// The entries of a map at a level, which records lead to other levels.
+/// The entries of a map at a level. Records move it to other levels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Replay {
     pub(crate) entries: Vec<u32>,
@@ -42,24 +43,25 @@ impl Replay {
         true
     }
 
-    /// Moves to a level, which must exist.
+    /// Moves to an existing level.
     pub(crate) fn go_to(&mut self, level: usize, records: &Records) {
         while self.level < level && self.refine(records) {}
         while self.level > level && self.coarsen(records) {}
     }
 }
 
-/// What the collapses write and where. The models add them in the order from the full mesh to the base mesh, and find them by level.
+/// The slots and entries that each collapse writes. Models add collapses in order from the full
+/// mesh to the base mesh, and look them up by level.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Records {
-    /// The end of each collapse among the vertices.
+    /// The end of the vertices of each collapse.
     vertex_ends: Vec<u32>,
     /// The removed vertices.
     pub(crate) vertices: Vec<u32>,
-    /// The end of each vertex among the slots.
+    /// The end of the slots of each vertex.
     slot_ends: Vec<u32>,
     pub(crate) slots: Vec<u32>,
-    /// What the collapse writes into each slot.
+    /// The entry that the collapse writes into each slot.
     coarse: Vec<u32>,
 }
 
@@ -74,7 +76,8 @@ impl Records {
         lists.map(|list| size_of_val(&list[..])).iter().sum()
     }
 
-    /// Returns the number of the collapse to a level, if the first one is that of the full mesh.
+    /// Returns the number of the collapse that leads to a level. The collapse of the full mesh is
+    /// number 0.
     fn number(&self, level: usize) -> usize {
         self.len() - 1 - level
     }
@@ -83,7 +86,8 @@ impl Records {
         range(&self.vertex_ends, self.number(level))
     }
 
-    /// Writes the vertices of a collapse into their slots; collapses have the numbers from 0 in the order in which they were added.
+    /// Writes the vertices of a collapse into their slots. Collapses are numbered from 0 in the
+    /// order in which they were added.
     pub(crate) fn split(&self, number: usize, entries: &mut [u32]) {
         for i in range(&self.vertex_ends, number) {
             let slots = &self.slots[range(&self.slot_ends, i)];
@@ -91,9 +95,9 @@ impl Records {
         }
     }
 
-    /// Writes what the slots of a collapse had before [`Records::split`].
+    /// Undoes [`Records::split`]: writes the coarse entries into the slots of a collapse.
     pub(crate) fn collapse(&self, number: usize, entries: &mut [u32]) {
-        // From the last one back, so that a slot that is written twice gets its first entry.
+        // In reverse order, so that a slot written twice gets its first entry back.
         for i in range(&self.vertex_ends, number).rev() {
             let range = range(&self.slot_ends, i);
             for (&slot, &entry) in self.slots[range.clone()].iter().zip(&self.coarse[range]) {
@@ -102,13 +106,14 @@ impl Records {
         }
     }
 
-    /// Returns the updates of the split from `level`, which must be less than [`Records::len`].
+    /// Returns the updates of the split at `level`, which must be less than [`Records::len`].
     pub(crate) fn split_of(&self, level: usize) -> impl ExactSizeIterator<Item = SlotUpdate<'_>> {
         self.vertices_of(level)
             .map(|i| SlotUpdate { vertex: self.vertices[i], slots: &self.slots[range(&self.slot_ends, i)] })
     }
 
-    /// Adds a removed vertex and what is written into its slots, rising, to the open collapse.
+    /// Adds a removed vertex to the open collapse, with its slots in ascending order and the
+    /// entries written into them.
     pub(crate) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
         self.vertices.push(vertex);
         for (slot, entry) in written {
@@ -118,7 +123,8 @@ impl Records {
         self.slot_ends.push(self.slots.len() as u32);
     }
 
-    /// Ends a collapse, unless there are too many slots for a map of `entry_count` entries.
+    /// Closes the open collapse. Fails if there are too many slots for a map of `entry_count`
+    /// entries.
     pub(crate) fn end(&mut self, entry_count: usize) -> Result<(), Error> {
         self.vertex_ends.push(self.vertices.len() as u32);
         let limit = entry_count.saturating_mul(MAX_SLOTS_PER_ENTRY).min(u32::MAX as usize);
@@ -134,17 +140,17 @@ fn range(ends: &[u32], i: usize) -> std::ops::Range<usize> {
     if i == 0 { 0..ends[0] as usize } else { ends[i - 1] as usize..ends[i] as usize }
 }
 
-/// The slots of each vertex, as linked lists through the map.
+/// The slots of each vertex, as linked lists over the map.
 #[derive(Debug)]
 pub(crate) struct VertexSlots {
-    /// The first slot of each vertex, plus one; 0 if there is none.
+    /// The first slot of each vertex plus 1, or 0 if there is none.
     first: Vec<u32>,
-    /// The next slot of the same vertex after each one, plus one.
+    /// The slot after each slot in the list of its vertex, plus 1, or 0 at the end.
     next: Vec<u32>,
 }
 
 impl VertexSlots {
-    /// Lists the slots of a map for which `is_listed` holds.
+    /// Lists the slots for which `is_listed` holds.
     pub(crate) fn of(map: &[u32], vertex_count: usize, is_listed: impl Fn(usize) -> bool) -> Self {
         let mut slots = Self { first: vec![0; vertex_count], next: vec![0; map.len()] };
         for (slot, &vertex) in map.iter().enumerate().rev() {
@@ -159,7 +165,7 @@ impl VertexSlots {
         self.next[slot as usize] = std::mem::replace(&mut self.first[vertex as usize], slot + 1);
     }
 
-    /// Removes and returns all slots of a vertex, rising.
+    /// Removes all slots of a vertex and writes them to `taken` in ascending order.
     pub(crate) fn take(&mut self, vertex: u32, taken: &mut Vec<u32>) {
         taken.clear();
         let mut slot = std::mem::take(&mut self.first[vertex as usize]);

@@ -1,4 +1,4 @@
-//! The vertices that each vertex replaces once all collapses are done, as ranges of numbers.
+//! The subtree of each vertex in the collapse tree, as a range of vertex numbers.
 //!
 //! # Complexity
 //! O(n) time, 8 bytes per vertex.
@@ -6,11 +6,12 @@
 use crate::collapse::CollapseSequence;
 use crate::ids::OptionalId;
 
-/// The numbers of vertices in an order in which the vertices below each one in the tree of collapses follow it.
+/// A depth-first numbering of the vertices: the subtree of a vertex in the collapse tree is a
+/// contiguous range.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct VertexRanges {
     numbers: Vec<u32>,
-    /// The end of the numbers below each vertex, by number.
+    /// The end of the subtree range of each vertex, indexed by number.
     ends: Vec<u32>,
 }
 
@@ -29,7 +30,7 @@ impl VertexRanges {
         Self { ends: ends(&parents), numbers }
     }
 
-    /// Checks whether a vertex is another one or below it.
+    /// Checks whether `other` is `vertex` or below it in the collapse tree.
     #[inline]
     pub(crate) fn contains(&self, vertex: u32, other: u32) -> bool {
         let [first, number] = [vertex, other].map(|v| self.numbers[v as usize]);
@@ -41,7 +42,7 @@ impl VertexRanges {
     }
 }
 
-/// The vertices that each vertex replaces, as linked lists of children, the last one first.
+/// The collapse tree, with the children of each vertex as linked lists, last child first.
 pub(crate) struct CollapseTree {
     parent: Vec<OptionalId>,
     first_child: Vec<OptionalId>,
@@ -49,13 +50,14 @@ pub(crate) struct CollapseTree {
 }
 
 impl CollapseTree {
-    /// Creates the tree of vertices without collapses.
+    /// Creates a tree of `count` vertices without collapses.
     pub(crate) fn new(count: usize) -> Self {
         let none = || vec![OptionalId::NONE; count];
         Self { parent: none(), first_child: none(), next: none() }
     }
 
-    /// Adds a child, unless one of the two was removed before.
+    /// Adds a child and returns `true`. Returns `false` if the two are equal, out of range, or one
+    /// of them was removed before.
     pub(crate) fn add(&mut self, removed: u32, kept: u32) -> bool {
         let is_there = |v: u32| self.parent.get(v as usize).is_some_and(|parent| parent.is_none());
         if !is_there(removed) || !is_there(kept) || removed == kept {
@@ -67,12 +69,12 @@ impl CollapseTree {
         true
     }
 
-    /// Returns the vertex that replaces a vertex.
+    /// Returns the vertex that a vertex collapses to.
     pub(crate) fn parent(&self, v: u32) -> Option<u32> {
         self.parent[v as usize].get()
     }
 
-    /// Returns all vertices, each before its children.
+    /// Returns all vertices in depth-first order, parents before children.
     pub(crate) fn depth_first(&self) -> Vec<u32> {
         let mut order = Vec::with_capacity(self.parent.len());
         let mut stack = Vec::new();

@@ -1,12 +1,13 @@
-//! How large the error of a level appears.
+//! The projected size of lengths: converts between mesh units and pixels.
 
 use crate::error::Error;
 
-/// How large lengths near an object appear.
+/// The scale at which a view shows an object, in pixels per mesh unit.
 ///
 /// ```
 /// use tristrip::lod::View;
-/// // An image of 1080 rows at a vertical angle of 90 degrees, and an object 540 mesh units away: a pixel covers one unit.
+/// // An image 1080 pixels high with a field of view of 90 degrees, at a distance of 540 mesh
+/// // units: one pixel covers one unit.
 /// assert_eq!(View::perspective(540.0, 1.0, 1080.0)?.length_of(2.0), 2.0);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
@@ -17,18 +18,22 @@ pub struct View {
 }
 
 impl View {
-    /// The vertical angle of an image in degrees, unless another is known.
+    /// The default vertical field of view in degrees.
     pub const FIELD_OF_VIEW: f32 = 45.0;
 
-    /// The rows of an image, unless others are known.
+    /// The default image height in pixels.
     pub const ROWS: f32 = 1080.0;
 
-    /// Creates a perspective view: the distance to the nearest point of the object in mesh units, the vertical scale of the projection (the
-    /// element of its matrix in the second row and second column: 1 / tan of half the vertical angle), and the rows of the image.
+    /// Creates a perspective view.
+    ///
+    /// - `distance`: distance from the eye to the nearest point of the object, in mesh units.
+    /// - `vertical_scale`: element of the projection matrix in the second row and second column,
+    ///   which is 1 / tan of half the vertical field of view.
+    /// - `rows`: image height in pixels.
     ///
     /// # Errors
-    /// A value is not positive, or the pixels per mesh unit at this distance are too many or too few for a number. An object at or behind the
-    /// eye has no distance: draw its full mesh.
+    /// A value is not positive or not finite, or the resulting scale is zero or infinite. An object
+    /// at or behind the eye has no valid distance: draw its full mesh.
     ///
     /// ```
     /// use tristrip::lod::View;
@@ -47,16 +52,17 @@ impl View {
         Ok(Self { scale })
     }
 
-    /// Creates the view of a camera: the distance to the nearest point of the object in mesh units, the vertical angle of the image in degrees,
-    /// and its rows. A usual view has [`View::FIELD_OF_VIEW`] and [`View::ROWS`].
+    /// Creates a perspective view from the distance to the nearest point of the object in mesh
+    /// units, the vertical field of view in degrees, and the image height in pixels. Typical values
+    /// are [`View::FIELD_OF_VIEW`] and [`View::ROWS`].
     ///
     /// # Errors
-    /// The angle is not between 0 and 180 degrees; the distance or the rows are not positive; the pixels per mesh unit at this distance are too
-    /// many or too few for a number.
+    /// The angle is not between 0 and 180 degrees, the distance or the height is not positive, or
+    /// the resulting scale is zero or infinite.
     ///
     /// ```
     /// use tristrip::lod::View;
-    /// // At 90 degrees, the image shows twice as much as the object is away.
+    /// // With a field of view of 90 degrees, the visible height is twice the distance.
     /// assert_eq!(View::of_camera(500.0, 90.0, 1000.0)?.length_of(1.0), 1.0);
     /// assert!(View::of_camera(500.0, 180.0, 1000.0).is_err());
     /// # Ok::<(), tristrip::Error>(())
@@ -70,10 +76,10 @@ impl View {
         Self::perspective(distance, vertical_scale as f32, rows)
     }
 
-    /// Creates a parallel view from the pixels per mesh unit.
+    /// Creates a parallel (orthographic) view from its scale in pixels per mesh unit.
     ///
     /// # Errors
-    /// The value is not positive.
+    /// The scale is not positive or not finite.
     ///
     /// ```
     /// assert_eq!(tristrip::lod::View::parallel(4.0)?.length_of(1.0), 0.25);
@@ -129,7 +135,7 @@ mod tests {
             assert!(View::of_camera(1.0, degrees, 1.0).is_err(), "{degrees}");
         }
         let view = View::of_camera(1.0, View::FIELD_OF_VIEW, View::ROWS).unwrap();
-        // 540 rows per unit at half the angle, of tangent √2 − 1.
+        // 540 rows per tangent of half the angle, which is √2 − 1.
         assert!((view.pixels_of(1.0) - 540.0 / (2.0_f32.sqrt() - 1.0)).abs() < 1e-3);
     }
 }
