@@ -182,7 +182,7 @@ def test_indices_have_any_layout_and_type() -> None:
         ({"look_at": (float("inf"), 0, 0)}, "look_at: found"),
         ({"look_at": (1, 0, 0), "up": (0, 0, 0)}, "up: found [0.0, 0.0, 0.0], expected a direction"),
         ({"look_at": (1, 0, 0), "field_of_view": 180}, "field_of_view: found 180, expected an angle"),
-        ({"look_at": (1, 0, 0), "image": (0, 5)}, "image: found 0 by 5, expected at least a pixel"),
+        ({"look_at": (1, 0, 0), "image": (0, 5)}, "image: found 0 by 5, expected at least 1 by 1"),
         ({"look_at": (1, 0, 0), "pixels": -1}, "pixels: found -1, expected 0 or more"),
         ({"look_at": (1, 0, 0), "pixels": float("nan")}, "pixels: found NaN"),
         ({"look_at": (1, 0, 0), "steps": 0}, "steps: found 0, expected at least 1"),

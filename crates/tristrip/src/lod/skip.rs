@@ -1,44 +1,58 @@
-//! Skip Strips: view-dependent detail, with display strips that are never computed again.
+//! Skip Strips: view-dependent level of detail whose display strips are updated incrementally.
 //!
-//! The collapses of a simplification form a hierarchy of vertices. A view does those whose error it cannot see: more far away, outside of the image and on faces
-//! that look away. Strips are made once, for the full mesh. In a view, a vertex of a strip is drawn as its first ancestor that has not collapsed, and a
-//! filter removes the degenerate triangles. From frame to frame few vertices change, and only the strips in which they are.
+//! The collapses of a simplification form a vertex hierarchy. A view applies every collapse whose
+//! error is not visible: more of them far from the camera, outside the view frustum and on back
+//! faces. Strips are built once, for the full mesh. A view draws each strip vertex as its first
+//! active ancestor, and a filter removes the degenerate triangles. From frame to frame only few
+//! vertices change, and only the strips around them are rebuilt.
 //!
 //! ```text
 //! Mesh ──▶ merge tree: a CollapseSequence ─┐
 //!    └───▶ Strips ─────────────────────────┴─▶ SkipStrips, one per model, shared and immutable
-//!                                                 ├──▶ SkipView of a camera: update ─▶ changed ranges of its index buffer
-//!                                                 └──▶ SkipView of another one
+//!                                                 ├──▶ SkipView of one camera: update
+//!                                                 └──▶ SkipView of another camera
 //! ```
 //! # Algorithm
-//! *Build*: the modules `vertex_tree` (nodes, parents, pointers that skip ancestors), `dependencies` (which collapses need which), `bounds` (error, sphere and cone of
-//! normals of each collapse), `original_strips` (the segments in which a vertex is).
+//! *Build* is split into modules: `vertex_tree` (nodes, parents, skip pointers to ancestors),
+//! `dependencies` (the collapses that each collapse depends on), `bounds` (error, sphere and normal
+//! cone of each collapse) and `original_strips` (the strip segments that contain each vertex).
 //!
 //! *Update*:
-//! 1. The travel of the camera since the last frame tells which collapses have to be looked at (`schedule`).
-//! 2. Of these, each that is allowed and needs no other one is done; those that it blocked are looked at, too.
-//! 3. Each of which the error is too large is split, the largest first. What needs it is split before.
-//! 4. Steps 2 and 3 repeat until nothing changes. Then the flagged segments are scanned (module `display`).
+//! 1. The travel of the camera since the last frame determines which collapses are evaluated again
+//!    (`schedule`).
+//! 2. Each of them that is allowed is applied if its dependencies are applied. The collapses that
+//!    depend on it are evaluated next.
+//! 3. Each collapse whose error is too large is split, largest error first. Collapses that depend
+//!    on it are split before it.
+//! 4. Steps 2 and 3 repeat until nothing changes. Then the flagged segments are scanned (module
+//!    `display`).
 //!
-//! The result does not depend on the order of the work: a collapse never forbids another one, nor a split another split.
+//! The result does not depend on the order of operations: no collapse prevents another collapse,
+//! and no split prevents another split.
 //!
 //! # Departures
-//! - Children are numbered one after the other, so that the index of the active child is the number of a node.
-//! - The published algorithm looks at all active vertices in each frame; here a collapse waits until the camera has moved far enough.
-//! - Whole strips are rebuilt there, segments of 64 entries here.
-//! - Vertices of one position on a seam collapse together, so that no gap opens.
-//! - The pointer used last may also rise, to a farther ancestor; the paper lets it only fall.
-//! - A view stores the name of each vertex, its first active ancestor: the vertices below a node are a range, which a collapse or split fills. The pointers that
-//!   skip ancestors, as published, find the same names for [`SkipView::simplified_strips`].
+//! - Nodes are numbered depth-first. A node needs no list of children, and its active child is
+//!   stored as a node.
+//! - The published algorithm evaluates all active vertices in every frame. Here a collapse is
+//!   evaluated again only after the camera has moved far enough.
+//! - The paper rebuilds whole strips; this implementation rebuilds segments of 64 entries.
+//! - Vertices at the same position on a seam collapse together, which prevents cracks.
+//! - The search for the first active ancestor starts with the skip pointer used last. Here it can
+//!   also rise to a farther ancestor; in the paper it can only fall.
+//! - A view stores the name of each node: the vertex of its first active ancestor. The descendants
+//!   of a node are a contiguous range, so a collapse or split fills a range of names.
+//!   [`SkipView::simplified_strips`] finds the same names with the skip pointers, as published.
 //!
 //! # References
-//! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*, 2000, sections 4
-//! and 5. El-Sana, Azanli, Varshney: *Skip Strips: Maintaining Triangle Strips for View-Dependent Rendering*, 1999. Xia, El-Sana, Varshney: *Adaptive Real-Time
-//! Level-of-Detail-Based Rendering for Polygonal Models*, 1997.
+//! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle
+//! Strips for Real-Time Rendering*, 2000, sections 4 and 5. El-Sana, Azanli, Varshney: *Skip
+//! Strips: Maintaining Triangle Strips for View-Dependent Rendering*, 1999. Xia, El-Sana, Varshney:
+//! *Adaptive Real-Time Level-of-Detail-Based Rendering for Polygonal Models*, 1997.
 //!
 //! # Complexity
-//! Building takes O(n log n) time for n vertices. An update takes time for the collapses looked at, for the vertices below those that change, and for the segments in which these
-//! are. The memory per vertex is in `docs/views.md`.
+//! Building takes O(n log n) time for n vertices. An update takes time proportional to the number
+//! of collapses evaluated, of descendants of the changed nodes, and of entries in the segments that
+//! contain them. `docs/views.md` lists the memory per vertex.
 
 mod bounds;
 mod camera;
@@ -74,14 +88,14 @@ pub use repaired_view::RepairedView;
 use vertex_tree::VertexTree;
 pub use view::{SkipView, ViewGeomorphs, ViewSnapshot, ViewUpdate};
 
-/// A model of which each view has its own detail.
+/// A level-of-detail model in which each view has its own, view-dependent detail.
 ///
 /// ```
 #[doc = include_str!("skip/example.txt")]
 /// let mut view = model.view();
 /// for x in 0..8 {
 ///     let update = view.update(&Camera::new([x as f32, 1.0, -2.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(2.0))?;
-///     // Only these ranges of the buffer have to be sent to the graphics processor.
+///     // Only these ranges of the buffer must be uploaded to the GPU.
 ///     assert!(update.changed.iter().all(|range| range.end <= view.indices().len()));
 /// }
 /// # Ok::<(), tristrip::Error>(())
@@ -93,19 +107,21 @@ pub struct SkipStrips {
     bounds: Option<TreeBounds>,
     strips: OriginalStrips,
     levels: LevelTable,
-    /// The ids of all collapses in order from the full mesh; none for a collapse that renames nothing.
+    /// The ids of all collapses in order from the full mesh; none for a collapse without renames.
     order: Vec<OptionalId>,
-    /// For each node the triangles that its collapse drops, if it is the id of a collapse, up to 255; the others are in `many_dropped`.
+    /// The number of triangles that each collapse drops, by collapse id, clamped to 255.
+    /// `many_dropped` has the larger counts.
     dropped: Vec<u8>,
     many_dropped: Vec<(u32, u32)>,
     vertex_count: usize,
 }
 
 impl SkipStrips {
-    /// Builds the model of a simplification and strips of its full mesh, at these positions.
+    /// Builds the model from strips of the full mesh, a collapse sequence, and vertex positions.
     ///
     /// # Errors
-    /// The strips do not draw exactly the triangles of the sequence; a position is missing or not finite.
+    /// The strips do not draw exactly the triangles of the sequence, or a position is missing or
+    /// not finite.
     ///
     /// ```
     #[doc = include_str!("skip/example.txt")]
@@ -121,7 +137,7 @@ impl SkipStrips {
         Self::build(strips, sequence, Some(positions))
     }
 
-    /// Builds a model without positions, which has levels but no views.
+    /// Builds a model without positions. It has levels, but its views cannot follow a camera.
     ///
     /// # Errors
     /// The strips do not draw exactly the triangles of the sequence.
@@ -173,7 +189,8 @@ impl SkipStrips {
         })
     }
 
-    /// Returns the triangles and errors of the levels, of which a view draws none in general.
+    /// Returns the triangle count and the error of each level. The detail of a view generally
+    /// matches none of these levels.
     ///
     /// ```
     #[doc = include_str!("skip/example.txt")]
@@ -184,7 +201,8 @@ impl SkipStrips {
         &self.levels
     }
 
-    /// Returns the height of the merge tree: the most collapses, one into a result of the one before, that lead from a vertex to a root.
+    /// Returns the height of the merge tree: the maximum number of successive collapses on the path
+    /// from a vertex to its root.
     ///
     /// ```
     #[doc = include_str!("skip/example.txt")]
@@ -204,7 +222,7 @@ impl SkipStrips {
         heights.into_iter().max().unwrap_or(0)
     }
 
-    /// Returns the largest number of ancestors of a vertex.
+    /// Returns the maximum number of ancestors of a vertex.
     ///
     /// ```
     #[doc = include_str!("skip/example.txt")]
@@ -215,7 +233,7 @@ impl SkipStrips {
         self.tree.depth()
     }
 
-    /// Returns the mean number of collapses that a collapse needs, by its list.
+    /// Returns the mean number of listed dependencies per collapse.
     ///
     /// ```
     #[doc = include_str!("skip/example.txt")]
@@ -226,12 +244,12 @@ impl SkipStrips {
         self.dependencies.len() as f64 / self.order.len().max(1) as f64
     }
 
-    /// Returns the memory of the strips of the full mesh, and that of everything else, in bytes.
+    /// Returns the memory in bytes of the strips of the full mesh, and of everything else.
     ///
     /// ```
     #[doc = include_str!("skip/example.txt")]
     /// let [strips, others] = model.memory_by_part();
-    /// // Four bytes per vertex of the strips, and per end of one.
+    /// // Four bytes per strip vertex and per restart.
     /// assert!(strips >= 4 * (128 + 2) && others > 81 * 4);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -248,7 +266,7 @@ impl SkipStrips {
         [strips, others]
     }
 
-    /// Counts the triangles that a collapse drops.
+    /// Returns the number of triangles that a collapse drops.
     #[inline]
     fn dropped(&self, collapse_id: u32) -> usize {
         let dropped = self.dropped[collapse_id as usize];
@@ -259,13 +277,13 @@ impl SkipStrips {
         found.map_or(dropped.into(), |i| self.many_dropped[i].1 as usize)
     }
 
-    /// Counts the vertices that no collapse removes.
+    /// Returns the number of vertices that no collapse removes.
     fn base_vertex_count(&self) -> usize {
         (0..self.tree.len() as u32).filter(|&node| self.tree.parent(node).is_none()).count()
     }
 }
 
-/// Checks that strips draw exactly the triangles of a sequence.
+/// Checks that the strips draw exactly the triangles of the sequence.
 fn check_triangles(strips: &Strips, sequence: &CollapseSequence) -> Result<(), Error> {
     let triangles = sequence.triangles();
     if strips.triangles().eq(triangles_of(triangles)) {
@@ -277,7 +295,7 @@ fn check_triangles(strips: &Strips, sequence: &CollapseSequence) -> Result<(), E
     }
     Err(Error::Parameter {
         name: "strips",
-        found: format!("{} triangles, not all of the full mesh", drawn.len()),
+        found: format!("{} triangles, not those of the full mesh", drawn.len()),
         expected: "strips that draw the full mesh",
     })
 }

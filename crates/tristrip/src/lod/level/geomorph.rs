@@ -123,7 +123,11 @@ impl Geomorph {
                     counted(len, "number"),
                     counted(self.vertex_count, "vertex")
                 );
-                return Err(Error::Parameter { name, found, expected: "one number per vertex and component" });
+                return Err(Error::Parameter {
+                    name,
+                    found,
+                    expected: "one number per vertex and component",
+                });
             }
         }
         for transit in &self.transits {

@@ -1,12 +1,14 @@
-//! What a view needs to know of a collapse: its error, a sphere, and a cone of normals.
+//! The bounds of a collapse that a view evaluates: error, sphere and cone of normals.
 //!
-//! - The *error* is the largest of the collapse and of all collapses that it needs, in mesh units: the switch value. A view that allows a
-//!   collapse then also allows what it needs, at the same distance.
-//! - The *sphere* around the removed vertex contains all vertices that it replaces, and the kept vertex.
+//! - The *error*, or switch value, is the largest error of the collapse and of its dependencies, in
+//!   mesh units. A view that allows a collapse therefore also allows its dependencies at the same
+//!   distance.
+//! - The *sphere* around the removed vertex contains the kept vertex and all vertices that the
+//!   removed vertex replaces.
 //! - The *cone* contains the normals of all triangles of the full mesh at these vertices.
 //!
 //! # Complexity
-//! O(n) time, 24 bytes per vertex, positions included.
+//! O(n) time. 24 bytes per vertex, including its position.
 
 use super::cone::{Cone, WideCone};
 use super::dependencies::Dependencies;
@@ -17,13 +19,13 @@ use crate::mesh::{Positions, check_positions, triangles_of};
 use crate::text::counted;
 use crate::vector::{Point, dot, normal_of, sub};
 
-/// The bounds of all collapses, by node.
+/// The bounds of all collapses, indexed by node.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TreeBounds {
     pub(super) nodes: Vec<NodeBounds>,
     /// The center of the bounding box.
     pub(super) center: Point,
-    /// The distance of its corners from there.
+    /// The distance from the center to the corners of the bounding box.
     pub(super) radius: f64,
 }
 
@@ -37,7 +39,7 @@ pub(super) struct NodeBounds {
 }
 
 impl TreeBounds {
-    /// Bounds the collapses of a tree.
+    /// Computes the bounds of all collapses of a tree.
     ///
     /// # Errors
     /// A position is missing or not finite.
@@ -64,7 +66,7 @@ impl TreeBounds {
             };
             let needed = dependencies.needed(collapse_id).map(|needed| nodes[needed as usize].error);
             let error = needed.fold(collapse.error, f32::max);
-            // Vertices of one position have one sphere and cone.
+            // Vertices that collapse together have the same sphere and cone.
             let members = || collapse.renames.iter().map(|r| [r.removed, r.kept].map(|v| numbers.of(v)));
             let (mut radius, mut cone) = (0.0_f32, WideCone::default());
             let center = nodes[collapse_id as usize].position;
@@ -91,7 +93,7 @@ impl TreeBounds {
     }
 }
 
-/// Returns the normals of the triangles at each node.
+/// Returns a cone of the triangle normals at each node.
 fn cones(triangles: &[u32], numbers: &NodeNumbers, nodes: &[NodeBounds]) -> Vec<WideCone> {
     let mut cones = vec![WideCone::default(); nodes.len()];
     for triangle in triangles_of(triangles) {
@@ -104,7 +106,7 @@ fn cones(triangles: &[u32], numbers: &NodeNumbers, nodes: &[NodeBounds]) -> Vec<
     cones
 }
 
-/// Returns the distance from a point within which the sphere of a node is.
+/// Returns the radius around `from` that contains the sphere of a node.
 fn reach(from: [f32; 3], node: &NodeBounds) -> f32 {
     rounded_up(distance(from, node.position) + f64::from(node.radius))
 }
@@ -122,12 +124,12 @@ fn point(position: [f32; 3]) -> Point {
     position.map(f64::from)
 }
 
-/// Returns a number that is not less; infinite ones are cut to the largest finite one.
+/// Returns a number rounded up, at most the largest finite one.
 fn rounded_up(x: f64) -> f32 {
     (x as f32).next_up().min(f32::MAX)
 }
 
-/// Returns the center of the bounding box, and the distance of its corners from there.
+/// Returns the center of the bounding box, and the distance from there to its corners.
 fn sphere_of(positions: impl Iterator<Item = [f32; 3]>) -> (Point, f64) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for position in positions.map(point) {

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::lod::level::view::View;
 use crate::vector::{Point, cross, dot, sub, unit};
 
-/// Where a camera is, where it looks, and its image.
+/// A camera: position, view direction, field of view and image size.
 ///
 /// ```
 /// use tristrip::lod::Camera;
@@ -24,7 +24,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Creates a camera at a point that looks at another one, both in mesh units, with y up, a vertical angle of 45 degrees and an image of 1920 by 1080
+    /// Creates a camera at `eye` that looks at the point `look_at`, both in mesh units. The up
+    /// direction is y, the vertical field of view is 45 degrees, and the image has 1920 by 1080
     /// pixels.
     ///
     /// # Errors
@@ -33,7 +34,7 @@ impl Camera {
     /// ```
     /// use tristrip::lod::Camera;
     /// assert!(Camera::new([f32::NAN, 0.0, 0.0], [0.0; 3]).is_err());
-    /// // Straight down: another axis is up.
+    /// // Straight down: another axis becomes the up direction.
     /// assert!(Camera::new([0.0, 5.0, 0.0], [0.0; 3]).is_ok());
     /// ```
     pub fn new(eye: [f32; 3], look_at: [f32; 3]) -> Result<Self, Error> {
@@ -48,7 +49,8 @@ impl Camera {
         Ok(Self { eye, look_at, up: [0.0, 1.0, 0.0], field_of_view, columns: 1920, rows: 1080 })
     }
 
-    /// Sets the direction that is up in the image. Where it is along the view, the axis that is least so is up.
+    /// Sets the direction that is up in the image. If it is parallel to the view direction, the
+    /// coordinate axis least parallel to the view direction is used instead.
     ///
     /// # Errors
     /// A coordinate is not finite, or all are 0.
@@ -69,10 +71,10 @@ impl Camera {
         Ok(self)
     }
 
-    /// Sets the vertical angle of the image in degrees.
+    /// Sets the vertical field of view in degrees.
     ///
     /// # Errors
-    /// It is not between 0 and 180 degrees.
+    /// The angle is not between 0 and 180 degrees.
     ///
     /// ```
     /// use tristrip::lod::Camera;
@@ -89,10 +91,10 @@ impl Camera {
         Ok(self)
     }
 
-    /// Sets the size of the image in pixels.
+    /// Sets the width and the height of the image in pixels.
     ///
     /// # Errors
-    /// A size is 0.
+    /// The width or the height is 0.
     ///
     /// ```
     /// use tristrip::lod::Camera;
@@ -102,13 +104,13 @@ impl Camera {
     pub fn with_image(mut self, columns: u32, rows: u32) -> Result<Self, Error> {
         if columns == 0 || rows == 0 {
             let found = format!("{columns} by {rows}");
-            return Err(Error::Parameter { name: "image", found, expected: "at least a pixel" });
+            return Err(Error::Parameter { name: "image", found, expected: "at least 1 by 1" });
         }
         (self.columns, self.rows) = (columns, rows);
         Ok(self)
     }
 
-    /// Returns where the camera is, in mesh units.
+    /// Returns the position of the camera in mesh units.
     ///
     /// ```
     /// use tristrip::lod::Camera;
@@ -141,7 +143,7 @@ impl Camera {
         self.up
     }
 
-    /// Returns the vertical angle of the image in degrees.
+    /// Returns the vertical field of view in degrees.
     ///
     /// ```
     /// use tristrip::lod::Camera;
@@ -152,7 +154,7 @@ impl Camera {
         self.field_of_view
     }
 
-    /// Returns the columns and rows of the image.
+    /// Returns the width and the height of the image in pixels.
     ///
     /// ```
     /// use tristrip::lod::Camera;
@@ -163,7 +165,7 @@ impl Camera {
         [self.columns, self.rows]
     }
 
-    /// Returns the directions to the right and up in the image and into it, of length 1.
+    /// Returns the right, up and forward directions of the camera as unit vectors.
     ///
     /// ```
     /// use tristrip::lod::Camera;
@@ -174,7 +176,7 @@ impl Camera {
     pub fn axes(&self) -> [[f64; 3]; 3] {
         let forward = unit(sub(self.look_at.map(f64::from), self.eye.map(f64::from)));
         let up = self.up.map(f64::from);
-        // Any scale of the direction is fine.
+        // The length of the direction does not matter.
         let largest = up.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let right = cross(forward, up.map(|x| x / largest));
         let least = (0..3).min_by(|&a, &b| forward[a].abs().total_cmp(&forward[b].abs())).unwrap_or(0);
@@ -184,13 +186,13 @@ impl Camera {
         [right, cross(right, forward), forward]
     }
 
-    /// Returns the frame of the camera.
+    /// Returns the camera in the form that the criteria use.
     pub(super) fn frame(&self) -> CameraFrame {
         let eye = self.eye.map(f64::from);
         let [right, up, forward] = self.axes();
         let half_height = libm::tan(f64::from(self.field_of_view).to_radians() / 2.0);
         let half_width = half_height * f64::from(self.columns) / f64::from(self.rows);
-        // Normals of the sides of the frustum, inward.
+        // The inward normals of the sides of the frustum.
         let side = |half: f64, across: Point, sign: f64| {
             unit([0, 1, 2].map(|k| half * forward[k] + sign * across[k]))
         };
@@ -209,26 +211,28 @@ impl Camera {
     }
 }
 
-/// A camera as its criteria need it.
+/// A camera in the form that the criteria use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CameraFrame {
     pub(super) eye: Point,
-    /// The normals of the planes through the eye that bound what is seen, inward: four sides, and the direction of the view.
+    /// The inward normals of the planes through the eye that bound the visible region: four sides,
+    /// and the view direction.
     pub(super) planes: [Point; 5],
-    /// From the middle of the image at a distance of one to its right and upper edge.
+    /// The vectors from the image center to its right and its upper edge, at distance 1.
     pub(super) edges: [Point; 2],
-    /// The pixels that a length of one covers at a distance of one.
+    /// The number of pixels that a length of 1 covers at distance 1.
     pub(super) pixels_per_slope: f64,
 }
 
 impl CameraFrame {
-    /// Returns the largest distance from the eye of a point within a sphere.
+    /// Returns the largest distance between the eye and a point of a sphere.
     pub(super) fn farthest(&self, (center, radius): (Point, f64)) -> f64 {
         let away = sub(self.eye, center);
         dot(away, away).sqrt() + radius
     }
 
-    /// Returns how far the eye moved, and the most by which the distance of a point within a sphere from one of the planes changed.
+    /// Returns the distance that the eye moved, and the largest change of the distance between a
+    /// point of the sphere and a frustum plane.
     pub(super) fn motion_from(&self, before: &Self, (center, radius): (Point, f64)) -> [f64; 2] {
         let length = |a: Point| dot(a, a).sqrt();
         let planes = self.planes.iter().zip(&before.planes).map(|(&now, &then)| {

@@ -1,32 +1,34 @@
-//! Cones of normals: directions within an angle of an axis.
+//! Cones of normals: all directions within an angle of an axis.
 //!
-//! Angles are kept as their cosines and sines, so that adding them needs products and square roots alone, which are exact to the last bit on every
-//! machine.
+//! Angles are stored as cosines and sines. Adding two angles then needs only products and square
+//! roots, which give the same bits on every machine.
 //!
 //! # References
 //! Shirmun, Abi-Ezzi: *The Cone of Normals Technique for Fast Processing of Curved Patches*, 1993.
 
 use crate::vector::{Point, dot};
 
-/// The cosine and sine of 0.02 radians, more than rounding an axis to steps of 1/127 turns it.
+/// The cosine and the sine of 0.02 radians. Rounding an axis to steps of 1/127 turns it by less.
 const ROUNDING: [f64; 2] = [0.999_800_006_666_577_8, 0.019_998_666_693_333_08];
-/// The steps of a rounded coordinate.
+/// The number of steps per unit of a rounded coordinate.
 const STEPS: f64 = 127.0;
 
-/// A cone while it grows.
+/// A cone of normals under construction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) enum WideCone {
-    /// No direction.
+    /// Contains no direction.
     #[default]
     Empty,
-    /// Directions within an angle of a unit vector, and the sum that it is the direction of.
+    /// Contains the directions within an angle of `axis`, the unit vector in the direction of
+    /// `sum`.
     Around { sum: Point, axis: Point, cos: f64, sin: f64 },
-    /// All directions.
+    /// Contains all directions.
     Full,
 }
 
 impl WideCone {
-    /// Creates the cone of one direction, given with a weight as its length; none of length 0.
+    /// Creates the cone of one direction. The length of the vector is its weight; a zero vector
+    /// gives an empty cone.
     pub(super) fn of(sum: Point) -> Self {
         match direction(sum) {
             Some(axis) => Self::Around { sum, axis, cos: 1.0, sin: 0.0 },
@@ -34,7 +36,7 @@ impl WideCone {
         }
     }
 
-    /// Returns a cone that contains two cones.
+    /// Returns a cone that contains both cones.
     pub(super) fn with(&self, other: &Self) -> Self {
         let (
             &Self::Around { sum, axis: a, cos: cos_a, sin: sin_a },
@@ -59,7 +61,7 @@ impl WideCone {
         Self::Around { sum, axis, cos: widest[0], sin: widest[1] }
     }
 
-    /// Returns a cone in four bytes that contains this one. That of no direction is the full one.
+    /// Returns a four-byte cone that contains this one. An empty cone becomes a full one.
     pub(super) fn rounded(&self) -> Cone {
         let &Self::Around { axis, cos, sin, .. } = self else { return Cone::FULL };
         let Some([cos, _]) = sum_of([cos, sin], ROUNDING) else { return Cone::FULL };
@@ -74,9 +76,9 @@ impl WideCone {
 /// A cone of normals in four bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Cone {
-    /// The axis, of a length of about 127.
+    /// The axis, with a length of about 127.
     axis: [i8; 3],
-    /// The cosine of the angle times 127; -128 if all directions are in it.
+    /// The cosine of the angle times 127, or -128 if the cone contains all directions.
     cos: i8,
 }
 
@@ -86,21 +88,22 @@ impl Default for Cone {
     }
 }
 
-/// How a surface with the normals of a cone faces a direction.
+/// How a surface whose normals lie in a cone faces a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Facing {
     Front,
     Back,
-    /// Some of the normals may be perpendicular to the direction.
+    /// Some normals may be perpendicular to the direction.
     Edge,
 }
 
 impl Cone {
-    /// All directions.
+    /// The cone of all directions.
     pub(super) const FULL: Self = Self { axis: [0; 3], cos: i8::MIN };
 
-    /// Returns how normals face a direction of this length, if each is turned by up to an angle of a sine, and the least angle by which the direction has
-    /// to turn before that changes, in radians; 0 if that is not known.
+    /// Returns how the normals face a direction of this length, if each normal may be turned by up
+    /// to an angle of this sine. Also returns a lower bound, in radians, on the turn of the
+    /// direction that changes the result, or 0 if none is known.
     pub(super) fn facing(self, direction: Point, length: f64, sine: f64) -> (Facing, f64) {
         let axis = self.axis.map(f64::from);
         let norm = dot(axis, axis).sqrt() * length;
@@ -109,7 +112,8 @@ impl Cone {
         }
         let cos = f64::from(self.cos) / STEPS;
         let angle = sum_of([cos, (1.0 - cos * cos).sqrt()], [(1.0 - sine * sine).sqrt(), sine]);
-        // The sum of both angles, which is less than a right angle if any face can be told.
+        // The sum of both angles. Front and back can be told apart only if it is less than a right
+        // angle.
         let Some([_, sine]) = angle.filter(|[cos, _]| *cos > 0.0) else { return (Facing::Edge, 0.0) };
         let toward = dot(axis, direction) / norm;
         let facing = if toward > sine {
@@ -123,13 +127,15 @@ impl Cone {
     }
 }
 
-/// Returns the cosine and sine of the sum of two angles from 0 to π, if that is less than π.
+/// Returns the cosine and the sine of the sum of two angles from 0 to π, or `None` if the sum
+/// exceeds π.
 fn sum_of([cos_a, sin_a]: [f64; 2], [cos_b, sin_b]: [f64; 2]) -> Option<[f64; 2]> {
     let (cos, sin) = (cos_a * cos_b - sin_a * sin_b, sin_a * cos_b + cos_a * sin_b);
     (sin >= 0.0).then_some([cos, sin])
 }
 
-/// Returns the direction of a vector that has one.
+/// Returns the unit vector in the direction of a vector, or `None` if its length is zero or not
+/// finite.
 fn direction(sum: Point) -> Option<Point> {
     let length = dot(sum, sum).sqrt();
     (length > 0.0 && length.is_finite()).then(|| sum.map(|x| x / length))

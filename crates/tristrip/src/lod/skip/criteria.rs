@@ -1,29 +1,34 @@
-//! The criteria by which a view chooses its detail, and how far the camera may move before a choice can change.
+//! The criteria by which a view chooses its detail, and how far the camera may move before a choice
+//! can change.
 //!
-//! The error of a collapse, in pixels of the image, is `e s / d` for an error e of the collapse, s pixels per slope, and a distance d of the eye from the nearest
-//! point of its sphere. It is allowed up to the pixels of the criteria times a *tolerance*:
+//! The projected error of a collapse is `e s / d` pixels: the error e in mesh units, s pixels per
+//! slope, and the distance d from the eye to the nearest point of the sphere of the collapse. The
+//! allowed error is the `pixels` of the criteria times a *tolerance*:
 //!
 //! | where | tolerance |
 //! |---|---|
-//! | outside of the view frustum | any error |
+//! | outside the view frustum | any error |
 //! | all normals face away from the eye | 4 |
-//! | some may be perpendicular to the view: a silhouette | 1/2 |
+//! | silhouette: a normal may be perpendicular to the view direction | 1/2 |
 //! | all normals face away from the light | 2 |
 //!
-//! Away from the attention the tolerance is larger by a factor (module `foveation`).
+//! Foveation multiplies the tolerance by another factor (module `foveation`).
 //!
-//! A collapse is split if its error is not allowed, and done if its error is below a share of what is allowed, so that small camera movements change
-//! nothing.
+//! A collapse is split if its error exceeds the allowed error. It is applied if its error is at
+//! most a share of the allowed error, so small camera movements change nothing.
 //!
 //! # Travel
-//! Whatever moves the camera is one number, the *travel*: the way of the eye, or the most by which a plane of the frustum moved within the model, if that is
-//! more. A turn of the attention adds to the way what the farthest point of the model travels by it. A choice depends on the distance of a sphere from the eye, on its
-//! distance from the planes, on the angle of its normals to the view, and on its angle to the attention; none of these changes by more than the
-//! travel allows. [`Criteria::choose`] returns with each choice the travel during which it stays.
+//! Every change of the camera is reduced to one number, the *travel*: the distance that the eye
+//! moved, or the largest change of the distance between a frustum plane and a point of the model,
+//! whichever is larger. A turn of the gaze adds the distance by which it moves the farthest point
+//! of the model. A choice depends on the distance of the sphere from the eye and from the frustum
+//! planes, on the angle between its normals and the view direction, and on its angle to the gaze
+//! direction. None of these changes by more than the travel allows. If a collapse does not change,
+//! [`Criteria::choose`] returns the travel for which this choice remains valid.
 //!
 //! # References
-//! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli 2000, section 5.2.1; Xia, El-Sana, Varshney 1997; Hoppe: *View-Dependent Refinement of Progressive
-//! Meshes*, 1997.
+//! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli 2000, section 5.2.1; Xia, El-Sana, Varshney
+//! 1997; Hoppe: *View-Dependent Refinement of Progressive Meshes*, 1997.
 
 use super::bounds::NodeBounds;
 use super::camera::CameraFrame;
@@ -36,12 +41,12 @@ use crate::vector::{Point, dot, sub, unit};
 const BACK_TOLERANCE: f64 = 4.0;
 const SILHOUETTE_TOLERANCE: f64 = 0.5;
 const DARK_TOLERANCE: f64 = 2.0;
-/// The least error in pixels with a budget of triangles: none at all would leave the budget nothing to raise.
+/// The minimum allowed error in pixels with a triangle budget. An error of 0 could not be scaled.
 const MIN_PIXELS: f64 = 1e-6;
-/// The share of the distance from which on a travel is long enough to look no further.
+/// A bound on the travel is good enough if it exceeds this share of the distance.
 const SURE_SHARE: f64 = 0.02;
 
-/// What detail a view needs.
+/// The criteria that determine the detail of a view.
 ///
 /// ```
 /// use tristrip::lod::ViewCriteria;
@@ -53,26 +58,27 @@ const SURE_SHARE: f64 = 0.02;
 pub struct ViewCriteria {
     /// The allowed error in pixels, at least 0.
     pub pixels: f32,
-    /// Whether everything outside of the view frustum is as coarse as possible.
+    /// Whether everything outside the view frustum is as coarse as possible.
     pub frustum: bool,
-    /// Whether surfaces that face away from the eye may have four times the error.
+    /// Whether surfaces that face away from the eye may have four times the allowed error.
     pub back_faces: bool,
-    /// Whether silhouettes may have only half of the error.
+    /// Whether silhouettes may have only half the allowed error.
     pub silhouettes: bool,
     /// The direction to a light, of any length; see [`ViewCriteria::with_light`].
     pub light: Option<[f32; 3]>,
-    /// How the allowed error grows away from the attention.
+    /// The growth of the allowed error away from the point that the user looks at.
     pub foveation: Option<Foveation>,
-    /// The largest number of triangles of a view.
+    /// The maximum number of triangles of a view.
     pub budget: Option<usize>,
-    /// The largest number of collapses and splits of an update.
+    /// The maximum number of collapses and splits per update.
     pub steps: Option<usize>,
-    /// The share of the allowed error that a collapse may have.
+    /// The share of the allowed error up to which a collapse is applied.
     pub hysteresis: Hysteresis,
 }
 
 impl Default for ViewCriteria {
-    /// One pixel, by the frustum, back faces and silhouettes, without a light, foveation, a budget or a limit of steps.
+    /// Allows an error of one pixel. The frustum, back faces and silhouettes are taken into
+    /// account. There is no light, foveation, budget or step limit.
     fn default() -> Self {
         Self {
             pixels: 1.0,
@@ -102,7 +108,7 @@ impl ViewCriteria {
         /// ```
         with_pixels(pixels: f32);
 
-        /// Sets whether everything outside of the view frustum is as coarse as possible.
+        /// Sets whether everything outside the view frustum is as coarse as possible.
         ///
         /// ```
         /// use tristrip::lod::ViewCriteria;
@@ -110,7 +116,7 @@ impl ViewCriteria {
         /// ```
         with_frustum(frustum: bool);
 
-        /// Sets whether surfaces that face away from the eye may have four times the error.
+        /// Sets whether surfaces that face away from the eye may have four times the allowed error.
         ///
         /// ```
         /// use tristrip::lod::ViewCriteria;
@@ -118,7 +124,7 @@ impl ViewCriteria {
         /// ```
         with_back_faces(back_faces: bool);
 
-        /// Sets whether silhouettes may have only half of the error.
+        /// Sets whether silhouettes may have only half the allowed error.
         ///
         /// ```
         /// use tristrip::lod::ViewCriteria;
@@ -126,7 +132,8 @@ impl ViewCriteria {
         /// ```
         with_silhouettes(silhouettes: bool);
 
-        /// Sets the direction to a light, of any length: surfaces that face away from it may have twice the error.
+        /// Sets the direction to a light, of any length. Surfaces that face away from the light may
+        /// have twice the allowed error.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -137,9 +144,11 @@ impl ViewCriteria {
         /// ```
         with_light(light: [f32; 3]) as Some;
 
-        /// Sets how the allowed error grows away from the point of the image at which somebody looks. There is none by default.
+        /// Sets how the allowed error grows away from the point of the image that the user looks
+        /// at. There is no foveation by default.
         ///
-        /// The point may move from frame to frame: that counts as if the camera turned. With another growth everything is looked at again.
+        /// The point may move from frame to frame, like a turn of the camera. If the growth
+        /// changes, the next update evaluates every collapse.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -155,8 +164,9 @@ impl ViewCriteria {
         /// ```
         with_foveation(foveation: Foveation) as Some;
 
-        /// Sets the most triangles of a view. If the error needs more, the collapses with the largest errors in pixels are split first, and
-        /// the base mesh may have more.
+        /// Sets the maximum number of triangles of a view. If the allowed error needs more, the
+        /// collapses with the largest errors in pixels are split first. The base mesh may exceed
+        /// the budget.
         ///
         /// ```
         /// use tristrip::lod::ViewCriteria;
@@ -164,7 +174,8 @@ impl ViewCriteria {
         /// ```
         with_budget(budget: usize) as Some;
 
-        /// Sets the most collapses and splits of an update. What is left is done by the next one; the mesh in between is a valid one.
+        /// Sets the maximum number of collapses and splits per update. The next update continues
+        /// with the remaining ones. The mesh in between is valid.
         ///
         /// ```
         /// use tristrip::lod::ViewCriteria;
@@ -172,7 +183,7 @@ impl ViewCriteria {
         /// ```
         with_steps(steps: usize) as Some;
 
-        /// Sets the share of the allowed error that a collapse may have.
+        /// Sets the share of the allowed error up to which a collapse is applied.
         ///
         /// ```
         /// use tristrip::lod::{Hysteresis, ViewCriteria};
@@ -183,10 +194,11 @@ impl ViewCriteria {
         with_hysteresis(hysteresis: Hysteresis);
     }
 
-    /// Checks the allowed error and the direction to the light, as [`SkipView::update`](super::view::SkipView::update) does.
+    /// Checks the allowed error and the direction to the light.
+    /// [`SkipView::update`](super::view::SkipView::update) does the same check.
     ///
     /// # Errors
-    /// The allowed pixels are negative or NaN; a coordinate of the direction is not finite, or all are 0.
+    /// The allowed error is negative or NaN, or the direction to the light is zero or not finite.
     ///
     /// ```
     /// use tristrip::lod::ViewCriteria;
@@ -212,9 +224,9 @@ impl ViewCriteria {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Criteria {
     frame: CameraFrame,
-    /// The length that covers the allowed pixels, per distance; larger if there is a budget.
+    /// The allowed error in mesh units per unit of distance, including the scale for a budget.
     slope: f64,
-    /// The distance that an error of 1 needs, to be done and to stay so.
+    /// The distances per unit of error from which a collapse is applied, and from which it is kept.
     needed: [f64; 2],
     share: f64,
     has_frustum: bool,
@@ -222,23 +234,26 @@ pub(super) struct Criteria {
     has_silhouettes: bool,
     light: Option<Point>,
     gaze: Option<Gaze>,
-    /// The distance at which changes of the allowed error are counted as travel: no less than that of any point of the model.
+    /// The distance at which a change of the allowed error is counted as travel. At least the
+    /// distance of the farthest point of the model.
     far: f64,
-    /// The least and largest tolerance that a collapse inside of the frustum may have.
+    /// The minimum and maximum tolerance of a collapse inside the frustum.
     tolerances: [f64; 2],
 }
 
-/// Whether a collapse has to change.
+/// The result of evaluating a collapse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum CollapseChoice {
-    /// It is to be split, or done; with the error in shares of what is allowed.
+    /// The collapse must be applied, or split if it is applied. `ratio` is its error divided by the
+    /// allowed error.
     Change { ratio: f64 },
-    /// It stays as it is for some travel.
+    /// The collapse does not change, at least for this travel.
     Stay { travel: f64 },
 }
 
 impl Criteria {
-    /// Prepares criteria for a frame, with the pixels multiplied by `scale`, for distances of up to `far`.
+    /// Prepares the criteria of a frame, with the allowed pixels multiplied by `scale`, for
+    /// distances of up to `far`.
     pub(super) fn new(frame: CameraFrame, criteria: &ViewCriteria, scale: f64, far: f64) -> Self {
         let mut tolerances = [1.0, 1.0];
         if criteria.back_faces {
@@ -277,12 +292,12 @@ impl Criteria {
         }
     }
 
-    /// Returns the distance at which changes of the allowed error are counted.
+    /// Returns the distance at which a change of the allowed error is counted as travel.
     pub(super) fn far(&self) -> f64 {
         self.far
     }
 
-    /// Returns whether a collapse, done or not, has to change, or for how long it stays.
+    /// Returns whether a collapse must change, or the travel for which it does not.
     pub(super) fn choose(&self, node: &NodeBounds, is_collapsed: bool) -> CollapseChoice {
         let away = sub(node.position.map(f64::from), self.frame.eye);
         let distance = dot(away, away).sqrt();
@@ -291,7 +306,7 @@ impl Criteria {
         let state = Looked {
             is_collapsed,
             near: (distance - radius).max(0.0),
-            // Without an error there is nothing to see.
+            // A collapse without error is not visible.
             needed: if error > 0.0 { error * self.needed[usize::from(is_collapsed)] } else { 0.0 },
             far: self.far,
             blur: Blur::NONE,
@@ -300,7 +315,8 @@ impl Criteria {
         if outside > 0.0 {
             return state.choice(f64::INFINITY, outside);
         }
-        // If all tolerances inside of the frustum lead to the same choice for long, that is known without the normals.
+        // If every tolerance inside the frustum gives the same choice for a long travel, the
+        // normals need not be tested.
         let sure = match state.choice(self.tolerances[usize::from(!is_collapsed)], inside) {
             CollapseChoice::Stay { travel } => travel,
             CollapseChoice::Change { .. } => 0.0,
@@ -317,7 +333,8 @@ impl Criteria {
         }
     }
 
-    /// Returns how deep a sphere is within the planes of the frustum, and how far outside of one of them.
+    /// Returns how far a sphere reaches inside all frustum planes, and how far it lies outside one
+    /// of them.
     fn depths(&self, away: Point, radius: f64) -> (f64, f64) {
         if !self.has_frustum {
             return (f64::INFINITY, 0.0);
@@ -331,7 +348,8 @@ impl Criteria {
         (inside, outside)
     }
 
-    /// Returns the tolerance of a collapse by its normals, and the travel before that changes.
+    /// Returns the tolerance of a collapse for its normals, and the travel within which it is
+    /// constant.
     fn tolerance(&self, node: &NodeBounds, away: Point, distance: f64, radius: f64) -> (f64, f64) {
         let (mut tolerance, mut stays) = (1.0, f64::INFINITY);
         if self.has_back_faces || self.has_silhouettes {
@@ -352,8 +370,8 @@ impl Criteria {
         (tolerance, stays)
     }
 
-    /// Returns the travel from the criteria of an earlier frame to these, for a model within a sphere, or `None` if they differ in more than the camera
-    /// and the allowed error.
+    /// Returns the travel since the criteria of an earlier frame, for a model inside a sphere.
+    /// Returns `None` if more has changed than the camera, the gaze and the allowed error.
     pub(super) fn travel_from(&self, before: &Self, sphere: (Point, f64)) -> Option<f64> {
         let frame = CameraFrame { pixels_per_slope: self.frame.pixels_per_slope, ..before.frame };
         let gaze = before.gaze;
@@ -370,28 +388,29 @@ impl Criteria {
         let [low, high] =
             if self.slope < before.slope { [self.slope, before.slope] } else { [before.slope, self.slope] };
         let change = if low < high { (high / low - 1.0) * self.far } else { 0.0 };
-        // Distances and angles change by the way and the turn, and distances from planes by what the planes do.
+        // Distances and angles change by at most the path of the eye plus the turn. Distances from
+        // planes change by at most the motion of the planes.
         let travel = (way + change + turn * farthest).max(if self.has_frustum { planes } else { 0.0 });
-        // Rounding of large coordinates.
+        // Allows for rounding of large coordinates.
         let travel = if travel > 0.0 { travel + 1e-12 * self.far } else { 0.0 };
         travel.is_finite().then_some(travel)
     }
 }
 
-/// What is known of a collapse before its tolerance.
+/// The data of a collapse before its tolerance is known.
 #[derive(Debug, Clone, Copy)]
 struct Looked {
     is_collapsed: bool,
-    /// The distance of the nearest point of its sphere.
+    /// The distance from the eye to the nearest point of its sphere.
     near: f64,
-    /// The distance from which on its choice is another one, at a tolerance of 1.
+    /// The distance at which its choice changes, for a tolerance of 1.
     needed: f64,
     far: f64,
     blur: Blur,
 }
 
 impl Looked {
-    /// Returns the choice at a tolerance that stays for some travel.
+    /// Returns the choice for a tolerance that is constant within the travel `stays`.
     fn choice(&self, tolerance: f64, stays: f64) -> CollapseChoice {
         let needed = if tolerance == f64::INFINITY { 0.0 } else { self.needed / tolerance };
         let seen = self.near * self.blur.factor;
@@ -399,7 +418,8 @@ impl Looked {
         if is_allowed != self.is_collapsed {
             return CollapseChoice::Change { ratio: needed / seen };
         }
-        // What travel changes in distance, errors that are allowed change in proportion to the distance needed.
+        // A change of the allowed error is counted at the distance `far`, but its effect is
+        // proportional to the needed distance.
         let slack = (seen - needed).abs();
         let travel = self.blur.travel(slack, self.near);
         let travel = if needed > self.far { travel.min(slack * (self.far / needed)) } else { travel };
@@ -408,12 +428,14 @@ impl Looked {
     }
 }
 
-/// Returns the travel within which normals turn by less than an angle, in radians, toward the eye at a distance, as seen from a sphere of this sine.
+/// Returns a travel within which normals turn by less than `turn` radians relative to the eye, for
+/// a sphere at `distance` whose angular radius has this sine.
 fn travel_of(turn: f64, distance: f64, sine: f64) -> f64 {
     if sine > 0.5 {
         return 0.0;
     }
-    // By the travel, in distances, within which it is used: how far the direction to the center turns at most per travel, and the angle of the sphere.
+    // Three bounds that hold for any travel, up to 0.1 distances, and up to 0.5 distances. Each
+    // covers the turn of the direction to the center and the change of the angular radius.
     let any = turn / 3.0;
     let short = (turn / (1.01 + 1.5 * sine)).min(0.1);
     let long = if sine <= 0.25 { (turn / (1.05 + 4.7 * sine)).min(0.5) } else { 0.0 };

@@ -1,36 +1,49 @@
-//! Dependencies: which collapses must be done before another one, so that no view folds the surface over where the simplification did not.
+//! Dependencies: the collapses that must be applied before another one. With them, no view has a
+//! foldover that the simplification does not have.
 //!
-//! A collapse was checked in the neighbourhood that the simplification had at that time. It may be done again whenever that
-//! neighbourhood is there: when all vertices around it have the children that they had then.
+//! The simplification checked each collapse in the neighbourhood that the mesh had at that time.
+//! The collapse is valid again whenever its neighbourhood is the same: all vertices around it have
+//! the same children as then.
 //!
 //! ```text
-//!        n1 ── n2             The collapse of c to p needs the last collapse before it into each of c, p, and n0 … n5. Whatever else is done
-//!       ╱  ╲  ╱  ╲            or not, its triangles are then those of the simplification.
-//!     n0 ── p ── c ── n3
-//!       ╲  ╱  ╲  ╱            A split needs, in turn, that none of the collapses that need it is done.
-//!        n5 ── n4
+//!       n1 ── n2
+//!      ╱  ╲  ╱  ╲
+//!    n0 ── p ── c ── n3
+//!      ╲  ╱  ╲  ╱
+//!       n5 ── n4
 //! ```
+//! The collapse of c to p depends on the last earlier collapse into each of c, p and n0 … n5. Its
+//! triangles are then those of the simplification, whatever else is applied. A split, in turn,
+//! requires that no collapse that depends on it is applied.
 //! # Algorithm
-//! The collapses are replayed from the full mesh on. Each needs, for every vertex of the triangles of its vertices, the last collapse into
-//! that vertex. A collapse that drops the last triangle that a third vertex has with the kept one counts as one into that vertex, too: otherwise nothing would tell
-//! a later collapse of it that this triangle was gone. One is left out if another one of the list needs it already: the published reduction leaves out nodes of which an ancestor is in the
-//! list, and this one also those that are needed otherwise.
+//! The collapses are replayed from the full mesh. For each vertex of the triangles around it, a
+//! collapse depends on the last collapse into that vertex. A collapse that drops the last triangle
+//! between the kept vertex and a third vertex also counts as a collapse into the third vertex.
+//! Otherwise a later collapse of the third vertex would not know that this triangle is gone. A
+//! dependency is omitted if another dependency in the list already depends on it. The published
+//! reduction omits nodes with an ancestor in the list; this one also omits indirect dependencies of
+//! other kinds.
 //!
-//! Every triangle of a view is then one that the simplification had at some time: its corners were last changed by some collapse of the view, which had
-//! the neighbourhood of the simplification.
+//! Every triangle of a view then also exists at some level of the simplification. Its corners were
+//! last changed by a collapse of the view that had the neighbourhood of the simplification.
 //!
 //! # Departures
-//! - A kept vertex of more than [`MAX_TRIANGLES`] triangles counts without its neighbours, so that the time stays linear where thousands of collapses go
-//!   to one vertex. The collapses of `simplify` never keep such a vertex unless they break the topology.
-//! - Implicit dependencies (El-Sana, Varshney 1999) compare the numbers of vertices around a collapse, and find these by triangles that are stored and
-//!   tagged one by one. A display strip has no such triangles: what surrounds a vertex is only known by a scan of all strips
-//!   through it. They would save the lists, 8 bytes per vertex, and cost that scan at each check.
+//! - The neighbours of a kept vertex with more than [`MAX_TRIANGLES`] triangles are ignored. This
+//!   keeps the time linear if thousands of collapses go to one vertex. The collapses of `simplify`
+//!   never keep such a vertex unless they change the topology.
+//! - Implicit dependencies (El-Sana, Varshney 1999) compare the vertex numbers around a collapse,
+//!   and find them through triangles that are stored and tagged one by one. Display strips have no
+//!   such triangles: finding the neighbours of a vertex requires a scan of all strips through it.
+//!   Implicit dependencies would save the lists, 8 bytes per vertex, but need this scan for each
+//!   check.
 //!
 //! # References
-//! Xia, El-Sana, Varshney 1997 (dependencies); El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli 2000, section 5.2.1 (the reduction).
+//! Xia, El-Sana, Varshney 1997 (dependencies); El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli
+//! 2000, section 5.2.1 (the reduction).
 //!
 //! # Complexity
-//! O(t) time for t triangles around all collapses; two packed lists, of about two collapses each, per collapse.
+//! O(t) time for t triangles around all collapses. Two packed lists per collapse, with about two
+//! entries each.
 
 use super::vertex_tree::{NodeNumbers, VertexTree};
 use crate::collapse::{CollapseSequence, Rename};
@@ -39,10 +52,10 @@ use crate::ids::OptionalId;
 use crate::lod::level::level_mesh::LevelMesh;
 use crate::packed::PackedRows;
 
-/// The most triangles of a kept vertex whose neighbours count.
+/// The neighbours of a kept vertex count only up to this number of triangles.
 const MAX_TRIANGLES: usize = 1024;
 
-/// The collapses that each collapse needs, and those that need it, by their ids.
+/// The dependencies and the dependents of each collapse, by collapse id.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Dependencies {
     needed: PackedRows,
@@ -50,7 +63,7 @@ pub(super) struct Dependencies {
 }
 
 impl Dependencies {
-    /// Replays the collapses of a tree.
+    /// Replays the collapses of a tree and finds their dependencies.
     pub(super) fn new(sequence: &CollapseSequence, tree: &VertexTree, numbers: &NodeNumbers) -> Self {
         let mut mesh = LevelMesh::new(sequence);
         let mut replay = TreeReplay::new(tree.len(), sequence.len());
@@ -88,43 +101,43 @@ impl Dependencies {
         Self { needed, dependents: PackedRows::of(dependents.rows()) }
     }
 
-    /// Iterates over the collapses that a collapse needs.
+    /// Iterates over the dependencies of a collapse.
     #[inline]
     pub(super) fn needed(&self, collapse_id: u32) -> impl Iterator<Item = u32> {
         self.needed.row(collapse_id)
     }
 
-    /// Iterates over the collapses that need a collapse.
+    /// Iterates over the collapses that depend on a collapse.
     #[inline]
     pub(super) fn dependents(&self, collapse_id: u32) -> impl Iterator<Item = u32> {
         self.dependents.row(collapse_id)
     }
 
-    /// Returns the positions of the collapses that need a collapse, for [`Dependencies::dependent`].
+    /// Returns the positions of the dependents of a collapse, for [`Dependencies::dependent`].
     #[inline]
     pub(super) fn dependents_range(&self, collapse_id: u32) -> std::ops::Range<u32> {
         self.dependents.range(collapse_id..collapse_id + 1)
     }
 
-    /// Returns the positions of the collapses that a collapse needs, for [`Dependencies::needed_at`].
+    /// Returns the positions of the dependencies of a collapse, for [`Dependencies::needed_at`].
     #[inline]
     pub(super) fn needed_range(&self, collapse_id: u32) -> std::ops::Range<u32> {
         self.needed.range(collapse_id..collapse_id + 1)
     }
 
-    /// Returns a collapse that is needed by its position.
+    /// Returns the dependency at a position.
     #[inline]
     pub(super) fn needed_at(&self, position: u32) -> u32 {
         self.needed.item(position)
     }
 
-    /// Returns a collapse by its position.
+    /// Returns the dependent at a position.
     #[inline]
     pub(super) fn dependent(&self, position: u32) -> u32 {
         self.dependents.item(position)
     }
 
-    /// Counts the entries of the lists.
+    /// Returns the number of dependencies of all collapses.
     pub(super) fn len(&self) -> usize {
         self.needed.item_count()
     }
@@ -134,23 +147,24 @@ impl Dependencies {
     }
 }
 
-/// Checks whether a vertex has no triangle with a kept vertex.
+/// Checks whether a vertex shares no triangle with any kept vertex.
 fn is_apart(mesh: &LevelMesh, vertex: u32, renames: &[Rename]) -> bool {
     let mut triangles = mesh.around(vertex).take(MAX_TRIANGLES).map(|corner| mesh.triangle(corner / 3));
     triangles.all(|triangle| renames.iter().all(|rename| !triangle.contains(&rename.kept)))
 }
 
-/// The collapses of a replay, by their numbers from the full mesh, and what each needs.
+/// The collapses of a replay, numbered from the full mesh, and the dependencies of each.
 struct TreeReplay {
-    /// The nodes around the next collapse, some of them repeated.
+    /// The nodes around the next collapse, with repetitions.
     around: Vec<u32>,
     /// The last collapse into each node.
     last: Vec<OptionalId>,
-    /// The collapses around the next one, the latest first.
+    /// The collapses around the next one, latest first.
     latest: Vec<u32>,
     needed: Vec<u32>,
     ends: Vec<u32>,
-    /// For each collapse the number after that of the last one for which it was found to be needed already.
+    /// For each collapse, the last collapse for which it was found to be an indirect dependency,
+    /// plus 1.
     marks: Vec<u32>,
 }
 
@@ -166,13 +180,13 @@ impl TreeReplay {
         }
     }
 
-    /// Counts the collapse that was found last as one into these nodes.
+    /// Records the last collapse as one into these nodes, too.
     fn touch(&mut self, nodes: impl Iterator<Item = u32>) {
         let number = self.ends.len() as u32 - 1;
         nodes.for_each(|node| self.last[node as usize] = OptionalId::some(number));
     }
 
-    /// Finds what the next collapse needs, which keeps these nodes.
+    /// Finds the dependencies of the next collapse, which keeps these nodes.
     fn next(&mut self, kept: impl Iterator<Item = u32>) {
         let number = self.ends.len() as u32;
         self.latest.clear();
@@ -191,7 +205,7 @@ impl TreeReplay {
         self.touch(kept);
     }
 
-    /// Iterates over all collapses, with what each needs.
+    /// Iterates over all collapses with the dependencies of each.
     fn rows(&self) -> impl Iterator<Item = (usize, &[u32])> + Clone {
         (0..self.ends.len()).map(|number| (number, &self.needed[range(&self.ends, number)]))
     }

@@ -1,17 +1,22 @@
-//! The display strips of a view, kept in an index buffer.
+//! The display strips of a view, stored in an index buffer.
 //!
 //! # Algorithm
-//! A collapse or split flags the segments in which a vertex that it renames matters. Of every chunk with such a segment:
-//! 1. The flagged segments are scanned again, from the state in which the filter left the segment before. A scan reads the name of each vertex, its first active
-//!    ancestor, and sends the display strips.
-//! 2. If the state at the end of a segment is not what it was, the next segment is scanned, too.
-//! 3. What comes after in the chunk moves, and the part of its region that differs is a changed range. A region that is too short moves to the
-//!    end of the buffer.
+//! A collapse or split flags the segments that are affected by the vertices it renames. For each
+//! chunk with a flagged segment:
 //!
-//! The rest of a region is filled with [`RESTART`], so that the whole buffer can be drawn at once.
+//! 1. The flagged segments are scanned again, each from the filter state at the end of the segment
+//!    before it. A scan reads the name of each vertex, which is its first active ancestor, and
+//!    emits the display strips.
+//! 2. If the state at the end of a segment differs from before, the next segment is scanned, too.
+//! 3. The output of the following segments moves. The part of the region that differs is reported
+//!    as a changed range. A region that has become too short moves to the end of the buffer.
+//!
+//! Unused entries of a region are filled with [`RESTART`], so the whole buffer can be drawn at
+//! once.
 //!
 //! # References
-//! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli 2000, section 5.2.2. Departure: the paper rebuilds whole strips.
+//! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli 2000, section 5.2.2. Departure: the paper
+//! rebuilds whole strips.
 
 use std::ops::Range;
 
@@ -21,7 +26,7 @@ use crate::lod::filter::{replace_last_triangle, replace_last_vertex, reverse_but
 use crate::lod::level::index_map::RESTART;
 use crate::strip::Strips;
 
-/// The display strips by any filter.
+/// The display strips, for each filter.
 #[derive(Debug, Clone)]
 pub(super) enum Display {
     None(Scanned<Unfiltered>),
@@ -30,7 +35,7 @@ pub(super) enum Display {
     Linked(Scanned<Linked>),
 }
 
-/// Calls a method of the display strips, whatever the filter.
+/// Calls a method of the display strips for any filter.
 macro_rules! with_filter {
     ($display:expr, $scanned:ident => $call:expr) => {
         match $display {
@@ -43,23 +48,24 @@ macro_rules! with_filter {
 }
 
 impl Display {
-    /// Creates empty display strips of which every segment is flagged.
+    /// Creates empty display strips with all segments flagged.
     pub(super) fn new(filter: Filter, strips: &OriginalStrips) -> Self {
         match filter {
             Filter::None => Self::None(Scanned::new(strips, true)),
             Filter::Stss => Self::Stss(Scanned::new(strips, true)),
             Filter::Dtfs => Self::Dtfs(Scanned::new(strips, true)),
-            // It changes what it has sent before.
+            // This filter changes vertices that it has already sent.
             Filter::Linked => Self::Linked(Scanned::new(strips, false)),
         }
     }
 
-    /// Flags the segments in which nodes of a range matter.
+    /// Flags the segments affected by a range of nodes.
     pub(super) fn flag(&mut self, nodes: Range<u32>, strips: &OriginalStrips) {
         with_filter!(self, scanned => scanned.buffer.flag(nodes, strips));
     }
 
-    /// Scans what is flagged, and appends the ranges of the buffer that changed, ascending in each chunk. Returns the number of segments scanned.
+    /// Scans the flagged segments and appends the ranges of the buffer that changed, in ascending
+    /// order within each chunk. Returns the number of segments scanned.
     pub(super) fn rebuild(
         &mut self,
         strips: &OriginalStrips,
@@ -74,13 +80,14 @@ impl Display {
         &self.buffer().indices
     }
 
-    /// Iterates over the ranges of the buffer that have display strips, in the order of the strips.
+    /// Iterates over the ranges of the buffer that contain display strips, in the order of the
+    /// strips.
     pub(super) fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
         let regions = self.buffer().regions.iter().filter(|region| region.len > 0);
         regions.map(|region| region.start as usize..(region.start + region.len) as usize)
     }
 
-    /// Copies the display strips.
+    /// Returns a copy of the display strips.
     pub(super) fn to_strips(&self) -> Strips {
         let mut strips = Strips::default();
         let indices = self.indices();
@@ -98,30 +105,30 @@ impl Display {
     }
 }
 
-/// The display strips by a filter.
+/// The display strips for one filter.
 #[derive(Debug, Clone)]
 pub(super) struct Scanned<S> {
     buffer: StripBuffer,
-    /// The state of the scan after each segment.
+    /// The scan state after each segment.
     states: Vec<ScanState<S>>,
-    /// Whether a scan may go on from a state, without what was sent before.
+    /// Whether a scan can resume from a stored state, without the vertices sent before.
     may_resume: bool,
 }
 
-/// The state of a scan between two segments.
+/// The scan state between two segments.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct ScanState<S> {
     filter: S,
-    /// Whether the next vertex begins a strip.
+    /// Whether the next vertex starts a strip.
     is_next_new: bool,
 }
 
-/// The index buffer and what has to be built of it.
+/// The index buffer and the segments to rebuild.
 #[derive(Debug, Clone)]
 struct StripBuffer {
     indices: Vec<u32>,
     regions: Vec<Region>,
-    /// For each segment the end of what it sends, from the start of its region.
+    /// The end of the output of each segment, relative to the start of its region.
     ends: Vec<u32>,
     is_flagged: Vec<bool>,
     flagged: Vec<u32>,
@@ -129,7 +136,7 @@ struct StripBuffer {
     chunk_of: Vec<u32>,
 }
 
-/// Where the display strips of a chunk are.
+/// The range of the buffer that holds the display strips of a chunk.
 #[derive(Debug, Clone, Copy)]
 struct Region {
     start: u32,
@@ -142,7 +149,8 @@ impl StripBuffer {
         let count = strips.segment_count();
         let mut start = 0;
         let region = |chunk: &EntryRange| {
-            // The filters send hardly more than the strips have, unless they split at every second triangle.
+            // Filters send hardly more vertices than the strips have, unless they split at every
+            // second triangle.
             let len = chunk.end - chunk.start;
             let capacity = len + len / 4 + 16;
             start += capacity;
@@ -175,13 +183,13 @@ impl StripBuffer {
         }
     }
 
-    /// Returns what a segment sent before, given the first segment of its chunk.
+    /// Returns the earlier output of a segment, given the first segment of its chunk.
     fn sent(&self, region: Region, first: usize, segment: usize) -> &[u32] {
         let from = if segment == first { 0 } else { self.ends[segment - 1] };
         &self.indices[(region.start + from) as usize..(region.start + self.ends[segment]) as usize]
     }
 
-    /// Writes what a chunk sends from a position on, and appends the ranges that changed.
+    /// Writes the output of a chunk from a position on, and appends the changed ranges.
     fn write(&mut self, chunk: usize, from: u32, sent: &[u32], changed: &mut Vec<Range<usize>>) {
         let region = self.regions[chunk];
         let len = from + sent.len() as u32;
@@ -244,7 +252,7 @@ impl<S: Scanner> Scanned<S> {
         scanned
     }
 
-    /// Scans the flagged segments of a chunk, of which `from` is the first.
+    /// Scans the flagged segments of a chunk, starting with `from`.
     fn rebuild_chunk(
         &mut self,
         strips: &OriginalStrips,
@@ -270,7 +278,7 @@ impl<S: Scanner> Scanned<S> {
                 let start = (segment - first) * BLOCK;
                 let end = entries.len().min(start + BLOCK + AHEAD);
                 scan.names.clear();
-                // [`RESTART`] is no node.
+                // [`RESTART`] is not a node.
                 let name = |&node: &u32| names.get(node as usize).copied().unwrap_or(RESTART);
                 scan.names.extend(entries[start..end].iter().map(name));
                 state.filter.scan(&scan.names, &mut scan.gatherer, &mut scan.sink);
@@ -303,7 +311,7 @@ impl<S: Scanner> Scanned<S> {
     }
 }
 
-/// What the scan of a chunk needs.
+/// The working buffers for the scan of a chunk.
 struct SegmentScan {
     names: Vec<u32>,
     gatherer: Gatherer,
@@ -317,26 +325,26 @@ impl SegmentScan {
     }
 }
 
-/// Display strips as indices, with [`RESTART`] before all strips but the first one.
+/// Display strips as indices, with [`RESTART`] before each strip except the first.
 #[derive(Debug, Default)]
 struct RestartSink {
     indices: Vec<u32>,
     /// Whether a strip was sent before.
     is_begun: bool,
-    /// Whether the next vertex begins a strip.
+    /// Whether the next vertex starts a strip.
     is_next_new: bool,
-    /// Where the open strip begins.
+    /// The start of the open strip.
     open: usize,
 }
 
 impl RestartSink {
-    /// Begins the indices of a chunk, after what was sent before of it.
+    /// Starts the indices of a chunk. Earlier segments may have sent strips already.
     fn start(&mut self, is_begun: bool, is_next_new: bool) {
         self.indices.clear();
         (self.is_begun, self.is_next_new, self.open) = (is_begun, is_next_new, 0);
     }
 
-    /// Appends what was sent by an earlier scan.
+    /// Appends the output of an earlier scan.
     fn append(&mut self, sent: &[u32]) {
         self.indices.extend_from_slice(sent);
         self.is_begun |= !sent.is_empty();

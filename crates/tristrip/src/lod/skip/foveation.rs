@@ -1,17 +1,22 @@
-//! Foveation: less detail away from the point of the image at which somebody looks.
+//! Foveation: less detail away from the point of the image that the user looks at.
 //!
-//! The smallest angle that an eye resolves grows about linearly with the angle from the point of its attention. So does the error that a view allows:
+//! The smallest angle that the eye resolves grows about linearly with the angle from the gaze
+//! direction. The allowed error of a view grows in the same way:
 //!
 //! ```text
 //! allowed error = pixels × tolerance × (1 + growth × degrees)
 //! ```
-//! The degrees are those between the direction to the attention and the nearest point of the sphere of a collapse, as seen from the eye.
+//! The degrees are measured at the eye, between the gaze direction and the nearest point of the
+//! sphere of a collapse.
 //!
 //! # Travel
-//! With d the distance of the sphere, θ its angle in radians, G the growth per radian and f = 1 + Gθ, a collapse is allowed where d f is at least a distance n that its
-//! error needs. A way dw of the eye changes d by up to dw, and θ by up to dw / d; a turn dρ of the attention changes θ by up to dρ. If a turn counts
-//! as the travel of the farthest point, no less than d dρ, then d f changes by up to (f + G) dt in a travel dt. Within a travel t of a share s of d, θ grows
-//! by up to ∫ dt / (d − t) ≤ ln 1/(1 − s), so that d f changes by up to (f + (1 + ln 1/(1 − s)) G) t, with the f at its beginning.
+//! Let d be the distance of the sphere, θ its angle in radians, G the growth per radian and f = 1 +
+//! Gθ. A collapse is allowed if d f is at least the distance n that its error needs. Moving the eye
+//! by dw changes d by at most dw, and θ by at most dw / d. Turning the gaze by dρ changes θ by at
+//! most dρ. A turn counts as the travel of the farthest point, which is at least d dρ. A travel of
+//! dt then changes d f by at most (f + G) dt. Within a travel t = s d, θ grows by at most ∫ dt / (d
+//! − t) ≤ ln 1/(1 − s). Therefore d f changes by at most (f + (1 + ln 1/(1 − s)) G) t, with the
+//! initial f.
 //!
 //! # References
 //! Guenter, Finch, Drucker, Tan, Snyder: *Foveated 3D Graphics*, 2012.
@@ -25,13 +30,13 @@ use crate::vector::{Point, cross, dot, sub, unit};
 /// The natural logarithm of 8/7, rounded up.
 const LN_8_7: f64 = 0.133_531_5;
 
-/// How the allowed error of a view grows away from the point of the image at which somebody looks.
+/// The growth of the allowed error away from the point of the image that the user looks at.
 ///
 /// ```
 /// use tristrip::lod::{Foveation, ViewCriteria};
-/// // Ten degrees from the middle of the image, 1 + 0.2 × 10 = 3 times the error is allowed.
+/// // Ten degrees from the image center, 1 + 0.2 × 10 = 3 times the error is allowed.
 /// let foveation = Foveation::new(0.2)?;
-/// // Somebody looks at the upper left.
+/// // The user looks at the upper left.
 /// let criteria = ViewCriteria::default().with_pixels(1.0).with_foveation(foveation.with_attention([0.25, 0.25])?);
 /// assert_eq!(criteria.foveation.map(|foveation| foveation.attention()), Some([0.25, 0.25]));
 /// # Ok::<(), tristrip::Error>(())
@@ -43,8 +48,9 @@ pub struct Foveation {
 }
 
 impl Foveation {
-    /// Creates a foveation around the middle of the image: `degrees` away from it the allowed error is 1 + `growth` × `degrees` times as large. An eye that just
-    /// resolves the pixels has a growth of about 1 per degree; at 0 there is no foveation.
+    /// Creates a foveation around the image center: `degrees` away from the center, the allowed
+    /// error is multiplied by 1 + `growth` × `degrees`. For an eye that can just resolve the
+    /// pixels, the growth is about 1 per degree. A growth of 0 disables foveation.
     ///
     /// # Errors
     /// The growth is negative or not finite.
@@ -63,10 +69,11 @@ impl Foveation {
         Ok(Self { growth, attention: [0.5; 2] })
     }
 
-    /// Sets the point of the image at which somebody looks, in fractions of its width from the left and of its height from the top.
+    /// Sets the point of the image that the user looks at, as fractions of the width from the left
+    /// and of the height from the top.
     ///
     /// # Errors
-    /// A fraction is not from 0 to 1.
+    /// A fraction is not between 0 and 1.
     ///
     /// ```
     /// use tristrip::lod::Foveation;
@@ -93,7 +100,8 @@ impl Foveation {
         self.growth
     }
 
-    /// Returns the point of the image at which somebody looks, in fractions of its width from the left and of its height from the top.
+    /// Returns the point of the image that the user looks at, as fractions of the width from the
+    /// left and of the height from the top.
     ///
     /// ```
     /// assert_eq!(tristrip::lod::Foveation::new(0.25)?.attention(), [0.5, 0.5]);
@@ -107,14 +115,14 @@ impl Foveation {
 /// The foveation of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Gaze {
-    /// The direction from the eye to the attention, of length 1.
+    /// The gaze direction, as a unit vector.
     direction: Point,
     /// The growth of the allowed error per radian.
     growth: f64,
 }
 
 impl Gaze {
-    /// Returns the foveation of a frame, if there is one.
+    /// Returns the foveation of a frame, or `None` if the growth is 0.
     pub(super) fn new(foveation: Foveation, frame: &CameraFrame) -> Option<Self> {
         let [right, up] = frame.edges;
         let forward = frame.planes[4];
@@ -125,12 +133,12 @@ impl Gaze {
         (growth > 0.0).then_some(Self { direction, growth })
     }
 
-    /// Returns the largest factor of the allowed error.
+    /// Returns the largest factor on the allowed error.
     pub(super) fn most(&self) -> f64 {
         1.0 + PI * self.growth
     }
 
-    /// Returns what the foveation does at a sphere.
+    /// Returns the effect of foveation on a sphere.
     pub(super) fn at(&self, away: Point, distance: f64, radius: f64) -> Blur {
         let across = cross(self.direction, away);
         let factor = if distance > radius {
@@ -142,7 +150,7 @@ impl Gaze {
         Blur { factor, growth: self.growth }
     }
 
-    /// Returns the angle in radians by which the attention turned, or `None` if the growth is another one.
+    /// Returns the angle in radians by which the gaze turned, or `None` if the growth differs.
     pub(super) fn turn_from(&self, before: &Self) -> Option<f64> {
         let turned = sub(self.direction, before.direction);
         let half = dot(turned, turned).sqrt() / 2.0;
@@ -150,10 +158,10 @@ impl Gaze {
     }
 }
 
-/// What foveation does to a collapse.
+/// The effect of foveation on a collapse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Blur {
-    /// The factor of the allowed error.
+    /// The factor on the allowed error.
     pub(super) factor: f64,
     growth: f64,
 }
@@ -162,7 +170,7 @@ impl Blur {
     /// No foveation.
     pub(super) const NONE: Self = Self { factor: 1.0, growth: 0.0 };
 
-    /// Returns the travel within which a distance times the factor changes by less than an amount.
+    /// Returns a travel within which distance × factor changes by less than `amount`.
     pub(super) fn travel(&self, amount: f64, distance: f64) -> f64 {
         if self.growth <= 0.0 {
             return amount;

@@ -9,7 +9,7 @@ use crate::lod::level::level_model::{LevelCursor, LevelModel};
 use crate::lod::level::level_table::LevelTable;
 use crate::strip::Strips;
 
-/// A view that moves between the levels of a model.
+/// A cursor over the levels of a [`SkipStrips`] model.
 #[derive(Debug, Clone)]
 pub struct SkipLevelCursor {
     view: SkipView,

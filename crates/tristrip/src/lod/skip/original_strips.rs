@@ -1,14 +1,20 @@
-//! The strips of the full mesh, in segments and chunks, and the segments in which each vertex is.
+//! The strips of the full mesh, divided into chunks and segments, and the segments that contain
+//! each vertex.
 //!
 //! ```text
 //! strips      a b c d e … │ restart │ f g h …
-//! chunks      ├──────────────────────────┤├──────────   a region of the index buffer each; display strips end at their ends
-//! segments    ├──────┤├──────┤├──────┤├──┤├──────┤├──   scanned again if a vertex of theirs has changed; display strips go on over their ends
+//! chunks      ├──────────────────────────┤├──────────
+//! segments    ├──────┤├──────┤├──────┤├──┤├──────┤├──
 //! ```
-//! A chunk ends with a strip, or, in a strip that is longer than a chunk, after an even number of vertices, so that the winding of what follows is kept.
+//! Each chunk has its own region of the index buffer, and display strips end at the ends of chunks.
+//! A segment is scanned again if one of its vertices has changed. Display strips continue across
+//! segments.
+//!
+//! A chunk ends at the end of a strip. A strip that is longer than a chunk is cut after an even
+//! number of vertices, which preserves the winding of the rest.
 //!
 //! # Complexity
-//! O(n) time, 4 bytes per vertex of a strip, and a packed segment for each.
+//! O(n) time. 4 bytes per strip vertex, plus a packed segment number each.
 
 use super::vertex_tree::{NodeNumbers, VertexTree};
 use crate::csr::Csr;
@@ -17,13 +23,15 @@ use crate::lod::level::index_map::RESTART;
 use crate::packed::PackedRows;
 use crate::strip::Strips;
 
-/// Chunks are closed at the end of a strip from this many entries on: what comes after a change in a chunk moves.
+/// A chunk with at least this many entries is closed at the end of the strip. Chunks are short
+/// because a change moves the rest of its chunk.
 const CHUNK: usize = 64;
-/// A strip that would make a chunk longer than this begins another one.
+/// A strip that would make a chunk longer than this starts a new chunk.
 const MAX_CHUNK: usize = 768;
-/// Strips longer than that are cut into parts of about this many entries, each of which sends two vertices more.
+/// Strips longer than [`MAX_CHUNK`] are cut into parts of about this many entries. Each part sends
+/// two additional vertices.
 const PART: usize = 512;
-/// The entries that filters read beyond a segment.
+/// The number of entries that filters read beyond a segment.
 pub(super) const AHEAD: usize = 4;
 
 /// The strips of the full mesh, with nodes as vertices.
@@ -32,30 +40,31 @@ pub(super) struct OriginalStrips {
     /// All strips, with [`RESTART`] after each.
     entries: Vec<u32>,
     chunks: Vec<EntryRange>,
-    /// The segments in which the names of each node matter.
+    /// The segments affected by the name of each node.
     segments_of: PackedRows,
 }
 
-/// A range of entries that has a region of the index buffer of its own.
+/// A range of entries with its own region of the index buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct EntryRange {
     pub(super) start: u32,
     pub(super) end: u32,
-    /// Its first segment, counted over all chunks.
+    /// The index of its first segment, counted over all chunks.
     pub(super) first_segment: u32,
-    /// The entries after its end that complete its last triangles: those of a strip that goes on.
+    /// The number of entries after its end that complete its last triangles, if its strip
+    /// continues.
     pub(super) ahead: u32,
 }
 
 impl EntryRange {
-    /// Counts the segments of a chunk.
+    /// Returns the number of segments of a chunk.
     pub(super) fn segment_count(&self) -> usize {
         ((self.end - self.start + self.ahead) as usize).div_ceil(BLOCK)
     }
 }
 
 impl OriginalStrips {
-    /// Cuts strips into chunks and segments.
+    /// Divides strips into chunks and segments.
     pub(super) fn new(strips: &Strips, tree: &VertexTree, numbers: &NodeNumbers) -> Self {
         let mut entries = Vec::with_capacity(strips.vertices_sent() + strips.len());
         let mut chunks = ChunkList::default();
@@ -71,7 +80,8 @@ impl OriginalStrips {
             positions.flat_map(move |position| {
                 let node = entries[position as usize];
                 let at = position - chunk.start;
-                // The triangles and pairs that an entry belongs to begin up to three entries before it.
+                // The triangles and pairs that contain an entry begin at most three entries before
+                // it.
                 let segment = |at: u32| chunk.first_segment + at / BLOCK as u32;
                 let [first, last] = [segment(at.saturating_sub(AHEAD as u32 - 1)), segment(at)];
                 (first..=last).filter(move |_| node != RESTART).map(move |segment| (node, segment))
@@ -103,37 +113,37 @@ impl OriginalStrips {
         self.chunks.last().map_or(0, |last| last.first_segment as usize + last.segment_count())
     }
 
-    /// Returns the nodes of a chunk, with those that complete its last triangles.
+    /// Returns the nodes of a chunk, including those that complete its last triangles.
     pub(super) fn entries(&self, chunk: &EntryRange) -> &[u32] {
         &self.entries[chunk.start as usize..(chunk.end + chunk.ahead) as usize]
     }
 
-    /// Iterates over all nodes, with [`RESTART`] between strips.
+    /// Returns the nodes of all strips, with [`RESTART`] after each strip.
     pub(super) fn all(&self) -> &[u32] {
         &self.entries
     }
 
-    /// Iterates over the segments in which the names of nodes of a range matter; some come more than once.
+    /// Iterates over the segments affected by the names of a range of nodes, with repetitions.
     #[inline]
     pub(super) fn segments_of(&self, nodes: std::ops::Range<u32>) -> impl Iterator<Item = u32> {
         self.segments_of.rows(nodes)
     }
 
-    /// Returns the memory of the strips, and that of everything else, in bytes.
+    /// Returns the memory in bytes of the strips, and of everything else.
     pub(super) fn memory(&self) -> [usize; 2] {
         [size_of_val(&self.entries[..]), size_of_val(&self.chunks[..]) + self.segments_of.memory()]
     }
 }
 
-/// The starts of the chunks, while they are found.
+/// The starts of the chunks found so far.
 #[derive(Debug, Default)]
 struct ChunkList {
-    /// The start of each chunk, and whether it begins in a strip.
+    /// The start of each chunk, and whether it lies inside a strip.
     starts: Vec<(u32, bool)>,
 }
 
 impl ChunkList {
-    /// Adds a strip at a position.
+    /// Adds a strip that starts at a position.
     fn add(&mut self, position: usize, length: usize) {
         let open = self.starts.last().map(|&(start, _)| position - start as usize);
         if open.is_none_or(|open| open >= CHUNK || open > 0 && open + length > MAX_CHUNK) {
@@ -146,7 +156,7 @@ impl ChunkList {
         }
     }
 
-    /// Returns the chunks of this many entries.
+    /// Returns the chunks of `entry_count` entries.
     fn finish(self, entry_count: usize) -> Vec<EntryRange> {
         let mut segment = 0;
         let ends = self.starts[1.min(self.starts.len())..].iter().copied();

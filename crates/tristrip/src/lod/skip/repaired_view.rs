@@ -1,12 +1,15 @@
-//! A view whose strips are repaired: paths over the triangles that it draws, mended next to each collapse and split.
+//! A view with repaired strips: paths over its triangles that are updated around each collapse and
+//! split.
 //!
-//! Display strips that a filter makes of the strips of the full mesh break up as a view gets coarser. Here the view's own triangles have strips, which the
-//! filter `repair` keeps about as good as strips found from scratch. It is ours, and no part of the published algorithm.
+//! Display strips that are filtered from the strips of the full mesh break up as a view gets
+//! coarser. This view has strips of its own triangles instead. `repair` keeps them about as good as
+//! strips built from scratch. It is not part of the published algorithm.
 //!
-//! The strips are written as a whole after each update, so that an update takes time in proportion to the triangles of the view.
+//! Each update writes all strips again, which takes time proportional to the triangles of the view.
 //!
 //! # Complexity
-//! The time of [`Repair`](crate::lod::Repair) per collapse and split, and O(t) time for t triangles drawn; 64 bytes per triangle of the full mesh and view.
+//! The time of [`Repair`](crate::lod::Repair) per collapse and split, plus O(t) time for t drawn
+//! triangles. 64 bytes per triangle of the full mesh and view.
 
 use std::sync::Arc;
 
@@ -31,14 +34,14 @@ use crate::text::counted;
 pub struct RepairedView {
     view: SkipView,
     repair: Repair,
-    /// The level to which the collapse of each node leads, if it is the id of a collapse.
+    /// The level that each collapse leads to, by collapse id.
     levels: Vec<u32>,
-    /// Whether the collapse of each node is done in the strips.
+    /// Whether each collapse is applied in the strips, by collapse id.
     is_collapsed: Vec<bool>,
 }
 
 impl RepairedView {
-    /// Returns a view of a model at the base mesh. The strips and the sequence are those of the model.
+    /// Creates a view at the base mesh. `strips` and `sequence` must be those of the model.
     ///
     /// # Errors
     /// The sequence is not that of the model, or the strips do not draw its full mesh.
@@ -63,8 +66,8 @@ impl RepairedView {
                 == collapse.renames.first().map(|r| r.removed)
         };
         if order.len() != sequence.len() || !order.iter().zip(sequence.iter()).all(is_same) {
-            let found = counted(sequence.len(), "other collapse");
-            return Err(Error::Parameter { name: "sequence", found, expected: "that of the model" });
+            let found = format!("a different sequence of {}", counted(sequence.len(), "collapse"));
+            return Err(Error::Parameter { name: "sequence", found, expected: "the sequence of the model" });
         }
         let mut levels = vec![0; model.tree.len()];
         let mut is_collapsed = vec![false; model.tree.len()];
@@ -82,10 +85,11 @@ impl RepairedView {
         })
     }
 
-    /// Moves to what a camera needs, as [`SkipView::update`] does, and mends the strips. No ranges are reported as changed.
+    /// Moves the view to the detail that a camera needs, as [`SkipView::update`] does, and repairs
+    /// the strips. The changed ranges are not reported.
     ///
     /// # Errors
-    /// The model has no positions.
+    /// The model has no positions, or [`ViewCriteria::check`] fails.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -109,7 +113,7 @@ impl RepairedView {
         Ok(update)
     }
 
-    /// Returns the view, which has no display strips of its own.
+    /// Returns the underlying view, which has no display strips.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -121,7 +125,7 @@ impl RepairedView {
         &self.view
     }
 
-    /// Returns the repaired strips, over the vertices of the full mesh.
+    /// Returns the repaired strips, in vertices of the full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -133,7 +137,7 @@ impl RepairedView {
         self.repair.strips()
     }
 
-    /// Returns the memory of the view in bytes, without that of the model.
+    /// Returns the memory of the view in bytes, excluding the model.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

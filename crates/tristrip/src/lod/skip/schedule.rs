@@ -1,21 +1,23 @@
-//! When the collapses of a view have to be looked at again.
+//! The schedule of a view: when each collapse must be evaluated again.
 //!
-//! Each collapse that a view might change next waits for an amount of travel before which its choice cannot change. Buckets hold those of nearly the same
-//! amount, so that a frame looks only at expired entries: near the limits of its choice, in the direction of the camera's way.
+//! Each collapse that can change next has an entry with the travel before which its choice cannot
+//! change. Entries with nearly the same travel share a bucket. A frame evaluates only the expired
+//! entries: collapses close to a threshold in the direction of the camera movement.
 //!
 //! ```text
 //! travel    ──────────▶ now
 //! buckets   … empty … │ expired │     │     │     │ … the last one: all that expire later
 //! ```
 //! # Complexity
-//! Constant time per entry. 4 bytes per vertex, and per entry.
+//! Constant time per entry. 4 bytes per vertex and 4 per entry.
 
 /// The number of buckets.
 const BUCKETS: u64 = 1024;
-/// The travel per bucket, in diameters of the model: a camera that moves by a hundredth of the model per frame passes 20 of them.
+/// The number of buckets per travel of one model diameter. A camera that moves by 1/100 of the
+/// model per frame passes 20 of them.
 const BUCKETS_PER_DIAMETER: f64 = 2048.0;
 
-/// The longest travel, in buckets: less than a millionth of a bucket is lost in rounding.
+/// The maximum travel in buckets. Up to there, rounding loses less than a millionth of a bucket.
 const LONGEST: f64 = (1_u64 << 32) as f64;
 
 /// The position of entries that expire with any travel.
@@ -23,7 +25,7 @@ const NEXT_TRAVEL: u32 = u32::MAX;
 /// The position of entries that have expired.
 const EXPIRED: u32 = u32::MAX - 1;
 
-/// The entries that wait.
+/// The pending entries.
 #[derive(Debug, Clone)]
 pub(super) struct Schedule {
     /// The travel so far.
@@ -33,16 +35,17 @@ pub(super) struct Schedule {
     /// The number of the last bucket that was emptied.
     passed: u64,
     buckets: Vec<Vec<u32>>,
-    /// Entries that expire with any travel, since they may do so before the current bucket is passed.
+    /// Entries that expire with any travel, because they may expire within the current bucket.
     soon: Vec<u32>,
-    /// Entries that expire with the next advance.
+    /// Entries that expire with the next advance, whatever its travel.
     left: Vec<u32>,
-    /// Where the only valid entry of each node is: in the bucket of this slot plus 1, [`NEXT_TRAVEL`], or [`EXPIRED`]; 0 if it has none.
+    /// The position of the only valid entry of each node: its bucket slot plus 1, [`NEXT_TRAVEL`]
+    /// or [`EXPIRED`]; 0 if it has no entry.
     waits: Vec<u32>,
 }
 
 impl Schedule {
-    /// Creates a schedule without entries for a model of this radius.
+    /// Creates an empty schedule for a model of this radius.
     pub(super) fn new(node_count: usize, radius: f64) -> Self {
         let diameter = 2.0 * radius;
         Self {
@@ -65,7 +68,7 @@ impl Schedule {
         (self.travel, self.passed) = (0.0, 0);
     }
 
-    /// Adds travel, and moves the entries that expire to `expired`, and those that were left to `left`.
+    /// Adds travel, and moves the expired entries to `expired` and the deferred nodes to `left`.
     pub(super) fn advance(&mut self, travel: f64, expired: &mut Vec<u32>, left: &mut Vec<u32>) {
         self.travel += travel;
         let reached = self.bucket_at(self.travel);
@@ -82,24 +85,24 @@ impl Schedule {
         }
     }
 
-    /// Checks whether everything expires within a travel, or the travel so far is so long that more of it would be lost in rounding: then all entries are to be
-    /// removed instead.
+    /// Checks whether everything would expire within a travel, or the travel so far is too long to
+    /// be added to without rounding errors. In both cases all entries must be removed instead.
     pub(super) fn ends_with(&self, travel: f64) -> bool {
         travel >= self.width * BUCKETS as f64 || self.travel >= self.width * LONGEST
     }
 
-    /// Returns the number of the bucket at a travel, which is not negative.
+    /// Returns the number of the bucket at a travel of at least 0.
     #[allow(clippy::cast_sign_loss, reason = "not negative")]
     fn bucket_at(&self, travel: f64) -> u64 {
         (travel / self.width) as u64
     }
 
-    /// Lets a node wait for a travel from now on.
+    /// Adds an entry for a node that expires after a travel from now.
     pub(super) fn wait(&mut self, node: u32, travel: f64) {
         let number = self.bucket_at(self.travel + travel);
         let slot = (number.min(self.passed + BUCKETS) % BUCKETS) as u32;
         let place = if number <= self.passed { NEXT_TRAVEL } else { slot + 1 };
-        // An entry in the same place is there already.
+        // There is already an entry in the same position.
         if std::mem::replace(&mut self.waits[node as usize], place) == place {
             return;
         }
@@ -111,22 +114,22 @@ impl Schedule {
         self.waits[node as usize] = 0;
     }
 
-    /// Checks whether the expired entry of a node was not removed.
+    /// Checks whether the entry of a node has expired and was not removed.
     pub(super) fn has_expired(&self, node: u32) -> bool {
         self.waits[node as usize] == EXPIRED
     }
 
-    /// Lets the entries of nodes expire now.
+    /// Marks the entries of nodes as expired.
     pub(super) fn expire(&mut self, nodes: &[u32]) {
         nodes.iter().for_each(|&node| self.waits[node as usize] = EXPIRED);
     }
 
-    /// Leaves nodes to the next advance, whatever the travel.
+    /// Defers nodes to the next advance, whatever its travel.
     pub(super) fn leave(&mut self, nodes: impl Iterator<Item = u32>) {
         self.left.extend(nodes);
     }
 
-    /// Counts the nodes that are left to the next advance.
+    /// Returns the number of nodes deferred to the next advance.
     pub(super) fn left_count(&self) -> usize {
         self.left.len()
     }
@@ -138,7 +141,7 @@ impl Schedule {
     }
 }
 
-/// Appends a node that has its valid entry in a place, which expires then.
+/// Appends a node whose valid entry is in this position, and marks it as expired.
 fn take_valid(node: u32, place: u32, waits: &mut [u32], expired: &mut Vec<u32>) {
     let waits = &mut waits[node as usize];
     if *waits == place {

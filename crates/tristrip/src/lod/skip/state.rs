@@ -1,20 +1,21 @@
 //! The state of a view: which vertices have collapsed.
 //!
-//! A collapse sets the flag of a parent pointer, and the active child of the parent; a split clears the flag, and the active child becomes the one that
-//! collapsed before. Children are numbered in the order of their collapses, so that the index of the active child is a node.
+//! A collapse sets the flag of the node's parent pointer and makes the node the active child of its
+//! parent. A split clears the flag, and the child that collapsed before becomes the active one.
+//! Nodes are numbered depth-first, so an active child is stored as a node.
 
 use super::dependencies::Dependencies;
 use super::vertex_tree::VertexTree;
 use crate::ids::OptionalId;
 
-/// The flags and pointers of a view, by node.
+/// The flags and pointers of a view, indexed by node.
 #[derive(Debug, Clone)]
 pub(super) struct ViewState {
     /// Whether a node has collapsed to its parent.
     done: Vec<bool>,
-    /// The child of a node that collapsed last.
+    /// The child of each node that collapsed last.
     active_child: Vec<OptionalId>,
-    /// The pointer by which a node was last left toward its first active ancestor, updated when it is used.
+    /// The pointer used last to go from each node toward its first active ancestor.
     active_pointer: Vec<u8>,
 }
 
@@ -56,14 +57,15 @@ impl ViewState {
         self.active_child[node as usize].get()
     }
 
-    /// Checks whether a collapse may be done.
+    /// Checks whether a collapse can be applied.
     #[inline]
     pub(super) fn can_collapse(&self, collapse_id: u32, dependencies: &Dependencies) -> bool {
         !self.is_collapsed(collapse_id)
             && dependencies.needed(collapse_id).all(|needed| self.is_collapsed(needed))
     }
 
-    /// Checks whether a collapse is the last one into an active node, so that its split may be chosen.
+    /// Checks whether a collapse is the last one into an active node. Only such a collapse can be
+    /// chosen for a split.
     #[inline]
     pub(super) fn is_last(&self, collapse_id: u32, tree: &VertexTree) -> bool {
         self.is_collapsed(collapse_id)
@@ -72,7 +74,7 @@ impl ViewState {
             })
     }
 
-    /// Does a collapse that may be done.
+    /// Applies a collapse whose dependencies are applied.
     #[inline]
     pub(super) fn collapse(&mut self, collapse_id: u32, tree: &VertexTree) {
         for node in tree.members(collapse_id) {
@@ -83,7 +85,7 @@ impl ViewState {
         }
     }
 
-    /// Undoes a collapse that no other one needs any more.
+    /// Undoes a collapse that no applied collapse depends on.
     #[inline]
     pub(super) fn split(&mut self, collapse_id: u32, tree: &VertexTree) {
         for node in tree.members(collapse_id) {
@@ -94,7 +96,7 @@ impl ViewState {
         }
     }
 
-    /// Undoes a collapse, first those that need it, and appends all of them in this order.
+    /// Undoes a collapse after those that depend on it, and appends them to `split` in this order.
     pub(super) fn force_split(
         &mut self,
         collapse_id: u32,
@@ -108,7 +110,7 @@ impl ViewState {
             split.push(collapse_id);
             return;
         }
-        // With each collapse the position of the first that needs it and may not be undone yet.
+        // Each collapse, with the positions of its remaining dependents.
         let mut stack = vec![(collapse_id, dependencies.dependents_range(collapse_id))];
         while let Some((collapse_id, range)) = stack.last_mut() {
             let collapse_id = *collapse_id;
@@ -125,7 +127,7 @@ impl ViewState {
         }
     }
 
-    /// Does a collapse, first those that it needs, and appends all of them in this order.
+    /// Applies a collapse after its dependencies, and appends them to `collapsed` in this order.
     pub(super) fn force_collapse(
         &mut self,
         collapse_id: u32,
@@ -137,7 +139,7 @@ impl ViewState {
             collapsed.push(collapse_id);
             return;
         }
-        // With each collapse the position of the first that it needs and may not be done yet.
+        // Each collapse, with the positions of its remaining dependencies.
         let mut stack = vec![(collapse_id, dependencies.needed_range(collapse_id))];
         while let Some((collapse_id, range)) = stack.last_mut() {
             let collapse_id = *collapse_id;
@@ -155,7 +157,8 @@ impl ViewState {
         }
     }
 
-    /// Returns the first active node of a node and its ancestors, by the pointers that skip ancestors, from the one that was used last.
+    /// Returns the first active node among a node and its ancestors. Follows the skip pointers,
+    /// starting with the one used last.
     #[inline]
     pub(super) fn representative(&mut self, node: u32, tree: &VertexTree) -> u32 {
         if !self.is_collapsed(node) {
@@ -181,7 +184,8 @@ impl ViewState {
         at
     }
 
-    /// Returns the highest pointer of a node that has collapsed to one that has collapsed, too, or the first pointer; `known` is where to look first.
+    /// Returns the highest pointer of a collapsed node to an ancestor that has collapsed too, or
+    /// pointer 0. The search starts at `known`.
     #[inline]
     fn pointer_from(&self, node: u32, known: u32, tree: &VertexTree) -> u32 {
         let is_below = |pointer: u32| tree.ancestor(node, pointer).is_some_and(|a| self.is_collapsed(a));
@@ -198,8 +202,9 @@ impl ViewState {
         pointer
     }
 
-    /// Counts the pointers followed from a node to its first active ancestor: by parents alone, by the pointers that skip ancestors, the highest first,
-    /// and the ancestors looked at from the pointers used last.
+    /// Counts the pointers followed from a node to its first active ancestor, for three methods:
+    /// parent pointers only, skip pointers starting with the highest, and skip pointers starting
+    /// with the one used last.
     pub(super) fn hops(&mut self, node: u32, tree: &VertexTree) -> [u32; 3] {
         let mut hops = [0; 3];
         let mut at = node;

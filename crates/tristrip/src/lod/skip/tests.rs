@@ -10,13 +10,13 @@ use crate::lod::samples::{Sample, samples, sorted};
 use crate::mesh::{canonical_triangle, canonical_triangles};
 use crate::random::Random;
 
-/// Positions that are spread out, and the same for the same seed.
+/// Returns scattered positions, reproducible by seed.
 fn positions(count: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut random = Random::new(seed);
     (0..count).map(|i| [(i % 6) as f32, random.below(100) as f32 / 100.0, (i / 6) as f32]).collect()
 }
 
-/// The collapses of a sample with errors, over positions.
+/// Returns a model of the collapses of a sample, with random errors and positions.
 pub(super) fn model(sample: &Sample, seed: u64) -> Arc<SkipStrips> {
     let mut random = Random::new(seed);
     let collapses: Vec<_> =
@@ -26,7 +26,7 @@ pub(super) fn model(sample: &Sample, seed: u64) -> Arc<SkipStrips> {
     Arc::new(SkipStrips::new(&sample.strips, &sequence, &positions(count, seed)[..]).unwrap())
 }
 
-/// A camera around the grid.
+/// Returns a random camera around the grid.
 pub(super) fn camera(random: &mut Random) -> Camera {
     let mut at = |size: usize| random.below(1000) as f32 / 1000.0 * size as f32;
     let eye = [at(30) - 12.0, at(12) - 4.0, at(30) - 12.0];
@@ -35,14 +35,14 @@ pub(super) fn camera(random: &mut Random) -> Camera {
     camera.with_field_of_view(10.0 + at(90)).unwrap().with_image(160, 90).unwrap()
 }
 
-/// Any foveation.
+/// Returns a random foveation.
 fn foveation(random: &mut Random) -> Foveation {
     let growth = [0.0, 1e-30, 0.01, 0.1, 0.5, 3.0][random.below(6)];
     let attention = [0; 2].map(|_| random.below(101) as f32 / 100.0);
     Foveation::new(growth).unwrap().with_attention(attention).unwrap()
 }
 
-/// Criteria of which some are switched off.
+/// Returns criteria, some of them disabled at random.
 pub(super) fn criteria(random: &mut Random) -> ViewCriteria {
     let criteria = ViewCriteria::default().with_pixels(random.below(300) as f32 / 100.0);
     let criteria = criteria.with_frustum(random.coin()).with_back_faces(random.coin());
@@ -51,7 +51,8 @@ pub(super) fn criteria(random: &mut Random) -> ViewCriteria {
     if random.coin() { criteria.with_light([1.0, 2.0, 0.5]) } else { criteria }
 }
 
-/// Checks that a view draws what its vertices say, and that what is done has all that it needs.
+/// Checks that a view draws its renamed triangles, and that the dependencies of each applied
+/// collapse are applied.
 fn check(view: &SkipView) -> Result<(), TestCaseError> {
     let oracle = sorted(view.renamed_triangles());
     prop_assert_eq!(view.triangle_count(), oracle.len());
@@ -101,7 +102,7 @@ proptest! {
         }
     }
 
-    /// The naive way looks at every collapse in every frame.
+    /// The naive view evaluates every collapse in every frame.
     #[test]
     fn what_is_not_looked_at_would_not_change(sample in samples(), seed in any::<u64>(), steps in 1..40_usize) {
         let model = model(&sample, seed);
@@ -123,7 +124,7 @@ proptest! {
         }
     }
 
-    /// An eye that stands and looks around, the camera turning or not: nothing but the attention changes.
+    /// The eye does not move. The gaze moves, and the camera turns for half of the seeds.
     #[test]
     fn what_is_not_looked_at_would_not_change_while_the_attention_moves(
         sample in samples(),
@@ -151,7 +152,7 @@ proptest! {
         }
     }
 
-    /// More growth never needs more: each collapse that is allowed stays so.
+    /// A larger growth never needs more detail: each collapse that is allowed remains allowed.
     #[test]
     fn foveation_is_monotone(sample in samples(), seed in any::<u64>()) {
         let model = model(&sample, seed);
@@ -169,7 +170,8 @@ proptest! {
         }
     }
 
-    /// Dependencies: each triangle of a view is one of some level, so that none is folded over that the simplification did not fold.
+    /// Dependencies: each triangle of a view exists at some level, so a view has no foldover that
+    /// the simplification does not have.
     #[test]
     fn every_triangle_of_a_view_is_one_of_a_level(sample in samples(), seed in any::<u64>()) {
         let model = model(&sample, seed);
@@ -217,10 +219,11 @@ proptest! {
     }
 }
 
-/// The mesh of figure 12: two strips of ten vertices.
+/// Returns the mesh of figure 12: two strips of ten vertices. Strip b lies below the drawn strip and
+/// shares the vertices 2, 4, 6, 8 and 10 with it.
 ///
 /// ```text
-///  1 ── 3 ── 5 ── 7 ── 9          and below it the strip b, which shares the vertices 2, 4, 6, 8, 10
+///  1 ── 3 ── 5 ── 7 ── 9
 ///  │ ╱  │ ╱  │ ╱  │ ╱  │
 ///  2 ── 4 ── 6 ── 8 ── 10
 /// ```
@@ -239,7 +242,8 @@ fn figures_13_and_14() {
     let (strips, sequence) = figure();
     let (tree, numbers) = VertexTree::new(&sequence).unwrap();
     let node = |v: u32| numbers.of(v);
-    // Pointers to ancestors 1, 2 … steps away: 4 goes to 3 and 3 to 5, so that 4 has one that skips 3.
+    // Pointers to the ancestors 1, 2 … steps up: 4 collapses to 3 and 3 to 5, so 4 has a pointer
+    // that skips 3.
     assert_eq!((tree.ancestor(node(4), 0), tree.ancestor(node(4), 1)), (Some(node(3)), Some(node(5))));
     assert_eq!((tree.ancestor(node(6), 0), tree.ancestor(node(6), 1)), (Some(node(5)), None));
     let mut state = state::ViewState::full(&tree);
@@ -254,7 +258,7 @@ fn figures_13_and_14() {
     assert_eq!(done, [6, 8], "the parent pointers of 6 and 8 are active");
     let name = |state: &mut state::ViewState, v: u32| tree.vertex(state.representative(node(v), &tree));
     assert_eq!([5, 6, 7, 8, 9].map(|v| name(&mut state, v)), [5, 5, 7, 7, 9]);
-    // 3 needs 4, and 7 needs 8: their neighbourhoods are those at the time of the collapse.
+    // 3 depends on 4, and 7 on 8: their neighbourhoods must be those at the time of the collapse.
     assert!(!state.can_collapse(node(3), &dependencies));
     for v in [4, 7, 3] {
         state.collapse(node(v), &tree);
@@ -267,7 +271,7 @@ fn figures_13_and_14() {
     assert_eq!(model.view().triangle_count(), sequence.triangle_count(0).unwrap());
 }
 
-/// Figure 11: 2 goes to 1, 4 to 3, and 3 to 1.
+/// Figure 11: 2 collapses to 1, 4 to 3, and 3 to 1.
 #[test]
 fn figure_11() {
     let renames = [(2, 1), (4, 3), (3, 1)].map(|(removed, kept)| [Rename { removed, kept }]);
@@ -278,14 +282,14 @@ fn figure_11() {
     let node = |v: u32| numbers.of(v);
     assert_eq!([2, 3, 4].map(|v| tree.parent(node(v))), [Some(node(1)), Some(node(1)), Some(node(3))]);
     assert_eq!(tree.parent(node(1)), None);
-    // The children of 1, the last first: 3, and before it 2.
+    // The children of 1, last first: 3, then 2.
     assert_eq!(tree.last_child(node(1)).get(), Some(node(3)));
     assert_eq!(tree.child_before(node(1), node(3)).get(), Some(node(2)));
     assert_eq!(tree.child_before(node(1), node(2)).get(), None);
     assert_eq!((tree.depth(), tree.end(node(1)) - node(1)), (2, 4));
 }
 
-/// A terrain of n by n squares with hills, and its merge tree.
+/// Returns a terrain of n × n squares with hills, and its merge tree.
 fn terrain(n: u32) -> (Vec<[f32; 3]>, Strips, CollapseSequence) {
     let height = |x: f32, z: f32| 3.0 * (x / 5.0).sin() * (z / 7.0).cos() + (x * z / 9.0).sin() / 4.0;
     let point = |i: u32| [(i % (n + 1)) as f32, (i / (n + 1)) as f32];
@@ -304,7 +308,7 @@ fn terrain(n: u32) -> (Vec<[f32; 3]>, Strips, CollapseSequence) {
     (positions, strips, tree.sequence)
 }
 
-/// A model of hills.
+/// Returns a model of hills.
 pub(super) fn hills(n: u32) -> Arc<SkipStrips> {
     let (positions, strips, sequence) = terrain(n);
     Arc::new(SkipStrips::new(&strips, &sequence, &positions[..]).unwrap())
@@ -334,12 +338,13 @@ fn a_flight_over_a_terrain_is_exact_and_looks_at_little() {
     }
 }
 
-/// Near the attention a view has its full detail, and away from it less. Few collapses are looked at while the attention moves.
+/// A view has full detail near the gaze point and less elsewhere. Few collapses are evaluated while
+/// the gaze moves.
 #[test]
 fn detail_is_where_somebody_looks() {
     let (positions, strips, sequence) = terrain(60);
     let model = Arc::new(SkipStrips::new(&strips, &sequence, &positions[..]).unwrap());
-    // From above, with x to the right: 41.4 units are as wide as the image.
+    // From above, with x to the right: the image is 41.4 units wide.
     let camera =
         Camera::new([30.0, 50.0, 30.0], [30.0, 0.0, 30.0]).unwrap().with_up([0.0, 0.0, -1.0]).unwrap();
     let camera = camera.with_image(1000, 1000).unwrap();
@@ -364,7 +369,7 @@ fn detail_is_where_somebody_looks() {
     check(&view).unwrap();
     assert!(view.triangle_count() < sharp.triangle_count() / 2, "{}", view.triangle_count());
     assert!(looked_at < frames * view.active_vertex_count() / 2, "{looked_at}");
-    // The attention is now at three quarters of the width.
+    // The gaze point is now at three quarters of the width.
     let [there, elsewhere] = [40.35, 19.65].map(|x| [near(&view, x), near(&sharp, x)]);
     assert!(there[0] * 10 > there[1] * 8 && elsewhere[0] * 3 < elsewhere[1], "{there:?} {elsewhere:?}");
 }
@@ -410,7 +415,7 @@ fn views_from_anywhere_are_valid() {
             }
         }
     }
-    // Small steps after travels in which they would be lost.
+    // Small steps after long travels, to which they could not be added without rounding errors.
     for step in 0..40 {
         let camera = Camera::new([6.0, 9.0 - step as f32 / 5.0, 6.0], [6.0, 0.0, 6.1]).unwrap();
         view.update(&camera, &ViewCriteria::default()).unwrap();
@@ -419,7 +424,7 @@ fn views_from_anywhere_are_valid() {
         naive.update(&camera, &ViewCriteria::default()).unwrap();
         assert!(view.collapses_done().eq(naive.collapses_done()), "step {step}");
     }
-    // Without an error allowed the full mesh is drawn, but where it is flat and where it is not seen.
+    // With no error allowed the full mesh is drawn, except where it is flat or not visible.
     let all = ViewCriteria::default().with_pixels(0.0).with_frustum(false);
     view.update(&Camera::new([6.0, 9.0, 6.0], [6.0, 0.0, 6.1]).unwrap(), &all).unwrap();
     assert!(view.triangle_count() > 280, "{}", view.triangle_count());
@@ -428,7 +433,8 @@ fn views_from_anywhere_are_valid() {
     assert!(view.triangle_count() < 60, "{}", view.triangle_count());
 }
 
-/// Flies through the hills and back, then stands still; returns the triangles of the frames from there on.
+/// Flies through the hills and back, then stops. Returns the triangle counts of the frames after
+/// the stop.
 fn triangles_after_a_dive(pixels: f32, budget: usize) -> Vec<usize> {
     let mut view = hills(60).view();
     let criteria = ViewCriteria::default().with_pixels(pixels).with_budget(budget);
@@ -467,7 +473,8 @@ fn without_an_allowed_error_a_budget_goes_where_the_errors_are_largest() {
     };
     let [(count, there), (_, moved), (_, here)] = [drawn(1, 1), drawn(0, 1), drawn(0, 0)];
     assert!((640..=800).contains(&count), "{count}");
-    // A view that came from elsewhere is nearer to one that was there all the time than to where it came from.
+    // A view that came from another camera is closer to one that has always been here than to its
+    // earlier state.
     let differ = |a: &HashSet<usize>, b: &HashSet<usize>| a.symmetric_difference(b).count();
     assert!(
         2 * differ(&moved, &there) < differ(&moved, &here),

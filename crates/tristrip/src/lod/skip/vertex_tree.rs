@@ -1,19 +1,24 @@
-//! The vertex tree: for each vertex the one that it collapses to, and pointers to its ancestors 1, 2, 4, 8 … steps away.
+//! The vertex tree: each vertex has pointers to the vertex it collapses to, and to its ancestors 2,
+//! 4, 8 … steps up.
 //!
-//! Vertices are numbered as *nodes* in depth-first order, so that the vertices that a node replaces are a range of nodes, and its children follow
-//! one after the other without a list:
+//! Vertices are numbered depth-first as *nodes*. The vertices that a node replaces are then a
+//! contiguous range of nodes, and the children of a node are found without a list:
 //!
 //! ```text
 //!        a               nodes      0 1 2 3 4
-//!      ╱ │ ╲             vertices   a b e c d        The child that collapsed last comes first. The children of a are 1, the end of
-//!     d  c  b            ends       5 3 3 4 5        the subtree of 1, which is 3, and the end of that of 3, which is 4.
+//!      ╱ │ ╲             vertices   a b e c d
+//!     d  c  b            ends       5 3 3 4 5
 //!           │            parents    - 0 1 0 0
 //!           e
 //! ```
-//! A point on a seam has several vertices, which collapse together: the node of one of them is the id of the collapse.
+//! The child that collapsed last comes first. The children of a are node 1, node 3 (the end of the
+//! subtree of 1) and node 4 (the end of the subtree of 3).
+//!
+//! A point on a seam has several vertices, which collapse together. The node of the first of them
+//! is the id of the collapse.
 //!
 //! # Complexity
-//! O(n) time and 12 bytes per vertex, and log₂ of its depth packed pointers.
+//! O(n) time. 12 bytes per vertex, plus log₂(depth) packed pointers per vertex.
 
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
@@ -28,18 +33,19 @@ pub(super) struct VertexTree {
     vertices: Vec<u32>,
     parents: Vec<OptionalId>,
     ends: Vec<u32>,
-    /// The ancestors 2, 4, 8 … steps away.
+    /// The ancestors 2, 4, 8 … steps up.
     ancestors: PackedRows,
-    /// The nodes of collapses of several vertices: the id, then the others; sorted by id.
+    /// The nodes of collapses with several vertices: the id and the other nodes, sorted by id.
     groups: Vec<(u32, Vec<u32>)>,
-    /// The collapse ids of the other vertices, sorted by node.
+    /// The collapse ids of these other nodes, sorted by node.
     followers: Vec<(u32, u32)>,
-    /// Whether a node is in a group, 64 nodes per number: few are, and most calls need no search.
+    /// Whether a node is in a group, one bit per node. Few nodes are, so most lookups need no
+    /// search.
     is_grouped: Vec<u64>,
     depth: u32,
 }
 
-/// The numbers of the nodes of vertices.
+/// The node of each vertex in use.
 pub(super) struct NodeNumbers {
     subset: Option<VertexSubset>,
     nodes: Vec<u32>,
@@ -55,7 +61,7 @@ impl NodeNumbers {
 }
 
 impl VertexTree {
-    /// Builds the tree of all collapses, with the numbers of its nodes.
+    /// Builds the tree of all collapses, and returns it with the node of each vertex.
     ///
     /// # Errors
     /// A vertex is removed twice, or kept after it was removed.
@@ -100,7 +106,7 @@ impl VertexTree {
         Ok((tree, numbers))
     }
 
-    /// Finds the ids of collapses of several vertices.
+    /// Finds the ids of collapses with several vertices.
     fn group(&mut self, sequence: &CollapseSequence, numbers: &NodeNumbers) {
         for collapse in sequence.iter().filter(|collapse| collapse.renames.len() > 1) {
             let mut nodes = collapse.renames.iter().map(|rename| numbers.of(rename.removed));
@@ -119,7 +125,7 @@ impl VertexTree {
         }
     }
 
-    /// Checks whether a node collapses with others.
+    /// Checks whether a node collapses together with others.
     #[inline]
     fn is_grouped(&self, node: u32) -> bool {
         self.is_grouped[node as usize / 64] >> (node % 64) & 1 == 1
@@ -129,7 +135,7 @@ impl VertexTree {
         self.vertices.len()
     }
 
-    /// Returns the largest number of ancestors of a node.
+    /// Returns the maximum number of ancestors of a node.
     pub(super) fn depth(&self) -> u32 {
         self.depth
     }
@@ -146,13 +152,14 @@ impl VertexTree {
         self.parents[node as usize].get()
     }
 
-    /// Returns the end of the nodes that a node replaces once all of them have collapsed, which begin with itself.
+    /// Returns the end of the subtree of a node. The subtree is the range of nodes that starts with
+    /// the node itself.
     #[inline]
     pub(super) fn end(&self, node: u32) -> u32 {
         self.ends[node as usize]
     }
 
-    /// Returns the child of a node that collapsed before another child, given as a node.
+    /// Returns the child of `parent` that collapsed before `child`.
     #[inline]
     pub(super) fn child_before(&self, parent: u32, child: u32) -> OptionalId {
         let next = self.end(child);
@@ -165,14 +172,14 @@ impl VertexTree {
         if node + 1 < self.end(node) { OptionalId::some(node + 1) } else { OptionalId::NONE }
     }
 
-    /// Returns the number of pointers of a node to its ancestors: those 1, 2, 4 … steps away.
+    /// Returns the number of ancestor pointers of a node: those 1, 2, 4 … steps up.
     #[inline]
     pub(super) fn pointer_count(&self, node: u32) -> u32 {
         let skips = self.ancestors.range(node..node + 1);
         u32::from(self.parent(node).is_some()) + skips.end - skips.start
     }
 
-    /// Returns the ancestor 2 to the power of `pointer` steps away, if there is one.
+    /// Returns the ancestor 2^`pointer` steps up, if it exists.
     #[inline]
     pub(super) fn ancestor(&self, node: u32, pointer: u32) -> Option<u32> {
         let Some(skip) = pointer.checked_sub(1) else { return self.parent(node) };
@@ -180,7 +187,7 @@ impl VertexTree {
         (skip < range.end - range.start).then(|| self.ancestors.item(range.start + skip))
     }
 
-    /// Returns the node that stands for the collapse of a node.
+    /// Returns the id of the collapse that removes a node.
     #[inline]
     pub(super) fn collapse_id(&self, node: u32) -> u32 {
         if !self.is_grouped(node) {
@@ -190,7 +197,7 @@ impl VertexTree {
         found.map_or(node, |i| self.followers[i].1)
     }
 
-    /// Returns the other nodes of a collapse.
+    /// Returns the nodes of a collapse other than its id.
     #[inline]
     pub(super) fn others(&self, collapse_id: u32) -> &[u32] {
         if !self.is_grouped(collapse_id) {
@@ -200,7 +207,7 @@ impl VertexTree {
         found.map_or(&[], |i| &self.groups[i].1[..])
     }
 
-    /// Iterates over the nodes of a collapse, the id first.
+    /// Iterates over the nodes of a collapse, starting with its id.
     #[inline]
     pub(super) fn members(&self, collapse_id: u32) -> impl Iterator<Item = u32> {
         std::iter::once(collapse_id).chain(self.others(collapse_id).iter().copied())
@@ -220,7 +227,7 @@ impl VertexTree {
     }
 }
 
-/// Returns the ancestors of each node 2, 4, 8 … steps away, and the largest depth.
+/// Returns the ancestors of each node 2, 4, 8 … steps up, and the maximum depth.
 fn ancestors(parents: &[OptionalId]) -> (PackedRows, u32) {
     let mut depths: Vec<u32> = Vec::with_capacity(parents.len());
     let (mut count, mut deepest) = (0, 0);
@@ -231,7 +238,7 @@ fn ancestors(parents: &[OptionalId]) -> (PackedRows, u32) {
         depths.push(depth);
     }
     let mut rows = PackedRows::of_items(count, parents.len() as u32);
-    // The ancestors of the current node, the root first.
+    // The path from the root to the current node.
     let mut path: Vec<u32> = Vec::new();
     for (node, &depth) in (0..).zip(&depths) {
         path.truncate(depth as usize);

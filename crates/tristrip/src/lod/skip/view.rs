@@ -1,4 +1,4 @@
-//! A view of a model: the detail that one camera needs.
+//! A view of a model: the level of detail that one camera needs.
 
 mod geomorphs;
 mod levels;
@@ -21,36 +21,40 @@ use crate::mesh::is_degenerate;
 use crate::strip::{Strips, strip_triangles};
 pub use geomorphs::{ViewGeomorphs, ViewSnapshot};
 
-/// The factors by which an update lowers the allowed error while the budget has room: with little room, and the smallest one.
+/// The largest and the smallest factor by which an update lowers the allowed error while the budget
+/// has room.
 const FALL: f64 = 0.98;
 const STEEPEST_FALL: f64 = 0.5;
-/// The share of a budget below which there is room.
+/// A budget has room while the view uses less than this share of it.
 const ROOM: f64 = 0.95;
-/// The factor by which the allowed error rises until a smaller budget is kept, and the largest one that is tried.
+/// The factor by which the allowed error is raised until the view fits a smaller budget, and the
+/// maximum scale of the allowed error.
 const RISE: f64 = 1.25;
 const MAX_SCALE: f64 = 1e12;
 
-/// What an update did.
+/// The work and the result of an update.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct ViewUpdate {
-    /// Collapses done.
+    /// The number of collapses applied.
     pub collapses: usize,
-    /// Splits done, those that others needed included.
+    /// The number of collapses split, including those split because they depend on another one.
     pub splits: usize,
-    /// Collapses whose criteria were looked at.
+    /// The number of collapses evaluated.
     pub looked_at: usize,
-    /// Segments of strips that were scanned.
+    /// The number of strip segments scanned.
     pub segments: usize,
-    /// The ranges of [`SkipView::indices`] that changed. The buffer may have become longer.
+    /// The changed ranges of [`SkipView::indices`]. The buffer may also have grown.
     pub changed: Vec<Range<usize>>,
-    /// Whether all collapses and splits were done: no limit of steps ended the update.
+    /// `true` if all collapses and splits were applied, `false` if the step limit stopped the
+    /// update.
     pub is_complete: bool,
 }
 
-/// The detail of a model for one camera: a cursor that moves from frame to frame.
+/// The level of detail of a model for one camera, updated from frame to frame.
 ///
-/// A view begins at the base mesh. It holds no lock, and several threads may update views of one model.
+/// A view starts at the base mesh. It holds no lock, so several threads can update views of the
+/// same model.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -58,7 +62,7 @@ pub struct ViewUpdate {
 /// let near = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(0.5))?;
 /// assert!(near.splits > 0 && near.is_complete);
 /// let fine = view.triangle_count();
-/// // From far away a pixel covers the whole grid.
+/// // From far away one pixel covers the whole grid.
 /// view.update(&Camera::new([4.0, 1e5, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(0.5))?;
 /// assert!(view.triangle_count() < fine);
 /// assert_eq!(view.display_strips().triangles().count(), view.triangle_count());
@@ -68,29 +72,30 @@ pub struct ViewUpdate {
 pub struct SkipView {
     model: Arc<SkipStrips>,
     state: ViewState,
-    /// The vertex that draws each node: that of its first active ancestor.
+    /// The vertex drawn for each node: that of its first active ancestor.
     names: Vec<u32>,
-    /// None if something else makes the strips.
+    /// `None` if the view builds no display strips.
     display: Option<Display>,
     triangle_count: usize,
     active_count: usize,
     schedule: Option<Schedule>,
     criteria: Option<Criteria>,
-    /// The factor of the allowed pixels that keeps the budget.
+    /// The factor on the allowed error that keeps the view within its budget.
     scale: f64,
-    /// The budget that the factor was found for; `None` without a budget.
+    /// The budget for which `scale` was found; `None` if there was no budget.
     scaled_budget: Option<usize>,
-    /// Collapses whose entry in the schedule expired, collapses that became candidates, and collapses to be done.
+    /// Reused buffers: collapses whose schedule entry expired, new candidates, collapses to apply,
+    /// and collapses split.
     expired: Vec<u32>,
     new_candidates: Vec<u32>,
     to_collapse: Vec<u32>,
     split: Vec<u32>,
-    /// The collapses done or undone since the strips were built.
+    /// The collapses applied or undone since the display strips were last built.
     moved: Vec<u32>,
 }
 
 impl SkipStrips {
-    /// Returns a view at the base mesh, with the display strips of [`Filter::Dtfs`].
+    /// Returns a view at the base mesh whose display strips use [`Filter::Dtfs`].
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -101,7 +106,7 @@ impl SkipStrips {
         self.view_by(Filter::Dtfs)
     }
 
-    /// Returns a view at the base mesh, with the display strips of a filter.
+    /// Returns a view at the base mesh whose display strips use the given filter.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -113,7 +118,7 @@ impl SkipStrips {
         SkipView::new(Arc::clone(self), Some(filter), false)
     }
 
-    /// Returns a view at the base mesh that chooses detail and has no display strips.
+    /// Returns a view at the base mesh that builds no display strips.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -169,17 +174,19 @@ impl SkipView {
         view
     }
 
-    /// Moves to what a camera needs, from what the last camera needed. The work is in proportion to what changes.
+    /// Moves the view to the detail that a camera needs. The work is proportional to the difference
+    /// from the previous camera.
     ///
     /// # Errors
-    /// The model has no positions; the allowed pixels are negative or NaN; the direction to the light is not finite or zero.
+    /// The model has no positions, the allowed error is negative or NaN, or the direction to the
+    /// light is zero or not finite.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
     /// let mut view = model.view();
     /// let camera = Camera::new([4.0, 2.0, 4.0], [4.0, 0.0, 4.0])?;
     /// view.update(&camera, &ViewCriteria::default().with_pixels(0.5))?;
-    /// // Nothing moves, and nothing is done.
+    /// // The camera did not move, so there is nothing to do.
     /// let again = view.update(&camera, &ViewCriteria::default().with_pixels(0.5))?;
     /// assert_eq!((again.splits, again.collapses, again.looked_at, again.changed.len()), (0, 0, 0, 0));
     /// # Ok::<(), tristrip::Error>(())
@@ -197,7 +204,7 @@ impl SkipView {
         }
         self.work(frame, criteria, &mut update);
         if let Some(budget) = criteria.budget {
-            // The budget has become smaller, or the base mesh is larger.
+            // The budget was lowered, or the base mesh exceeds it.
             while self.triangle_count > budget && self.scale < MAX_SCALE && update.is_complete {
                 self.scale *= RISE;
                 self.work(frame, criteria, &mut update);
@@ -205,13 +212,15 @@ impl SkipView {
             let has_room = |view: &Self| (view.triangle_count as f64) < ROOM * budget as f64;
             let is_larger = self.scaled_budget.is_some_and(|before| before < budget);
             if is_larger && self.scale > 1.0 && has_room(self) && update.is_complete {
-                // A larger budget is filled as by a new view: with all splits, those with the largest errors first.
+                // A larger budget is filled as in a new view: all splits are considered, largest
+                // errors first.
                 self.scale = 1.0;
                 self.criteria = None;
                 self.work(frame, criteria, &mut update);
             }
             if has_room(self) {
-                // The triangles grow about as the allowed error falls, but what is added near the eye may take more.
+                // The triangle count grows about as fast as the allowed error falls, but faster
+                // near the eye. The square root makes the step smaller.
                 let filled = self.triangle_count as f64 / (ROOM * budget as f64);
                 self.scale = (filled.sqrt().clamp(STEEPEST_FALL, FALL) * self.scale).max(1.0);
             }
@@ -228,14 +237,15 @@ impl SkipView {
         self.count_collapse(collapse_id);
     }
 
-    /// Counts a collapse that the state has done.
+    /// Updates the counts for a collapse that the state has applied.
     fn count_collapse(&mut self, collapse_id: u32) {
         self.triangle_count -= self.model.dropped(collapse_id);
         self.active_count -= self.model.tree.members(collapse_id).count();
         self.moved.push(collapse_id);
     }
 
-    /// Splits a collapse, after those that need it, unless there are more triangles then than a budget has. Returns whether it did.
+    /// Splits a collapse, after the collapses that depend on it, unless that would exceed the
+    /// budget. Returns whether the collapse was split.
     fn split_within(&mut self, collapse_id: u32, budget: Option<usize>) -> bool {
         let model = &self.model;
         self.split.clear();
@@ -253,7 +263,7 @@ impl SkipView {
         true
     }
 
-    /// Builds the display strips that changed; returns the number of segments scanned.
+    /// Rebuilds the display strips that changed. Returns the number of segments scanned.
     fn rebuild(&mut self, changed: &mut Vec<Range<usize>>) -> usize {
         let Self { model, moved, state, display, names, .. } = self;
         let Some(display) = display else { return 0 };
@@ -261,7 +271,8 @@ impl SkipView {
         let mut nodes: Vec<u32> = nodes.collect();
         nodes.sort_unstable();
         nodes.dedup();
-        // Nodes come before those below them: what was collapsed is below one that was moved, or was moved itself.
+        // Ancestors come before their descendants. A descendant of a moved node is collapsed into
+        // it, or was moved too and is processed later.
         let mut flagged = 0;
         for node in nodes {
             let end = model.tree.end(node);
@@ -278,7 +289,8 @@ impl SkipView {
         display.rebuild(&model.strips, names, changed)
     }
 
-    /// Returns the collapses done and undone since the last call, by id, in order. For a view without display strips.
+    /// Returns the collapses applied or undone since the last call, by id, in order of execution.
+    /// For views without display strips.
     pub(super) fn take_moved(&mut self) -> Vec<u32> {
         std::mem::take(&mut self.moved)
     }
@@ -294,7 +306,8 @@ impl SkipView {
         &self.model
     }
 
-    /// Returns the index buffer to draw: the display strips, with [`RESTART`] between them and where nothing is drawn.
+    /// Returns the index buffer to draw: the display strips, separated by [`RESTART`]. Unused
+    /// entries are [`RESTART`], too.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -307,8 +320,8 @@ impl SkipView {
         self.display.as_ref().map_or(&[], Display::indices)
     }
 
-    /// Iterates over the ranges of [`SkipView::indices`] in which there are strips, each with many of them, in the order of the strips. Between them
-    /// there is only [`RESTART`].
+    /// Iterates over the ranges of [`SkipView::indices`] that contain strips, in the order of the
+    /// strips. Each range holds many strips. All entries between ranges are [`RESTART`].
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -320,7 +333,7 @@ impl SkipView {
         self.display.iter().flat_map(Display::ranges)
     }
 
-    /// Copies the display strips, over the vertices of the full mesh.
+    /// Returns a copy of the display strips, in vertices of the full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -332,7 +345,7 @@ impl SkipView {
         self.display.as_ref().map_or_else(Strips::default, Display::to_strips)
     }
 
-    /// Counts the triangles of the view.
+    /// Returns the number of triangles of the view.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -343,7 +356,7 @@ impl SkipView {
         self.triangle_count
     }
 
-    /// Counts the vertices that have not collapsed.
+    /// Returns the number of active vertices, which are those that have not collapsed.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -354,8 +367,9 @@ impl SkipView {
         self.active_count
     }
 
-    /// Returns the triangles that the view is to draw, without its strips: all triangles of the full mesh, each vertex named by its first
-    /// ancestor that has not collapsed, one parent after the other. This is the oracle of the display strips.
+    /// Returns the triangles of the view, computed without its display strips. Each vertex of the
+    /// full mesh is replaced by its first active ancestor, found by following parent pointers, and
+    /// degenerate triangles are removed. Tests compare the display strips with this list.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -376,7 +390,7 @@ impl SkipView {
         renamed.filter(|&triangle| !is_degenerate(triangle)).collect()
     }
 
-    /// Returns the collapses that are done, by their numbers from the full mesh, ascending.
+    /// Returns the applied collapses in ascending order, as positions in the collapse sequence.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -391,8 +405,9 @@ impl SkipView {
         order.filter(move |&(_, &collapse_id)| is_collapsed(collapse_id)).map(|(number, _)| number)
     }
 
-    /// Returns the simplified strips: those of the full mesh, with the first active ancestor of each vertex, found by the pointers that skip ancestors.
-    /// The view itself stores these names.
+    /// Returns the simplified strips: the strips of the full mesh with each vertex replaced by its
+    /// first active ancestor. This method finds ancestors with the skip pointers, not with the
+    /// names that the view stores.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -414,8 +429,9 @@ impl SkipView {
         strips
     }
 
-    /// Returns the mean number of pointers followed from a vertex of the strips of the full mesh to its first active ancestor: by parents alone, and by
-    /// pointers that skip ancestors, from the highest one and from the one used last.
+    /// Returns the mean number of pointers followed from a strip vertex of the full mesh to its
+    /// first active ancestor, for three methods: parent pointers only, skip pointers starting with
+    /// the highest, and skip pointers starting with the one used last.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -434,7 +450,7 @@ impl SkipView {
         sums.map(|sum| if count == 0 { 0.0 } else { sum as f64 / count as f64 })
     }
 
-    /// Returns the memory of the view in bytes, without that of the model.
+    /// Returns the memory of the view in bytes, excluding the model.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -458,7 +474,7 @@ impl SkipView {
         self.state.is_collapsed(node)
     }
 
-    /// Lets the next update look at every collapse.
+    /// Makes the next update evaluate every collapse.
     #[cfg(test)]
     pub(super) fn forget_schedule(&mut self) {
         self.criteria = None;

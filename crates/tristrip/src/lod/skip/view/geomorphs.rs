@@ -1,23 +1,26 @@
-//! Geomorphs of views: the vertices that move between two states of a view.
+//! Geomorphs of views: smooth transitions between two states of a view.
 //!
-//! From one frame to the next a view splits some vertices and collapses others. Without a geomorph each is seen to jump. The mesh in which everything is collapsed that is
-//! collapsed before or after lies between both, and each of them has a geomorph to it:
+//! From one frame to the next, a view splits some vertices and collapses others. Without a geomorph
+//! these vertices visibly jump. Between the two states lies a mesh with all collapses of both
+//! states applied. Each state has a geomorph to this mesh:
 //!
 //! ```text
-//! mesh before ── vertices that collapse ──▶ what both have ◀── vertices that are split off ── mesh after
-//!   weight 0               …                   1        1                  …                     0
+//! mesh before ── vertices that collapse ──▶ both applied ◀── vertices that split ── mesh after
+//!   weight 0               …                  1      1                …                0
 //! ```
 //! # Algorithm
-//! 1. The nodes whose flags differ are found by comparing blocks of flags.
-//! 2. Each moves to its first ancestor that the other state has. An ancestor comes before a node; where it moves too, its target is known.
+//! 1. The flags of both states are compared block by block to find the nodes that differ.
+//! 2. Each of these nodes moves to its first ancestor that is active in the other state. Ancestors
+//!    come before their descendants, so the target of an ancestor that moves too is already known.
 //!
-//! The mesh in the middle is one that a view may have: what a collapse needs is done in the state in which it is done.
+//! The mesh in between is a valid view: every applied collapse has its dependencies applied, too.
 //!
 //! # References
 //! Hoppe: *View-Dependent Refinement of Progressive Meshes*, 1997, section 5.
 //!
 //! # Complexity
-//! A state takes a byte per vertex. Comparing takes O(n) time for n vertices, 64 at a time, and O(c log c) for c that move.
+//! A snapshot takes one byte per vertex. Comparing two states takes O(n) time for n vertices, 64 at
+//! a time, plus O(c log c) for c moving vertices.
 
 use std::sync::Arc;
 
@@ -27,10 +30,11 @@ use crate::lod::level::geomorph::{Geomorph, Transit};
 use crate::lod::skip::SkipStrips;
 use crate::lod::skip::vertex_tree::VertexTree;
 
-/// The flags that are compared at once.
+/// The number of flags compared at once.
 const BLOCK: usize = 64;
 
-/// Which vertices a view had collapsed, to move from there: see [`SkipView::geomorphs`].
+/// A snapshot of the collapsed vertices of a view, the start of a geomorph: see
+/// [`SkipView::geomorphs`].
 #[derive(Debug, Clone)]
 pub struct ViewSnapshot {
     model: Arc<SkipStrips>,
@@ -39,20 +43,25 @@ pub struct ViewSnapshot {
 
 /// The vertices that move between two states of a view.
 ///
-/// Either may be drawn by itself: `split` with the mesh after the update while its weight falls from 1 to 0, and `collapsed` with the mesh before it while its weight rises from 0
-/// to 1, after which the buffers of the mesh after it can be used unseen. At weight 1 both draw the same surface: where the update only splits, that is the
-/// mesh before it, and where it only collapses, the mesh after it.
+/// The two geomorphs are independent of each other:
+///
+/// - `split` applies to the mesh after the update, while its weight falls from 1 to 0.
+/// - `collapsed` applies to the mesh before the update, while its weight rises from 0 to 1. After
+///   that, the buffers of the mesh after the update can be used without a visible change.
+///
+/// At weight 1 both draw the same surface. If the update only splits, this is the mesh before the
+/// update. If it only collapses, this is the mesh after the update.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ViewGeomorphs {
-    /// The vertices that only the mesh before has: at weight 0 this mesh.
+    /// The vertices that only the mesh before the update has. Weight 0 draws that mesh.
     pub collapsed: Geomorph,
-    /// The vertices that only the mesh after has: at weight 0 this mesh.
+    /// The vertices that only the mesh after the update has. Weight 0 draws that mesh.
     pub split: Geomorph,
 }
 
 impl SkipView {
-    /// Copies which vertices have collapsed, one byte per vertex of the model.
+    /// Returns a snapshot of the collapsed vertices, one byte per vertex of the model.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -65,10 +74,12 @@ impl SkipView {
         ViewSnapshot { model: Arc::clone(&self.model), done: self.state.done().to_vec() }
     }
 
-    /// Finds the vertices that move between a snapshot of this or another view of the model and what the view has now, whatever was done in between.
+    /// Finds the vertices that move between a snapshot and the current state of the view. The
+    /// snapshot may come from another view of the same model, and any number of updates may lie in
+    /// between.
     ///
     /// # Errors
-    /// The snapshot is one of another model.
+    /// The snapshot belongs to another model.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -76,9 +87,9 @@ impl SkipView {
     /// let before = view.snapshot();
     /// let update = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::default().with_pixels(0.5))?;
     /// let geomorphs = view.geomorphs(&before)?;
-    /// // No vertex of this grid is on a seam: each split adds one.
+    /// // No vertex of this grid is on a seam, so each split adds one vertex.
     /// assert_eq!(geomorphs.split.transits().len(), update.splits);
-    /// // A quarter of the way: the vertices that were split off are still near their ancestors.
+    /// // A quarter of the way: split vertices are still near their ancestors.
     /// let positions = grid.positions().as_flattened();
     /// let mut drawn = positions.to_vec();
     /// geomorphs.split.blend(0.75, 3, positions, &mut drawn)?;
@@ -87,8 +98,8 @@ impl SkipView {
     /// ```
     pub fn geomorphs(&self, from: &ViewSnapshot) -> Result<ViewGeomorphs, Error> {
         if !Arc::ptr_eq(&self.model, &from.model) {
-            let found = "one of another model".into();
-            let expected = "a snapshot of a view of this model";
+            let found = "a snapshot of another model".into();
+            let expected = "a snapshot of this model";
             return Err(Error::Parameter { name: "from", found, expected });
         }
         let (tree, before, after) = (&self.model.tree, &from.done[..], self.state.done());
@@ -113,7 +124,8 @@ impl SkipView {
     }
 }
 
-/// Returns the ways of nodes, which ascend and are done, to their first ancestors that are not.
+/// Returns the transits of collapsed nodes to their first active ancestors. `nodes` must be in
+/// ascending order.
 fn transits(nodes: &[u32], done: &[bool], tree: &VertexTree) -> Vec<Transit> {
     let mut targets: Vec<u32> = Vec::with_capacity(nodes.len());
     for &node in nodes {
@@ -145,7 +157,8 @@ mod tests {
     use crate::mesh::is_degenerate;
     use crate::random::Random;
 
-    /// Draws triangles with numbers of vertices as values, without those that have shrunk to nothing.
+    /// Returns the triangles of a geomorph that blends vertex ids as values, without degenerate
+    /// triangles.
     #[allow(clippy::cast_sign_loss, reason = "numbers of vertices")]
     fn drawn(view: &SkipView, geomorph: &Geomorph, weight: f32) -> Vec<[u32; 3]> {
         let numbers: Vec<f32> = (0..view.model().vertex_count).map(|v| v as f32).collect();
@@ -155,7 +168,7 @@ mod tests {
         sorted(moved.filter(|&triangle| !is_degenerate(triangle)))
     }
 
-    /// Returns the mesh in which everything is collapsed that one of two views has collapsed.
+    /// Returns the mesh with every collapse of either view applied.
     fn between(a: &SkipView, b: &SkipView) -> Vec<[u32; 3]> {
         let model = a.model();
         let mut view = model.full_view();
@@ -188,7 +201,8 @@ mod tests {
                 prop_assert_eq!(&drawn(&view, &geomorphs.split, 1.0), &middle);
                 prop_assert_eq!(drawn(&before, &geomorphs.collapsed, 0.0), sorted(before.renamed_triangles()));
                 prop_assert_eq!(&drawn(&before, &geomorphs.collapsed, 1.0), &middle);
-                // One that only splits begins at the mesh before, one that only collapses ends at the mesh after.
+                // An update that only splits starts at the mesh before it. One that only collapses
+                // ends at the mesh after it.
                 if geomorphs.collapsed.transits().is_empty() {
                     prop_assert_eq!(&middle, &sorted(before.renamed_triangles()));
                 }

@@ -1,4 +1,4 @@
-//! Views as levels of the sequence: every collapse of a level done, and no other.
+//! Levels of the sequence as views: exactly the collapses of a level are applied.
 
 use std::sync::Arc;
 
@@ -6,11 +6,11 @@ use super::SkipView;
 use crate::error::Error;
 
 impl SkipView {
-    /// Moves to a level of the sequence, from whatever the view draws. Each collapse is done only where all that it needs is done, and each split after those
-    /// that need it.
+    /// Moves the view from any state to a level of the sequence. A collapse is applied after its
+    /// dependencies, and split after the collapses that depend on it.
     ///
     /// # Errors
-    /// There is no such level.
+    /// `level` is greater than the level of the full mesh.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -29,7 +29,7 @@ impl SkipView {
             .filter_map(|collapse_id| collapse_id.get())
             .for_each(|collapse_id| is_target[collapse_id as usize] = true);
         let is_leader = |node: u32| model.tree.parent(node).is_some() && model.tree.collapse_id(node) == node;
-        // In the order of the nodes, what is read for one collapse is near what is read for the next.
+        // In node order, consecutive collapses read nearby memory.
         for node in (0..model.tree.len() as u32).filter(|&node| is_leader(node)) {
             if self.state.is_collapsed(node) && !is_target[node as usize] {
                 self.split_within(node, None);
@@ -44,13 +44,13 @@ impl SkipView {
             }
         }
         self.split = collapsed;
-        // What waits does not know of this.
+        // The schedule is out of date: the next update must evaluate all collapses.
         self.criteria = None;
         self.rebuild(&mut Vec::new());
         Ok(())
     }
 
-    /// Moves between two levels of the sequence, of which the view has the first.
+    /// Moves between two levels of the sequence. The view must be at level `from`.
     pub(in crate::lod::skip) fn move_between(&mut self, from: usize, to: usize) {
         let model = Arc::clone(&self.model);
         let number = |level: usize| model.order.len() - level;
@@ -65,7 +65,7 @@ impl SkipView {
                 self.split_within(collapse_id, None);
             }
         }
-        // What waits does not know of this.
+        // The schedule is out of date: the next update must evaluate all collapses.
         self.criteria = None;
         self.rebuild(&mut Vec::new());
     }

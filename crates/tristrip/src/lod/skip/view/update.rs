@@ -1,4 +1,5 @@
-//! The update of a view: finds the collapses whose choice may have changed, and does the collapses and splits that follow.
+//! The update of a view: finds the collapses whose choice may have changed, and applies the
+//! resulting collapses and splits.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -11,19 +12,19 @@ use crate::lod::skip::camera::CameraFrame;
 use crate::lod::skip::criteria::{CollapseChoice, Criteria, ViewCriteria};
 use crate::lod::skip::schedule::Schedule;
 
-/// The largest factor by which a frame raises the allowed error to keep a budget.
+/// The maximum factor by which one frame raises the allowed error to keep the budget.
 const MAX_RISE: f64 = 2.0;
-/// The groups of nodes by which collapses are read in the order of memory.
+/// The number of node groups by which collapses are ordered roughly by memory address.
 const GROUPS: usize = 4096;
-/// Collapses that are read before the first of them is looked at.
+/// The number of collapses whose bounds are loaded before the first of them is evaluated.
 const LOOKED_AT_ONCE: usize = 64;
 
-/// What an update of a view works with.
+/// The working data of an update.
 struct Frame<'a> {
     criteria: Criteria,
     view_criteria: &'a ViewCriteria,
     schedule: Schedule,
-    /// Whether everything is looked at.
+    /// Whether all candidates are evaluated.
     is_first: bool,
     splits: BinaryHeap<PendingSplit>,
 }
@@ -49,7 +50,7 @@ impl PartialOrd for PendingSplit {
     }
 }
 
-/// Brings nodes that are near each other in memory near each other in a list, in linear time.
+/// Orders nodes roughly by memory address, in linear time.
 fn near_together(nodes: &mut Vec<u32>, node_count: usize) {
     let shift = node_count.div_ceil(GROUPS).max(1).next_power_of_two().ilog2();
     let groups = Csr::group_items(nodes.iter().map(|&node| (node >> shift, node)), GROUPS + 1);
@@ -58,7 +59,7 @@ fn near_together(nodes: &mut Vec<u32>, node_count: usize) {
 }
 
 impl SkipView {
-    /// Moves to the detail of a frame, at the current scale.
+    /// Moves the view to the detail of a frame, at the current scale.
     pub(super) fn work(&mut self, frame: CameraFrame, view_criteria: &ViewCriteria, update: &mut ViewUpdate) {
         let model = Arc::clone(&self.model);
         let Some(bounds) = &model.bounds else { return };
@@ -96,7 +97,7 @@ impl SkipView {
         self.schedule = Some(frame.schedule);
     }
 
-    /// Returns the collapses that may be done or undone next.
+    /// Returns the collapses that can be applied or undone next.
     fn candidates(&self) -> Vec<u32> {
         let model = &self.model;
         let collapse_ids = (0..model.tree.len() as u32)
@@ -108,10 +109,11 @@ impl SkipView {
         collapse_ids.filter(may_change).collect()
     }
 
-    /// Looks at collapses whose entry expired: those that change are listed, the others are scheduled again.
+    /// Evaluates collapses whose schedule entry expired. Those that change are listed, the others
+    /// are scheduled again.
     fn look_at(&mut self, expired: &[u32], bounds: &TreeBounds, frame: &mut Frame, update: &mut ViewUpdate) {
         update.looked_at += expired.len();
-        // Reading all of a block first lets the reads overlap.
+        // Loading a whole block first lets the memory accesses overlap.
         let mut block = [(NodeBounds::default(), false); LOOKED_AT_ONCE];
         for collapse_ids in expired.chunks(LOOKED_AT_ONCE) {
             for (slot, &collapse_id) in block.iter_mut().zip(collapse_ids) {
@@ -123,7 +125,7 @@ impl SkipView {
         }
     }
 
-    /// Chooses for a collapse, which is then listed to change or scheduled.
+    /// Evaluates a collapse, and then lists it as a change or schedules it.
     fn choose(&mut self, collapse_id: u32, node: &NodeBounds, is_collapsed: bool, frame: &mut Frame) {
         match frame.criteria.choose(node, is_collapsed) {
             CollapseChoice::Stay { travel } => frame.schedule.wait(collapse_id, travel),
@@ -134,7 +136,7 @@ impl SkipView {
         }
     }
 
-    /// Does the listed changes: collapses first, then splits, those with the largest errors first.
+    /// Applies the listed changes: collapses first, then splits, largest error first.
     fn process(&mut self, bounds: &TreeBounds, frame: &mut Frame, update: &mut ViewUpdate) {
         let model = Arc::clone(&self.model);
         let (tree, dependencies) = (&model.tree, &model.dependencies);
@@ -171,11 +173,12 @@ impl SkipView {
                 }
                 if !self.split_within(next.collapse_id, frame.view_criteria.budget) {
                     if next.ratio.is_infinite() {
-                        // The eye is within its sphere: no error that is allowed makes room.
+                        // The eye is inside the sphere, so raising the allowed error does not help.
                         unfit.push(next.collapse_id);
                         continue;
                     }
-                    // Of a view that was not looked at before, all ratios are known, and the largest that does not fit is the right one.
+                    // The first update of a view knows all ratios. The largest one that does not
+                    // fit gives the scale.
                     let most = if frame.is_first { MAX_SCALE / self.scale } else { MAX_RISE };
                     self.scale *= next.ratio.min(most).max(1.0 + 1e-6);
                     frame.splits.push(next);
@@ -198,7 +201,7 @@ impl SkipView {
                 break;
             }
         }
-        // What is left is looked at again by the next update.
+        // The next update evaluates the remaining changes again.
         let splits = frame.splits.drain().map(|split| split.collapse_id);
         let left = self.new_candidates.drain(..).chain(self.to_collapse.drain(..)).chain(splits).chain(unfit);
         let before = frame.schedule.left_count();
@@ -206,7 +209,7 @@ impl SkipView {
         update.is_complete &= !is_over(update) || frame.schedule.left_count() == before;
     }
 
-    /// Looks at a collapse that has become the next one of its vertices, or may have.
+    /// Evaluates a collapse that may have become the next one of its vertices.
     fn look_at_candidate(
         &mut self,
         collapse_id: u32,
