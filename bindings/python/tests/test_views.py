@@ -174,7 +174,7 @@ def test_indices_have_any_layout_and_type() -> None:
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        ({"look_at": (0, 0, 0)}, "look_at: found [0.0, 0.0, 0.0], where the camera is"),
+        ({"look_at": (0, 0, 0)}, "look_at: found [0.0, 0.0, 0.0], the position of the camera"),
         ({}, "look_at, direction: expected exactly one"),
         ({"look_at": (1, 0, 0), "direction": (1, 0, 0)}, "look_at, direction: expected exactly one"),
         ({"direction": (0, 0, 0)}, "direction: found [0.0, 0.0, 0.0], expected a finite direction"),

@@ -1,5 +1,5 @@
-//! Levels: the traits of models and cursors, tables of triangles and errors, choosing a level for a
-//! view, and geomorphs between two levels.
+//! Levels: the traits of models and cursors, the table of triangle counts and errors, the choice of
+//! a level for a view, and geomorphs between levels.
 
 pub(crate) mod geomorph;
 pub(crate) mod hysteresis;

@@ -43,8 +43,7 @@ impl ModelKind {
     /// Builds a model of this kind from strips of the full mesh.
     ///
     /// # Errors
-    /// The constructor of the model fails: the strips do not match the sequence, or the collapses
-    /// rename too many slots.
+    /// The strips do not match the sequence, or the collapses rename too many slots.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

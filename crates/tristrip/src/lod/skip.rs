@@ -1,10 +1,10 @@
 //! Skip Strips: view-dependent level of detail whose display strips are updated incrementally.
 //!
 //! The collapses of a simplification form a vertex hierarchy. A view applies every collapse whose
-//! error is not visible: more of them far from the camera, outside the view frustum and on back
-//! faces. Strips are built once, for the full mesh. A view draws each strip vertex as its first
-//! active ancestor, and a filter removes the degenerate triangles. From frame to frame only few
-//! vertices change, and only the strips around them are rebuilt.
+//! error is too small to see. It therefore draws less detail far from the camera, outside the view
+//! frustum and on back faces. Strips are built once, for the full mesh. A view draws each strip
+//! vertex as its first active ancestor, and a filter removes the degenerate triangles. Only a few
+//! vertices change from frame to frame, and only the strips around them are rebuilt.
 //!
 //! ```text
 //! Mesh ──▶ merge tree: a CollapseSequence ─┐
@@ -20,10 +20,10 @@
 //! *Update*:
 //! 1. The travel of the camera since the last frame determines which collapses are evaluated again
 //!    (`schedule`).
-//! 2. Each of them that is allowed is applied if its dependencies are applied. The collapses that
-//!    depend on it are evaluated next.
-//! 3. Each collapse whose error is too large is split, largest error first. Collapses that depend
-//!    on it are split before it.
+//! 2. Each of these collapses is applied if its error is allowed and its dependencies are applied.
+//!    The collapses that depend on it are evaluated next.
+//! 3. Each collapse whose error is too large is split, largest error first. The collapses that
+//!    depend on it are split before it.
 //! 4. Steps 2 and 3 repeat until nothing changes. Then the flagged segments are scanned (module
 //!    `display`).
 //!
@@ -31,14 +31,14 @@
 //! and no split prevents another split.
 //!
 //! # Departures
-//! - Nodes are numbered depth-first. A node needs no list of children, and its active child is
-//!   stored as a node.
+//! - Nodes are numbered depth-first instead of having lists of child pointers. The active child of
+//!   a node is stored as a node id.
 //! - The published algorithm evaluates all active vertices in every frame. Here a collapse is
 //!   evaluated again only after the camera has moved far enough.
 //! - The paper rebuilds whole strips; this implementation rebuilds segments of 64 entries.
 //! - Vertices at the same position on a seam collapse together, which prevents cracks.
 //! - The search for the first active ancestor starts with the skip pointer used last. Here it can
-//!   also rise to a farther ancestor; in the paper it can only fall.
+//!   also move up to a farther ancestor; the paper only moves it down.
 //! - A view stores the name of each node: the vertex of its first active ancestor. The descendants
 //!   of a node are a contiguous range, so a collapse or split fills a range of names.
 //!   [`SkipView::simplified_strips`] finds the same names with the skip pointers, as published.
@@ -50,9 +50,9 @@
 //! *Adaptive Real-Time Level-of-Detail-Based Rendering for Polygonal Models*, 1997.
 //!
 //! # Complexity
-//! Building takes O(n log n) time for n vertices. An update takes time proportional to the number
-//! of collapses evaluated, of descendants of the changed nodes, and of entries in the segments that
-//! contain them. `docs/views.md` lists the memory per vertex.
+//! Building takes O(n log n) time for n vertices. The time of an update is proportional to the
+//! collapses evaluated, the descendants of the changed nodes, and the segments scanned.
+//! `docs/views.md` lists the memory per vertex.
 
 mod bounds;
 mod camera;
@@ -88,7 +88,7 @@ pub use repaired_view::RepairedView;
 use vertex_tree::VertexTree;
 pub use view::{SkipView, ViewGeomorphs, ViewSnapshot, ViewUpdate};
 
-/// A level-of-detail model in which each view has its own, view-dependent detail.
+/// A view-dependent level-of-detail model, shared by any number of views.
 ///
 /// ```
 #[doc = include_str!("skip/example.txt")]
@@ -189,8 +189,8 @@ impl SkipStrips {
         })
     }
 
-    /// Returns the triangle count and the error of each level. The detail of a view generally
-    /// matches none of these levels.
+    /// Returns the triangle count and the error of each level. A view generally matches none of
+    /// these levels.
     ///
     /// ```
     #[doc = include_str!("skip/example.txt")]
@@ -233,7 +233,7 @@ impl SkipStrips {
         self.tree.depth()
     }
 
-    /// Returns the mean number of listed dependencies per collapse.
+    /// Returns the mean number of direct dependencies per collapse.
     ///
     /// ```
     #[doc = include_str!("skip/example.txt")]
@@ -244,7 +244,8 @@ impl SkipStrips {
         self.dependencies.len() as f64 / self.order.len().max(1) as f64
     }
 
-    /// Returns the memory in bytes of the strips of the full mesh, and of everything else.
+    /// Returns the memory in bytes, as `[strips, others]`: the strips of the full mesh, and
+    /// everything else.
     ///
     /// ```
     #[doc = include_str!("skip/example.txt")]

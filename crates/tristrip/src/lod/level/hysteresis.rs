@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! error of the level   0 ───────── share ───────── allowed ─────────▶
-//!                        too fine │      stays      │ too coarse
+//!                        too fine │   level kept    │ too coarse
 //!                          coarsen ──────────────▶ │
 //!                                 │ ◀────────────── refine
 //! ```
@@ -93,7 +93,7 @@ mod tests {
 
     proptest! {
         /// The error of the level never exceeds the allowed error. After a switch, the level is
-        /// kept while the allowed error moves back, or further on, by less than the share.
+        /// kept while the allowed error changes further by less than the share.
         #[test]
         fn a_wavering_view_changes_nothing(
             errors in prop::collection::vec(0.0..1.0_f32, 1..40),

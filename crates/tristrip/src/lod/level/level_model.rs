@@ -79,7 +79,7 @@ pub trait LevelModel: Send + Sync {
     fn start(self: Arc<Self>) -> Box<dyn LevelCursor>;
 }
 
-/// A position among the levels of a model, for one instance or view.
+/// The current level of a model, for one instance or view.
 pub trait LevelCursor: Send {
     /// Returns the triangle count and the error of each level.
     ///
@@ -168,7 +168,8 @@ pub trait LevelCursor: Send {
     /// mesh has more, moves to the base mesh.
     ///
     /// # Errors
-    /// [`LevelCursor::set_level`] fails. It never fails for a level of [`LevelCursor::levels`].
+    /// [`LevelCursor::set_level`] fails, which cannot happen for a level of
+    /// [`LevelCursor::levels`].
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

@@ -135,7 +135,7 @@ mod tests {
             assert!(View::of_camera(1.0, degrees, 1.0).is_err(), "{degrees}");
         }
         let view = View::of_camera(1.0, View::FIELD_OF_VIEW, View::ROWS).unwrap();
-        // 540 rows per tangent of half the angle, which is √2 − 1.
+        // The scale is 540 rows divided by the tangent of half the angle, √2 − 1.
         assert!((view.pixels_of(1.0) - 540.0 / (2.0_f32.sqrt() - 1.0)).abs() < 1e-3);
     }
 }

@@ -106,7 +106,7 @@ fn cones(triangles: &[u32], numbers: &NodeNumbers, nodes: &[NodeBounds]) -> Vec<
     cones
 }
 
-/// Returns the radius around `from` that contains the sphere of a node.
+/// Returns the radius of a sphere around `from` that contains the sphere of a node.
 fn reach(from: [f32; 3], node: &NodeBounds) -> f32 {
     rounded_up(distance(from, node.position) + f64::from(node.radius))
 }
@@ -124,7 +124,7 @@ fn point(position: [f32; 3]) -> Point {
     position.map(f64::from)
 }
 
-/// Returns a number rounded up, at most the largest finite one.
+/// Rounds up to an `f32`, at most `f32::MAX`.
 fn rounded_up(x: f64) -> f32 {
     (x as f32).next_up().min(f32::MAX)
 }

@@ -42,7 +42,7 @@ impl Camera {
             check_finite(name, point)?;
         }
         if eye.iter().zip(look_at).all(|(&a, b)| a.total_cmp(&b).is_eq() || a - b == 0.0) {
-            let found = format!("{eye:?}, where the camera is");
+            let found = format!("{eye:?}, the position of the camera");
             return Err(Error::Parameter { name: "look_at", found, expected: "another point" });
         }
         let field_of_view = View::FIELD_OF_VIEW;

@@ -23,7 +23,7 @@
 //! whichever is larger. A turn of the gaze adds the distance by which it moves the farthest point
 //! of the model. A choice depends on the distance of the sphere from the eye and from the frustum
 //! planes, on the angle between its normals and the view direction, and on its angle to the gaze
-//! direction. None of these changes by more than the travel allows. If a collapse does not change,
+//! direction. The travel bounds the change of each of them. If a collapse does not change,
 //! [`Criteria::choose`] returns the travel for which this choice remains valid.
 //!
 //! # References
@@ -41,9 +41,10 @@ use crate::vector::{Point, dot, sub, unit};
 const BACK_TOLERANCE: f64 = 4.0;
 const SILHOUETTE_TOLERANCE: f64 = 0.5;
 const DARK_TOLERANCE: f64 = 2.0;
-/// The minimum allowed error in pixels with a triangle budget. An error of 0 could not be scaled.
+/// The minimum allowed error in pixels with a triangle budget. The budget scales the allowed error,
+/// which would not change an error of 0.
 const MIN_PIXELS: f64 = 1e-6;
-/// A bound on the travel is good enough if it exceeds this share of the distance.
+/// A travel longer than this share of the distance is accepted without computing a better bound.
 const SURE_SHARE: f64 = 0.02;
 
 /// The criteria that determine the detail of a view.
@@ -62,7 +63,7 @@ pub struct ViewCriteria {
     pub frustum: bool,
     /// Whether surfaces that face away from the eye may have four times the allowed error.
     pub back_faces: bool,
-    /// Whether silhouettes may have only half the allowed error.
+    /// Whether silhouettes are limited to half the allowed error.
     pub silhouettes: bool,
     /// The direction to a light, of any length; see [`ViewCriteria::with_light`].
     pub light: Option<[f32; 3]>,
@@ -72,7 +73,8 @@ pub struct ViewCriteria {
     pub budget: Option<usize>,
     /// The maximum number of collapses and splits per update.
     pub steps: Option<usize>,
-    /// The share of the allowed error up to which a collapse is applied.
+    /// The share of the allowed error up to which a collapse is applied. An applied collapse is
+    /// kept up to the full allowed error.
     pub hysteresis: Hysteresis,
 }
 
@@ -124,7 +126,7 @@ impl ViewCriteria {
         /// ```
         with_back_faces(back_faces: bool);
 
-        /// Sets whether silhouettes may have only half the allowed error.
+        /// Sets whether silhouettes are limited to half the allowed error.
         ///
         /// ```
         /// use tristrip::lod::ViewCriteria;
@@ -183,7 +185,8 @@ impl ViewCriteria {
         /// ```
         with_steps(steps: usize) as Some;
 
-        /// Sets the share of the allowed error up to which a collapse is applied.
+        /// Sets the share of the allowed error up to which a collapse is applied. An applied
+        /// collapse is kept up to the full allowed error.
         ///
         /// ```
         /// use tristrip::lod::{Hysteresis, ViewCriteria};

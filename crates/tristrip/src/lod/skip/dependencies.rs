@@ -1,9 +1,9 @@
 //! Dependencies: the collapses that must be applied before another one. With them, no view has a
 //! foldover that the simplification does not have.
 //!
-//! The simplification checked each collapse in the neighbourhood that the mesh had at that time.
-//! The collapse is valid again whenever its neighbourhood is the same: all vertices around it have
-//! the same children as then.
+//! The simplification checked each collapse only in the neighbourhood of that time. The collapse is
+//! valid again whenever its neighbourhood is the same: all vertices around it have the same
+//! children as then.
 //!
 //! ```text
 //!       n1 ── n2
@@ -16,13 +16,13 @@
 //! triangles are then those of the simplification, whatever else is applied. A split, in turn,
 //! requires that no collapse that depends on it is applied.
 //! # Algorithm
-//! The collapses are replayed from the full mesh. For each vertex of the triangles around it, a
-//! collapse depends on the last collapse into that vertex. A collapse that drops the last triangle
-//! between the kept vertex and a third vertex also counts as a collapse into the third vertex.
-//! Otherwise a later collapse of the third vertex would not know that this triangle is gone. A
-//! dependency is omitted if another dependency in the list already depends on it. The published
-//! reduction omits nodes with an ancestor in the list; this one also omits indirect dependencies of
-//! other kinds.
+//! The collapses are replayed from the full mesh. A collapse depends on the last collapse into each
+//! vertex of the triangles around its own vertices. A collapse that drops the last triangle between
+//! the kept vertex and a third vertex also counts as a collapse into the third vertex. Otherwise a
+//! later collapse of the third vertex would not know that this triangle is gone. A dependency is
+//! omitted if another dependency in the list already depends on it. The published reduction omits
+//! nodes with an ancestor in the list; this one also omits nodes that another collapse in the list
+//! depends on.
 //!
 //! Every triangle of a view then also exists at some level of the simplification. Its corners were
 //! last changed by a collapse of the view that had the neighbourhood of the simplification.
@@ -52,7 +52,7 @@ use crate::ids::OptionalId;
 use crate::lod::level::level_mesh::LevelMesh;
 use crate::packed::PackedRows;
 
-/// The neighbours of a kept vertex count only up to this number of triangles.
+/// The neighbours of a kept vertex with more triangles than this are ignored.
 const MAX_TRIANGLES: usize = 1024;
 
 /// The dependencies and the dependents of each collapse, by collapse id.
@@ -180,7 +180,7 @@ impl TreeReplay {
         }
     }
 
-    /// Records the last collapse as one into these nodes, too.
+    /// Records the current collapse as the last one into these nodes.
     fn touch(&mut self, nodes: impl Iterator<Item = u32>) {
         let number = self.ends.len() as u32 - 1;
         nodes.for_each(|node| self.last[node as usize] = OptionalId::some(number));

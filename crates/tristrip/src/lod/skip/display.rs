@@ -1,15 +1,16 @@
 //! The display strips of a view, stored in an index buffer.
 //!
 //! # Algorithm
-//! A collapse or split flags the segments that are affected by the vertices it renames. For each
-//! chunk with a flagged segment:
+//! A collapse or split flags the segments affected by the vertices that it renames. For each chunk
+//! with a flagged segment:
 //!
 //! 1. The flagged segments are scanned again, each from the filter state at the end of the segment
 //!    before it. A scan reads the name of each vertex, which is its first active ancestor, and
 //!    emits the display strips.
 //! 2. If the state at the end of a segment differs from before, the next segment is scanned, too.
-//! 3. The output of the following segments moves. The part of the region that differs is reported
-//!    as a changed range. A region that has become too short moves to the end of the buffer.
+//! 3. The output of the remaining segments of the chunk moves. The part of the region that differs
+//!    is reported as a changed range. A region that has become too short moves to the end of the
+//!    buffer.
 //!
 //! Unused entries of a region are filled with [`RESTART`], so the whole buffer can be drawn at
 //! once.
@@ -149,8 +150,8 @@ impl StripBuffer {
         let count = strips.segment_count();
         let mut start = 0;
         let region = |chunk: &EntryRange| {
-            // Filters send hardly more vertices than the strips have, unless they split at every
-            // second triangle.
+            // Filters send only slightly more vertices than the strips have, unless they split at
+            // every second triangle.
             let len = chunk.end - chunk.start;
             let capacity = len + len / 4 + 16;
             start += capacity;

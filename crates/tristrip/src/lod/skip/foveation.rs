@@ -10,13 +10,16 @@
 //! sphere of a collapse.
 //!
 //! # Travel
-//! Let d be the distance of the sphere, θ its angle in radians, G the growth per radian and f = 1 +
-//! Gθ. A collapse is allowed if d f is at least the distance n that its error needs. Moving the eye
-//! by dw changes d by at most dw, and θ by at most dw / d. Turning the gaze by dρ changes θ by at
-//! most dρ. A turn counts as the travel of the farthest point, which is at least d dρ. A travel of
-//! dt then changes d f by at most (f + G) dt. Within a travel t = s d, θ grows by at most ∫ dt / (d
-//! − t) ≤ ln 1/(1 − s). Therefore d f changes by at most (f + (1 + ln 1/(1 − s)) G) t, with the
-//! initial f.
+//! Let d be the distance of the sphere, θ its angle in radians, G the growth per radian and
+//! f = 1 + Gθ. A collapse is allowed if d f is at least the distance n that its error needs.
+//!
+//! - Moving the eye by dw changes d by at most dw, and θ by at most dw / d.
+//! - Turning the gaze by dρ changes θ by at most dρ. A turn counts as the travel of the farthest
+//!   point, which is at least d dρ.
+//!
+//! A travel of dt then changes d f by at most (f + G) dt. Within a travel t = s d, θ grows by at
+//! most ∫ dt / (d − t) ≤ ln 1/(1 − s). Therefore d f changes by at most
+//! (f + (1 + ln 1/(1 − s)) G) t, with the initial f.
 //!
 //! # References
 //! Guenter, Finch, Drucker, Tan, Snyder: *Foveated 3D Graphics*, 2012.
@@ -49,7 +52,7 @@ pub struct Foveation {
 
 impl Foveation {
     /// Creates a foveation around the image center: `degrees` away from the center, the allowed
-    /// error is multiplied by 1 + `growth` × `degrees`. For an eye that can just resolve the
+    /// error is multiplied by 1 + `growth` × `degrees`. For a viewer who can just resolve single
     /// pixels, the growth is about 1 per degree. A growth of 0 disables foveation.
     ///
     /// # Errors

@@ -14,7 +14,7 @@
 //! number of vertices, which preserves the winding of the rest.
 //!
 //! # Complexity
-//! O(n) time. 4 bytes per strip vertex, plus a packed segment number each.
+//! O(n) time. 4 bytes and one packed segment number per strip vertex.
 
 use super::vertex_tree::{NodeNumbers, VertexTree};
 use crate::csr::Csr;

@@ -3,7 +3,7 @@
 //!
 //! Display strips that are filtered from the strips of the full mesh break up as a view gets
 //! coarser. This view has strips of its own triangles instead. `repair` keeps them about as good as
-//! strips built from scratch. It is not part of the published algorithm.
+//! strips built from scratch. This is not part of the published algorithm.
 //!
 //! Each update writes all strips again, which takes time proportional to the triangles of the view.
 //!
@@ -125,7 +125,7 @@ impl RepairedView {
         &self.view
     }
 
-    /// Returns the repaired strips, in vertices of the full mesh.
+    /// Returns the repaired strips. They use the vertex ids of the full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -2,7 +2,7 @@
 //!
 //! A collapse sets the flag of the node's parent pointer and makes the node the active child of its
 //! parent. A split clears the flag, and the child that collapsed before becomes the active one.
-//! Nodes are numbered depth-first, so an active child is stored as a node.
+//! Nodes are numbered depth-first, so an active child is stored as a node id.
 
 use super::dependencies::Dependencies;
 use super::vertex_tree::VertexTree;
@@ -110,7 +110,7 @@ impl ViewState {
             split.push(collapse_id);
             return;
         }
-        // Each collapse, with the positions of its remaining dependents.
+        // The collapses to split, each with the positions of its remaining dependents.
         let mut stack = vec![(collapse_id, dependencies.dependents_range(collapse_id))];
         while let Some((collapse_id, range)) = stack.last_mut() {
             let collapse_id = *collapse_id;
@@ -139,7 +139,7 @@ impl ViewState {
             collapsed.push(collapse_id);
             return;
         }
-        // Each collapse, with the positions of its remaining dependencies.
+        // The collapses to apply, each with the positions of its remaining dependencies.
         let mut stack = vec![(collapse_id, dependencies.needed_range(collapse_id))];
         while let Some((collapse_id, range)) = stack.last_mut() {
             let collapse_id = *collapse_id;

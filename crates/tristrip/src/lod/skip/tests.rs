@@ -219,8 +219,8 @@ proptest! {
     }
 }
 
-/// Returns the mesh of figure 12: two strips of ten vertices. Strip b lies below the drawn strip and
-/// shares the vertices 2, 4, 6, 8 and 10 with it.
+/// Returns the mesh of figure 12: two strips of ten vertices. Strip b lies below the drawn strip
+/// and shares the vertices 2, 4, 6, 8 and 10 with it.
 ///
 /// ```text
 ///  1 ── 3 ── 5 ── 7 ── 9

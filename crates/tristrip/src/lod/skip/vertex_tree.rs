@@ -39,8 +39,7 @@ pub(super) struct VertexTree {
     groups: Vec<(u32, Vec<u32>)>,
     /// The collapse ids of these other nodes, sorted by node.
     followers: Vec<(u32, u32)>,
-    /// Whether a node is in a group, one bit per node. Few nodes are, so most lookups need no
-    /// search.
+    /// Whether a node is in a group, one bit per node. Most nodes are not, which avoids a search.
     is_grouped: Vec<u64>,
     depth: u32,
 }

@@ -53,8 +53,8 @@ pub struct ViewUpdate {
 
 /// The level of detail of a model for one camera, updated from frame to frame.
 ///
-/// A view starts at the base mesh. It holds no lock, so several threads can update views of the
-/// same model.
+/// A view starts at the base mesh. Views hold no lock: several threads can update views of the same
+/// model at the same time.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -174,8 +174,8 @@ impl SkipView {
         view
     }
 
-    /// Moves the view to the detail that a camera needs. The work is proportional to the difference
-    /// from the previous camera.
+    /// Moves the view from its current detail to the detail that a camera needs. The work is
+    /// proportional to the number of changes.
     ///
     /// # Errors
     /// The model has no positions, the allowed error is negative or NaN, or the direction to the
@@ -333,7 +333,7 @@ impl SkipView {
         self.display.iter().flat_map(Display::ranges)
     }
 
-    /// Returns a copy of the display strips, in vertices of the full mesh.
+    /// Returns a copy of the display strips. They use the vertex ids of the full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

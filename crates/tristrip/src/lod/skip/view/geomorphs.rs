@@ -1,8 +1,8 @@
 //! Geomorphs of views: smooth transitions between two states of a view.
 //!
 //! From one frame to the next, a view splits some vertices and collapses others. Without a geomorph
-//! these vertices visibly jump. Between the two states lies a mesh with all collapses of both
-//! states applied. Each state has a geomorph to this mesh:
+//! these vertices visibly jump. An intermediate mesh has the collapses of both states applied. Each
+//! state has a geomorph to it:
 //!
 //! ```text
 //! mesh before ── vertices that collapse ──▶ both applied ◀── vertices that split ── mesh after
@@ -13,7 +13,7 @@
 //! 2. Each of these nodes moves to its first ancestor that is active in the other state. Ancestors
 //!    come before their descendants, so the target of an ancestor that moves too is already known.
 //!
-//! The mesh in between is a valid view: every applied collapse has its dependencies applied, too.
+//! The intermediate mesh is a valid view: every applied collapse has its dependencies applied, too.
 //!
 //! # References
 //! Hoppe: *View-Dependent Refinement of Progressive Meshes*, 1997, section 5.
@@ -75,8 +75,7 @@ impl SkipView {
     }
 
     /// Finds the vertices that move between a snapshot and the current state of the view. The
-    /// snapshot may come from another view of the same model, and any number of updates may lie in
-    /// between.
+    /// snapshot may come from another view of the same model, or from any number of updates ago.
     ///
     /// # Errors
     /// The snapshot belongs to another model.
