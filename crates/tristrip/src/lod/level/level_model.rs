@@ -59,7 +59,7 @@ pub trait LevelModel: Send + Sync {
     /// ```
     #[doc = include_str!("../example.txt")]
     /// let memory = |encoding| ProgressiveStrips::new(&strips, &sequence, encoding).map(|model| model.memory());
-    /// // One slot less to store.
+    /// // One slot fewer to store.
     /// assert_eq!((memory(Encoding::Naive)?, memory(Encoding::Offsets)?), (92, 84));
     /// # Ok::<(), tristrip::Error>(())
     /// ```

@@ -4,7 +4,7 @@
 //! roots, which give the same bits on every machine.
 //!
 //! # References
-//! Shirmun, Abi-Ezzi: *The Cone of Normals Technique for Fast Processing of Curved Patches*, 1993.
+//! Shirman, Abi-Ezzi: *The Cone of Normals Technique for Fast Processing of Curved Patches*, 1993.
 
 use crate::vector::{Point, dot};
 

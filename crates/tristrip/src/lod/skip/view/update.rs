@@ -29,7 +29,7 @@ struct Frame<'a> {
     splits: BinaryHeap<PendingSplit>,
 }
 
-/// A collapse that is to be split.
+/// A collapse to split.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct PendingSplit {
     ratio: f64,
