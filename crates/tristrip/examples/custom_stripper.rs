@@ -43,7 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Returns the squared length of the edge from the corner of a half-edge to the next corner of its triangle.
+/// Returns the squared length of the edge from the corner of a half-edge to the next corner of its
+/// triangle.
 fn squared_length(mesh: &Mesh, triangles: &[u32], half_edge: u32) -> f32 {
     let next = half_edge - half_edge % 3 + (half_edge + 1) % 3;
     let [a, b] = [half_edge, next].map(|corner| mesh.positions()[triangles[corner as usize] as usize]);

@@ -26,7 +26,8 @@ fn main() -> Result<(), tristrip::Error> {
     for distance in [50.0, 500.0, 5000.0] {
         let view = View::of_camera(distance, 45.0, 1080.0)?;
         cursor.follow_pixels(1.0, view, Hysteresis::default())?;
-        // Upload these ranges of cursor.indices(), then draw one triangle strip with primitive restart.
+        // Upload these ranges of cursor.indices(), then draw one triangle strip with primitive
+        // restart.
         let changed = cursor.take_changed(16);
         let triangles = cursor.levels().triangle_count(cursor.level())?;
         println!("distance {distance}: {triangles} triangles, {} ranges to upload", changed.len());

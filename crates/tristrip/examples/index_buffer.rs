@@ -1,4 +1,5 @@
-//! Strips an index buffer of 16 bits, without positions: `cargo run -p tristrip --example index_buffer`.
+//! Strips an index buffer of 16 bits, without positions:
+//! `cargo run -p tristrip --example index_buffer`.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
 use tristrip::Layout;

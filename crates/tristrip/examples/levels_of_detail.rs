@@ -1,7 +1,8 @@
-//! Draws a mesh at another level of detail in every frame: `cargo run --release -p tristrip --example levels_of_detail`.
+//! Draws a mesh at another level of detail in every frame:
+//! `cargo run --release -p tristrip --example levels_of_detail`.
 //!
-//! The mesh flies away from the eye and comes back. In each frame its error may cover one pixel, and only the ranges of the index buffer
-//! that changed would be sent to the graphics processor.
+//! The mesh flies away from the eye and comes back. In each frame its error may cover one pixel,
+//! and only the ranges of the index buffer that changed would be sent to the graphics processor.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
 use std::sync::Arc;

@@ -1,4 +1,5 @@
-//! Proves strips, and shows what the proof says of wrong ones: `cargo run -p tristrip --example prove`.
+//! Proves strips, and shows what the proof says of wrong ones:
+//! `cargo run -p tristrip --example prove`.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
 use tristrip::verify::verify;

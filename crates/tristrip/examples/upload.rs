@@ -1,4 +1,5 @@
-//! Lays strips out in memory that a graphics interface has mapped: `cargo run -p tristrip --example upload`.
+//! Lays strips out in memory that a graphics interface has mapped:
+//! `cargo run -p tristrip --example upload`.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
 use tristrip::{Index, Layout};

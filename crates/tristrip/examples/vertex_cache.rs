@@ -1,4 +1,5 @@
-//! Orders strips for a vertex cache, and counts its misses: `cargo run --release -p tristrip --example vertex_cache`.
+//! Orders strips for a vertex cache, and counts its misses:
+//! `cargo run --release -p tristrip --example vertex_cache`.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};

@@ -1,19 +1,20 @@
 //! The path cover: disjoint simple paths over the dual graph of triangles, one path per strip.
 //!
-//! A path is stored as links: each triangle stores over which of its three edges it is linked to its neighbours on the path.
-//! The links of a triangle take one byte, have no direction, and need no renumbering when paths are cut or joined.
+//! Each triangle stores which of its three edges link it to its neighbours on the path. The links
+//! of a triangle take one byte. They have no direction and need no renumbering when paths are cut
+//! or joined.
 //!
 //! ```text
 //!   ●━━●━━●  ○   ●━━●      three paths: six nodes, three links, four ends and an isolated triangle
 //! ```
 //!
 //! # References
-//! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001 (the cover as red and black edges);
-//! Pósa: *Hamiltonian circuits in random graphs*, 1976 (rotations).
+//! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001 (the cover
+//! as red and black edges); Pósa: *Hamiltonian circuits in random graphs*, 1976 (rotations).
 //!
 //! # Complexity
-//! 1 byte per triangle. Linking and cutting take O(1), joining and rotating O(length of the paths that they touch),
-//! numbering O(n) and 8 bytes per triangle.
+//! 1 byte per triangle. Linking and cutting take O(1) time. Joining and rotating take O(length of
+//! the affected paths). Numbering takes O(n) time and 8 bytes per triangle.
 
 mod diagonals;
 pub(crate) mod local_search;
@@ -23,10 +24,10 @@ pub(crate) mod priced;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge};
 
-/// The two bits of an absent link.
+/// The two bits that represent a missing link.
 const FREE: u8 = 3;
 
-/// Disjoint paths over the triangles of a dual graph, as a method chose them.
+/// Disjoint paths over the triangles of a dual graph. Each path becomes a strip.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};
@@ -40,7 +41,7 @@ const FREE: u8 = 3;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PathCover {
-    /// Bits 0–1 and 2–3: the edges that are linked, or `FREE`.
+    /// Bits 0–1 and 2–3: the linked edges, or `FREE`.
     links: Vec<u8>,
     link_count: usize,
 }
@@ -69,16 +70,16 @@ pub enum CoverFault {
 /// The path of each triangle and its position on that path.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Numbering {
-    /// The path of each triangle, counted in order of the paths' lowest triangles.
+    /// The path of each triangle. Paths are numbered in order of their lowest triangles.
     pub(crate) path: Vec<u32>,
-    /// The position of each triangle on its path, counted from the path's first end.
+    /// The position of each triangle on its path, from the path's first end.
     pub(crate) position: Vec<u32>,
     /// The first triangle of each path.
     pub(crate) first: Vec<FaceId>,
 }
 
 impl PathCover {
-    /// Creates the cover in which every triangle is a path by itself.
+    /// Creates a cover in which every triangle is a path of its own.
     ///
     /// ```
     /// use tristrip::PathCover;
@@ -99,7 +100,7 @@ impl PathCover {
         self.links.len()
     }
 
-    /// Returns whether there is no triangle.
+    /// Returns whether there are no triangles.
     ///
     /// ```
     #[doc = include_str!("dual/example.txt")]
@@ -125,7 +126,8 @@ impl PathCover {
         self.links.len() - self.link_count
     }
 
-    /// Counts the links of a triangle: 0 if it is isolated, 1 at the end of a path, 2 inside.
+    /// Counts the links of a triangle: 0 if it is isolated, 1 at the end of a path, 2 inside a
+    /// path.
     #[inline]
     pub(crate) fn degree(&self, face: FaceId) -> usize {
         self.edges(face).into_iter().flatten().count()
@@ -145,8 +147,9 @@ impl PathCover {
         self.edges(FaceId(half_edge.0 / 3)).contains(&Some(half_edge))
     }
 
-    /// Links two triangles across a half-edge and its twin, without a check for cycles: see [`PathCover::join`].
-    /// Returns whether it succeeded: both have a free link, there is a twin, and they are not linked there already.
+    /// Links two triangles across a half-edge and its twin without checking for cycles (see
+    /// [`PathCover::join`]). Returns whether it succeeded: the twin exists, both triangles have a
+    /// free link, and they are not linked across this edge.
     #[inline]
     pub(crate) fn link(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
         let Some(twin) = graph.twin(half_edge) else { return false };
@@ -173,8 +176,9 @@ impl PathCover {
         true
     }
 
-    /// Joins the ends of two different paths across a half-edge of the graph of the triangles. Returns whether it succeeded: the half-edge has a
-    /// twin, and its two triangles are ends of different paths. The time is proportional to the length of one of them.
+    /// Joins the ends of two different paths across a half-edge of the graph. Returns whether it
+    /// succeeded: the half-edge has a twin, and its two triangles are ends of different paths. The
+    /// time is proportional to the length of one of the paths.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, HalfEdge, PathCover};
@@ -182,7 +186,7 @@ impl PathCover {
     /// let graph = DualGraph::new(&Faces::from_triangles(vec![0, 1, 2, 0, 2, 3, 0, 3, 1])?);
     /// let mut cover = PathCover::isolated(3);
     /// let joined: Vec<bool> = (0..9).map(|half_edge| cover.join(&graph, HalfEdge(half_edge))).collect();
-    /// // Half-edges 1, 4 and 7 are at the boundary. A third link would close the path.
+    /// // Half-edges 1, 4 and 7 are boundary edges. A third link would close the path.
     /// assert_eq!(joined, [true, false, true, false, false, false, false, false, false]);
     /// assert_eq!((cover.path_count(), cover.check(&graph)), (1, Ok(())));
     /// # Ok::<(), tristrip::Error>(())
@@ -197,15 +201,17 @@ impl PathCover {
         self.other_end(graph, face) != Some(other) && face != other && self.link(graph, half_edge)
     }
 
-    /// Iterates over a path from one of its ends: each triangle with the half-edges over which the path enters and leaves it.
-    /// From a triangle inside a path it goes in one direction only, over the second stored link.
+    /// Iterates over a path from one of its ends, with the half-edges over which the path enters
+    /// and leaves each triangle. From a triangle inside a path, the iteration goes in one direction
+    /// only, over the second stored link.
     pub(crate) fn walk<'a>(&'a self, graph: &'a DualGraph, start: FaceId) -> PathWalk<'a> {
         let [a, b] = self.edges(start);
         let exit = if a.is_some() && b.is_some() { b } else { a.or(b) };
         PathWalk { cover: self, graph, state: Some((start, None, exit)), left: self.links.len() }
     }
 
-    /// Returns the other end of the path that ends at this triangle; the triangle itself if it is isolated, `None` inside a path.
+    /// Returns the other end of the path that ends at this triangle. An isolated triangle returns
+    /// itself, and a triangle inside a path `None`.
     pub(crate) fn other_end(&self, graph: &DualGraph, end: FaceId) -> Option<FaceId> {
         if self.degree(end) == 2 {
             return None;
@@ -220,7 +226,8 @@ impl PathCover {
             if seen[lowest as usize] {
                 return None;
             }
-            // The first end of a path is the one in the direction of the lowest triangle's first link. The path is marked from there.
+            // The first end of a path is the end in the direction of the lowest triangle's first
+            // link. The path is marked from there.
             let mut start = FaceId(lowest);
             if self.degree(start) == 2 {
                 let [first, _] = self.edges(start);
@@ -240,7 +247,7 @@ impl PathCover {
         })
     }
 
-    /// Returns the number of each triangle's path and its position on it.
+    /// Returns the path of each triangle and its position on that path.
     pub(crate) fn renumber(&self, graph: &DualGraph) -> Numbering {
         let mut numbering = Numbering {
             path: vec![0; self.links.len()],
@@ -257,7 +264,7 @@ impl PathCover {
         numbering
     }
 
-    /// Checks that links are stored on both sides, that no path is closed, and that the link count is right.
+    /// Checks that links are stored on both sides, no path is closed, and the link count is right.
     ///
     /// # Errors
     /// The first violation found.
@@ -292,7 +299,7 @@ impl PathCover {
         if ends != 2 * self.path_count() {
             return Err(CoverFault::Count);
         }
-        // A node that no walk from an end reaches lies on a cycle.
+        // A node that is not reached from any end lies on a cycle.
         let mut reached = vec![false; self.links.len()];
         for face in (0..self.links.len() as u32).map(FaceId) {
             if self.degree(face) < 2 && !reached[face.0 as usize] {
@@ -307,7 +314,8 @@ impl PathCover {
         }
     }
 
-    /// Links two triangles across twins that the caller knows to be free and not to close a path.
+    /// Links two triangles across twins. The twins must be free, and the link must not close a
+    /// path.
     #[inline]
     pub(crate) fn link_unchecked(&mut self, half_edge: u32, twin: u32) {
         self.set(HalfEdge(half_edge));
@@ -315,7 +323,7 @@ impl PathCover {
         self.link_count += 1;
     }
 
-    /// Removes the link across twins that the caller knows to be linked.
+    /// Removes the link across twins. The twins must be linked.
     #[inline]
     pub(crate) fn cut_unchecked(&mut self, half_edge: u32, twin: u32) {
         self.clear(HalfEdge(half_edge));
@@ -323,20 +331,22 @@ impl PathCover {
         self.link_count -= 1;
     }
 
-    /// Copies the links of triangles that were covered separately: those from `first` on, which must still be isolated here.
+    /// Copies the links of triangles that were covered separately. They start at `first` and must
+    /// still be isolated here.
     #[cfg(feature = "rayon")]
     pub(crate) fn put_back(&mut self, first: usize, part: &Self) {
         self.links[first..first + part.len()].copy_from_slice(&part.links);
         self.link_count += part.link_count;
     }
 
-    /// Sets both edges (0–2) over which an inner triangle of a path is linked; the links of its neighbours must match.
+    /// Sets the two edges (0–2) over which an inner triangle of a path is linked. The links of its
+    /// neighbours must match.
     #[inline]
     pub(crate) fn set_edges(&mut self, triangle: u32, first: u32, second: u32) {
         self.links[triangle as usize] = (first | second << 2) as u8;
     }
 
-    /// Returns the edges (0–2) over which a triangle is linked, 3 for none.
+    /// Returns the edges (0–2) over which a triangle is linked, or 3 for a missing link.
     #[inline]
     pub(crate) fn packed_edges(&self, triangle: u32) -> (u32, u32) {
         let links = u32::from(self.links[triangle as usize]);
@@ -362,7 +372,7 @@ pub(crate) struct PathWalk<'a> {
     cover: &'a PathCover,
     graph: &'a DualGraph,
     state: Option<(FaceId, Option<HalfEdge>, Option<HalfEdge>)>,
-    /// The number of triangles that may still be visited, so that the iterator ends on an invalid cover as well.
+    /// The number of triangles that may still be visited. It ends the iteration on invalid covers.
     left: usize,
 }
 
@@ -390,7 +400,7 @@ mod tests {
     use super::*;
     use crate::mesh::Faces;
 
-    /// A row of triangles, each sharing an edge with the next, optionally closed to a ring.
+    /// A row of triangles in which each shares an edge with the next, optionally closed to a ring.
     fn row(n: u32, ring: bool) -> DualGraph {
         let v = |i: u32| if ring { i % n } else { i };
         let corners = (0..n)

@@ -1,7 +1,8 @@
-//! The dual graph: faces connected across the edges that they share.
+//! The dual graph: faces connected across shared edges.
 //!
-//! A half-edge is a corner of a face and represents the edge from that corner to the next one of the face. Two half-edges of
-//! opposite direction over the same two vertices are *twins*, and a pair of twins is an arc of the graph.
+//! A half-edge is a corner of a face and represents the edge from that corner to the next one. Two
+//! half-edges of opposite direction over the same two vertices are *twins*. A pair of twins is an
+//! arc of the graph.
 //!
 //! ```text
 //!        c                  half-edge 3t + 0: a → b      its twin: b → a in the face below
@@ -12,14 +13,18 @@
 //! ```
 //!
 //! # Edges of more than two faces
-//! A half-edge is paired with the most recent unpaired one, of the last eight over that edge, whose face does not fold back
-//! onto its own (both have the same third corner: a face and its own reverse). Faces that fold back are paired last, in order.
-//! Half-edges of equal direction, that is neighbours with inconsistent winding, are never paired.
+//! A half-edge is paired with the most recent unpaired half-edge over the same edge, among the last
+//! eight, unless the two faces fold back onto each other. Two faces fold back if both have the same
+//! third corner, like a face and its own reverse. Faces that fold back are paired last, in order.
+//! Half-edges of equal direction belong to neighbours with inconsistent winding and are never
+//! paired.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes per triangle, and while building 12 more and 12 per
-//! vertex up to the highest one in use, or per vertex in use if those are few, and 8 per vertex for each thread after the first. Above
-//! a million triangles another 12 bytes.
+//! O(n) time for meshes of bounded valence, O(n log n) in the worst case. The graph takes 12 bytes
+//! per triangle. Building it takes another 12 bytes per triangle and 12 per vertex up to the
+//! highest one in use (or per vertex in use, if those are few). Each thread after the first needs 8
+//! bytes per vertex, and meshes of more than a million triangles need another 12 bytes per
+//! triangle.
 
 mod corners;
 mod pair;
@@ -40,8 +45,9 @@ use crate::ids::{FaceId, HalfEdge};
 use crate::mesh::Faces;
 use crate::union_find::UnionFind;
 
-/// The number of corners above which vertices are renumbered for the pairing, whose result does not depend on the numbers: the
-/// processor's caches no longer hold a vertex until its next use, unless the numbers follow the order of the faces.
+/// Number of corners above which vertices are renumbered before the pairing, whose result does not
+/// depend on the numbers. In larger meshes a vertex leaves the processor's caches before its next
+/// use, unless the vertex numbers follow the order of the faces.
 const RENUMBER_ABOVE: usize = 3 << 20;
 
 /// Faces connected across shared edges.
@@ -59,11 +65,11 @@ pub struct DualGraph {
     /// The twin of each half-edge, `NO_TWIN` at a boundary.
     twins: Vec<u32>,
     shape: FaceShape,
-    /// Whether it is known that no two half-edges have the same direction over the same vertices.
+    /// Whether no two half-edges are known to have the same direction over the same vertices.
     is_simple: bool,
 }
 
-/// Graphs are equal if they connect the same half-edges, however they were made.
+/// Graphs are equal if they connect the same half-edges, regardless of how they were built.
 impl PartialEq for DualGraph {
     fn eq(&self, other: &Self) -> bool {
         self.twins == other.twins && self.shape == other.shape
@@ -89,11 +95,13 @@ impl FaceShape {
 }
 
 impl DualGraph {
-    /// Connects the faces across the edges that they share; the module documentation gives the rule at edges of more than two faces.
+    /// Connects the faces across shared edges. The module documentation gives the rule for edges of
+    /// more than two faces.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces};
-    /// // Across the edge 1 2 the second triangle runs from 2 to 1, the third from 1 to 2 as the first does.
+    /// // The first and the third triangle traverse the edge from 1 to 2, the second one from 2 to
+    /// // 1.
     /// let graph = DualGraph::new(&Faces::from_triangles(vec![0, 1, 2, 2, 1, 3, 1, 2, 4])?);
     /// assert_eq!(graph.half_edge_twins().flatten().count(), 2);
     /// assert_eq!(graph.components().1, 2);
@@ -118,17 +126,18 @@ impl DualGraph {
         Self { twins, shape: FaceShape::Polygons { offsets, face_of }, is_simple }
     }
 
-    /// Creates the graph of triangles from the twin of each half-edge. The caller has paired the twins.
+    /// Creates the graph of triangles from the twin of each half-edge. Twins must refer to each
+    /// other.
     pub(crate) fn of_triangle_twins(twins: impl IntoIterator<Item = Option<u32>>) -> Self {
         Self::from_triangle_twins(twins.into_iter().map(|twin| twin.unwrap_or(NO_TWIN)).collect())
     }
 
-    /// Creates the graph of triangles from packed twins: `u32::MAX` at a boundary.
+    /// Creates the graph of triangles from packed twins, with `u32::MAX` at a boundary.
     pub(crate) fn from_triangle_twins(twins: Vec<u32>) -> Self {
         Self { twins, shape: FaceShape::Triangles, is_simple: false }
     }
 
-    /// Counts the faces, the nodes of the graph.
+    /// Counts the faces, which are the nodes of the graph.
     ///
     /// ```
     #[doc = include_str!("dual/example.txt")]
@@ -147,12 +156,13 @@ impl DualGraph {
         self.shape == FaceShape::Triangles
     }
 
-    /// Counts the half-edges: one per corner.
+    /// Counts the half-edges, one per corner.
     pub(crate) fn half_edge_count(&self) -> usize {
         self.twins.len()
     }
 
-    /// Iterates over the half-edges of all faces in order: the one on the other side, or `None` at a boundary.
+    /// Iterates over the twins of the half-edges of all faces, in order. The twin is `None` at a
+    /// boundary.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces};
@@ -165,7 +175,8 @@ impl DualGraph {
         self.twins.iter().map(|&twin| (twin != NO_TWIN).then_some(HalfEdge(twin)))
     }
 
-    /// Checks that the graph connects these faces: it has their half-edges, and twins run over the same two vertices.
+    /// Checks that the graph connects these faces: it has the same half-edges, and twins have the
+    /// same two vertices.
     pub(crate) fn check_faces(&self, faces: &Faces) -> Result<(), Error> {
         let wrong = |found: String| Error::Parameter {
             name: "graph",
@@ -202,7 +213,7 @@ impl DualGraph {
         }
     }
 
-    /// Returns the half-edge after one in its face.
+    /// Returns the next half-edge of the face.
     fn next(&self, half_edge: u32) -> u32 {
         match &self.shape {
             FaceShape::Triangles => half_edge - half_edge % 3 + (half_edge + 1) % 3,
@@ -213,14 +224,14 @@ impl DualGraph {
         }
     }
 
-    /// Returns the half-edge on the other side, or `None` at a boundary.
+    /// Returns the twin of a half-edge, or `None` at a boundary.
     #[inline]
     pub(crate) fn twin(&self, half_edge: HalfEdge) -> Option<HalfEdge> {
         let twin = self.twins[half_edge.0 as usize];
         (twin != NO_TWIN).then_some(HalfEdge(twin))
     }
 
-    /// Returns the face that a half-edge of this graph belongs to.
+    /// Returns the face of a half-edge.
     #[inline]
     pub(crate) fn face_of(&self, half_edge: HalfEdge) -> FaceId {
         match &self.shape {
@@ -229,7 +240,7 @@ impl DualGraph {
         }
     }
 
-    /// Iterates over the half-edges of a face of this graph in its winding.
+    /// Iterates over the half-edges of a face in winding order.
     pub(crate) fn half_edges(&self, face: FaceId) -> impl DoubleEndedIterator<Item = HalfEdge> + use<> {
         let range = match &self.shape {
             FaceShape::Triangles => 3 * face.0..3 * face.0 + 3,
@@ -238,38 +249,39 @@ impl DualGraph {
         range.map(HalfEdge)
     }
 
-    /// Iterates over the faces that share an edge with this one, in its winding; a face that shares two edges occurs twice.
+    /// Iterates over the faces that share an edge with this one, in winding order. A face that
+    /// shares two edges occurs twice.
     pub(crate) fn neighbours(&self, face: FaceId) -> impl Iterator<Item = FaceId> {
         self.half_edges(face).filter_map(|h| self.twin(h)).map(|h| self.face_of(h))
     }
 
-    /// Returns the half-edge on the other side by number, or `None` at a boundary, for inner loops.
+    /// Returns the index of the twin of a half-edge, or `None` at a boundary. For inner loops.
     #[inline]
     pub(crate) fn twin_of(&self, half_edge: u32) -> Option<u32> {
         let twin = self.twins[half_edge as usize];
         (twin != NO_TWIN).then_some(twin)
     }
 
-    /// Returns the packed twins for the inner loops: the other side of each half-edge, or `u32::MAX`.
+    /// Returns the packed twins, for inner loops: the twin of each half-edge, or `u32::MAX`.
     pub(crate) fn twins(&self) -> &[u32] {
         &self.twins
     }
 
-    /// Iterates over the half-edges of other triangles that share an edge with a triangle, for inner loops.
+    /// Iterates over the twins of a triangle's half-edges, for inner loops.
     #[inline]
     pub(crate) fn twins_of(&self, triangle: u32) -> impl Iterator<Item = u32> {
         let first = 3 * triangle as usize;
         self.twins[first..first + 3].iter().copied().filter(|&twin| twin != NO_TWIN)
     }
 
-    /// Iterates over the numbers of neighbours of all faces, in a graph of triangles.
+    /// Iterates over the number of neighbours of each triangle, in a graph of triangles.
     pub(crate) fn neighbour_counts(&self) -> impl Iterator<Item = u8> {
         let (triangles, _) = self.twins.as_chunks::<3>();
         triangles.iter().map(|twins| twins.iter().map(|&twin| u8::from(twin != NO_TWIN)).sum())
     }
 
-    /// Returns whether it is known that no two half-edges have the same direction over the same vertices, so that every edge has one face, or
-    /// two of opposite direction.
+    /// Returns whether no two half-edges are known to have the same direction over the same
+    /// vertices. Every edge then has one face, or two of opposite direction.
     pub(crate) fn is_simple(&self) -> bool {
         self.is_simple
     }
@@ -287,19 +299,21 @@ impl DualGraph {
         (0..self.face_count() as u32).filter(|&face| self.neighbours(FaceId(face)).next().is_none()).count()
     }
 
-    /// Sets the twin of one half-edge. The caller sets the other side, too.
+    /// Sets the twin of one half-edge. The caller must set the other side as well.
     #[inline]
     pub(crate) fn set_twin(&mut self, half_edge: u32, twin: Option<u32>) {
         self.is_simple = false;
         self.twins[half_edge as usize] = twin.unwrap_or(NO_TWIN);
     }
 
-    /// Returns whether a cover of this many paths has one path per connected component, as few as possible.
+    /// Returns whether a cover of this many paths has the minimum, one path per connected
+    /// component.
     pub(crate) fn has_components(&self, path_count: usize) -> bool {
         path_count <= 1 || self.components().1 == path_count
     }
 
-    /// Returns the connected component of each face, numbered in order of their first faces, and the number of components.
+    /// Returns the connected component of each face and the number of components. Components are
+    /// numbered in order of their first faces.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces};
@@ -309,7 +323,8 @@ impl DualGraph {
     /// ```
     pub fn components(&self) -> (Vec<u32>, usize) {
         let mut sets = self.connected_faces();
-        // The root of a set is its first face, so that the components are in the order of their first faces.
+        // The root of a set is its first face, so the components are in the order of their first
+        // faces.
         let mut count = 0;
         let mut component = vec![0; self.face_count()];
         for face in 0..self.face_count() as u32 {
@@ -339,7 +354,7 @@ impl DualGraph {
     /// Checks that twins refer to each other and never to a half-edge of the same face.
     ///
     /// # Errors
-    /// The first half-edge that does not satisfy this.
+    /// A half-edge does not satisfy this; the first one is returned.
     ///
     /// ```
     #[doc = include_str!("dual/example.txt")]

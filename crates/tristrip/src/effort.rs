@@ -1,6 +1,8 @@
-//! The effort of a search: levels that count steps, never seconds, so that the result is the same on any machine.
+//! The effort of a search: levels that count steps, never seconds, so that the result is the same
+//! on any machine.
 
-/// The effort of a search, from 0 to 9. It counts steps, never seconds, so that the result is the same on any machine.
+/// The effort of a search, from 0 to 9. It counts steps, never seconds, so that the result is the
+/// same on any machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Effort(u8);
 

@@ -27,7 +27,8 @@ pub enum Error {
         /// What the format requires.
         expected: String,
     },
-    /// There are more items than a limit allows: 32-bit ids, an index type, a buffer, or the memory.
+    /// There are more items than a limit allows: 32-bit ids, an index type, a buffer, or the
+    /// memory.
     #[error("{what}: found {found}, the limit is {limit}")]
     LimitExceeded {
         /// The kind of item that is limited.

@@ -1,10 +1,12 @@
-//! Ids: distinct 32-bit types for faces and half-edges, an optional id in four bytes, and the limit that keeps one value free.
+//! Ids: distinct 32-bit types for faces and half-edges, an optional id in four bytes, and the limit
+//! that keeps one value free.
 
 use crate::error::Error;
 use crate::index::Index;
 use crate::text::counted;
 
-/// The largest number of vertices, faces or corners: ids have 32 bits, and the highest value stays free.
+/// The largest number of vertices, faces or corners: ids have 32 bits, and the highest value stays
+/// free.
 pub const MAX_COUNT: usize = (u32::MAX - 1) as usize;
 
 /// Checks that a count is at most [`MAX_COUNT`].
@@ -44,7 +46,8 @@ pub struct FaceId(pub u32);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct HalfEdge(pub u32);
 
-/// An id that may be absent, in four bytes, for packed arrays. No id reaches [`MAX_COUNT`], so one value is free.
+/// An id that may be absent, in four bytes, for packed arrays. No id reaches [`MAX_COUNT`], so one
+/// value is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct OptionalId(u32);
 

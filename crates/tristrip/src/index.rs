@@ -1,4 +1,5 @@
-//! The types of indices in buffers: 8, 16 and 32 bits as graphics interfaces take them, and `usize` as programs compute them.
+//! The types of indices in buffers: 8, 16 and 32 bits as graphics interfaces take them, and `usize`
+//! as programs compute them.
 
 /// A type of the indices in a buffer. The largest value of the type is its restart value.
 ///

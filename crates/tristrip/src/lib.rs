@@ -1,7 +1,8 @@
-//! Converts polygon meshes into render-ready triangle strips, with a proof.
+//! Converts polygon meshes into render-ready triangle strips and proves the result.
 //!
-//! Every stripification is a path cover of the mesh's dual graph: the nodes are triangles, the arcs are shared edges, and
-//! each strip is a simple path. The stages follow the data flow, and each imports only earlier ones:
+//! Every stripification is a path cover of the mesh's dual graph. The nodes are triangles, the arcs
+//! are shared edges, and each strip is a simple path. The modules follow the data flow, and each
+//! imports only earlier ones:
 //!
 //! ```text
 //! Mesh ─▶ PreparedFaces ─▶ DualGraph ─▶ StripPlan (triangulation + PathCover) ─▶ Strips ─▶ layout
@@ -10,8 +11,8 @@
 //!                                                       └▶ stream ─▶ bytes of all levels
 //! ```
 //!
-//! The library only computes: it reads no files, prints nothing, starts no threads (without the `rayon` feature), and does not
-//! panic on any input.
+//! The library only computes. It reads no files, prints nothing, starts no threads (without the
+//! `rayon` feature), and does not panic on any input.
 
 #![forbid(unsafe_code)]
 

@@ -1,7 +1,8 @@
-//! The mesh: positions, polygon faces and vertex attributes, validated once at creation.
+//! The mesh: positions, polygon faces and vertex attributes, validated on creation.
 //!
-//! Faces are stored as one array of corners (vertex indices) with offsets, or without offsets if every face is a
-//! triangle. After [`Mesh::new`] every index is in range and every coordinate is finite, so no later stage checks again.
+//! Faces are stored as one array of corners (vertex indices) with offsets, or without offsets if
+//! every face is a triangle. After [`Mesh::new`] every index is in range and every coordinate is
+//! finite, so later stages do not check again.
 //!
 //! # Complexity
 //! 12 bytes per vertex and 12 bytes per triangle; polygons take 4 bytes per corner and 4 per face.
@@ -35,7 +36,8 @@ use std::sync::Arc;
 use crate::error::{Error, MeshProblem};
 use crate::ids::{check_count, index_out_of_range};
 
-/// A polygon mesh whose indices are in range and whose positions are finite. Clones share positions and attributes.
+/// A polygon mesh whose indices are in range and whose positions are finite. Clones share positions
+/// and attributes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     positions: Arc<Vec<[f32; 3]>>,
@@ -44,10 +46,11 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Creates a mesh. Positions may be shared between meshes: pass a `Vec`, or an `Arc` of one.
+    /// Creates a mesh. Meshes can share positions: pass a `Vec` or an `Arc<Vec>`.
     ///
     /// # Errors
-    /// An index is out of range, a coordinate is not finite, or there are too many vertices for 32-bit ids.
+    /// An index is out of range, a coordinate is not finite, or there are too many vertices for
+    /// 32-bit indices.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh};
@@ -68,7 +71,8 @@ impl Mesh {
         Self { positions, faces: Faces::default(), attributes: Arc::default() }.with_faces(faces)
     }
 
-    /// Creates a mesh of other faces over the same vertices, which are shared and not checked again.
+    /// Returns a mesh with other faces over the same vertices. The vertices are shared and not
+    /// checked again.
     ///
     /// # Errors
     /// An index is out of range.
@@ -93,8 +97,8 @@ impl Mesh {
 
     /// Adds a vertex attribute.
     ///
-    /// # Errors
-    /// The attribute does not have one value per vertex, or values without components.
+    /// The attribute does not have one value per vertex, or it has zero components. The attribute
+    /// does not have one value per vertex, or values without components.
     ///
     /// ```
     /// use tristrip::{Attribute, AttributeData, Faces, Mesh};
@@ -111,10 +115,11 @@ impl Mesh {
         Ok(self)
     }
 
-    /// Returns some of the vertices with their attributes, in the order of `vertices`, and no faces.
+    /// Returns a mesh of the given vertices with their attributes, in the order of `vertices`,
+    /// without faces.
     ///
     /// # Errors
-    /// There is no such vertex, or there are too many for 32-bit ids.
+    /// A vertex is out of range, or there are too many for 32-bit indices.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh};
@@ -139,8 +144,8 @@ impl Mesh {
         })
     }
 
-    /// Returns the mesh without the vertices that no face uses, and the old number of each vertex that stays, ascending. Nothing is
-    /// copied if all vertices are used.
+    /// Returns the mesh without the vertices that no face uses, and the old index of each remaining
+    /// vertex in ascending order. Nothing is copied if all vertices are used.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh};
@@ -178,7 +183,7 @@ impl Mesh {
         &self.positions
     }
 
-    /// Returns the positions for sharing with another mesh.
+    /// Returns the positions, for sharing with another mesh.
     ///
     /// ```
     #[doc = include_str!("mesh/example.txt")]
@@ -190,7 +195,8 @@ impl Mesh {
         Arc::clone(&self.positions)
     }
 
-    /// Returns whether positions and attributes are shared with another mesh, not only equal to its own.
+    /// Returns whether this mesh shares its positions and attributes with another one. Equal copies
+    /// do not count.
     ///
     /// ```
     #[doc = include_str!("mesh/example.txt")]
@@ -203,7 +209,7 @@ impl Mesh {
         Arc::ptr_eq(&self.positions, &other.positions) && Arc::ptr_eq(&self.attributes, &other.attributes)
     }
 
-    /// Counts the vertices, whether or not a face uses them.
+    /// Counts the vertices, including unused ones.
     ///
     /// ```
     #[doc = include_str!("mesh/example.txt")]
@@ -255,7 +261,7 @@ pub(crate) fn attribute_bits(mesh: &Mesh, v: usize) -> Vec<u8> {
     key
 }
 
-/// Returns the first corner that is out of range; the caller has checked that there is one.
+/// Returns the first corner that is out of range. The caller has checked that there is one.
 fn first_bad_index(faces: &Faces, vertex_count: u32) -> MeshProblem {
     let (mut face, mut corner, mut found) = (0, 0, u32::MAX);
     'search: for (f, polygon) in faces.iter().enumerate() {
@@ -304,7 +310,7 @@ mod tests {
         assert!(std::ptr::eq(first.attributes(), second.attributes()));
         let wrong = first.with_faces(Faces::from_triangles(vec![0, 1, 3]).unwrap()).unwrap_err();
         assert_eq!(wrong.to_string(), "face 0, corner 2: found vertex index 3, expected less than 3");
-        // An additional attribute belongs to this mesh only.
+        // An attribute added later belongs only to the mesh it was added to.
         let third = second.with_attribute(attribute("b")).unwrap();
         assert!(!third.shares_vertices(&first));
         assert_eq!((first.attributes().len(), third.attributes().len()), (1, 2));

@@ -1,7 +1,8 @@
-//! Names of the values of an enumeration: one table gives the name and a line of help of each, `Display`, and `FromStr`.
+//! Names of the values of an enumeration: one table gives the name and a line of help of each,
+//! `Display`, and `FromStr`.
 
-/// Gives the values of an enumeration the names that the command line and JSON use. The first argument is the path for the examples
-/// of the documentation.
+/// Gives the values of an enumeration the names that the command line and JSON use. The first
+/// argument is the path for the examples of the documentation.
 macro_rules! names {
     ($path:literal, $type:ident, $what:literal, $($value:ident => $name:literal, $summary:literal);+ $(;)?) => {
         impl $type {

@@ -125,7 +125,8 @@ impl<'a> PackedRow<'a> {
         self.packed.get(self.start + i as usize * self.bits as usize, self.bits)
     }
 
-    /// Returns the first position from `from` to `end` whose number is at least `least`, or `end`; the numbers rise.
+    /// Returns the first position from `from` to `end` whose number is at least `least`, or `end`;
+    /// the numbers rise.
     #[inline]
     pub(crate) fn first_at_least(&self, from: u32, end: u32, least: u32) -> u32 {
         let (mut low, mut high) = (from, end);

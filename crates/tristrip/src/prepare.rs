@@ -1,20 +1,24 @@
-//! Prepared faces: the faces of a mesh converted so that every method meets only valid ones.
+//! Prepared faces: the faces of a mesh, cleaned for the strip methods.
 //!
-//! Every prepared face has at least three corners, all different, and is a triangle or convex. If the mesh satisfies that
-//! already, its faces are borrowed.
+//! Every prepared face has at least three corners, all different, and is a triangle or convex. If
+//! all faces of the mesh satisfy this, they are borrowed.
 //!
 //! # Algorithm
-//! 1. On request, vertices in use with the same bits in position and all attributes are replaced by the first of them.
-//! 2. Corners that repeat the one before are dropped; faces with fewer than three remaining corners draw nothing and are dropped and
-//!    counted.
-//! 3. Polygons that are not convex (see the file `convex.rs`), or contain a vertex twice, are cut into triangles by ear cutting. If the ear
-//!    cutter's result is not a triangulation of all corners (it drops corners on straight edges), or the polygon is too large for it,
-//!    the polygon becomes a fan and is counted: it still has all of its corners and its boundary.
+//! 1. On request, vertices in use with the same bits in position and all attributes are replaced by
+//!    the first of them.
+//! 2. Corners that repeat the previous one are dropped. Faces with fewer than three remaining
+//!    corners draw nothing; they are dropped and counted.
+//! 3. Polygons that are not convex (see `convex.rs`) or contain a vertex twice are cut into
+//!    triangles by ear cutting. The polygon becomes a fan if it is too large for ear cutting, or if
+//!    the result is not a triangulation of all corners (ear cutting drops corners on straight
+//!    edges). A fan keeps all corners and the boundary, and is counted.
 //!
 //! # Complexity
-//! O(n) over the corners; O(k log k) for a polygon of k corners that is convex up to rounding, and O(k²) at worst to cut one that is
-//! not: k is at most [`ear_cutting::EAR_CORNERS`], and the sum of k² over the large ones at most [`ear_cutting::EAR_STEPS`], so the total is O(n) plus
-//! at most a second or two. No memory if nothing is changed.
+//! O(n) time, where n is the number of corners. A polygon of k corners takes O(k log k) if it is
+//! convex up to rounding, and O(k²) in the worst case if it must be cut. k is at most
+//! [`ear_cutting::EAR_CORNERS`], and the sum of k² over the large polygons at most
+//! [`ear_cutting::EAR_STEPS`], so cutting takes at most a second or two. No memory if nothing
+//! changes.
 
 mod convex;
 mod ear_cutting;
@@ -27,7 +31,7 @@ use crate::mesh::{Faces, Mesh, Positions, VertexWelds, check_positions, is_degen
 use convex::is_convex;
 use ear_cutting::{EarBudget, cut_ears};
 
-/// Faces that are triangles or convex polygons with different corners.
+/// Faces that are triangles or convex polygons with distinct corners.
 #[derive(Debug, Clone)]
 pub struct PreparedFaces<'a> {
     faces: Cow<'a, Faces>,
@@ -36,22 +40,24 @@ pub struct PreparedFaces<'a> {
     welds: VertexWelds,
 }
 
-/// The changes that preparing the faces of a mesh required.
+/// What the preparation of a mesh's faces changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PreparedCounts {
-    /// Vertices in use that were replaced by another one with the same bits (`--weld`).
+    /// Number of vertices in use that were replaced by another one with the same bits (`--weld`).
     pub welded_vertices: usize,
-    /// Dropped faces that draw nothing: fewer than three corners that differ from the one before.
+    /// Number of dropped faces that draw nothing: fewer than three corners remain after corners
+    /// that repeat the previous one are dropped.
     pub degenerate_faces: usize,
-    /// Polygons that are not convex or contain a vertex twice, cut into triangles in advance.
+    /// Number of polygons cut into triangles because they are not convex or contain a vertex twice.
     pub cut_polygons: usize,
-    /// Those of them that became a fan because the ear cutter found no triangulation of all their corners, or because they
-    /// were too large for it.
+    /// Number of these polygons that became a fan, because ear cutting found no triangulation of
+    /// all corners or the polygon was too large for it.
     pub fanned_polygons: usize,
 }
 
 impl<'a> PreparedFaces<'a> {
-    /// Prepares the faces of a mesh; `weld` replaces vertices with the same bits by the first of them.
+    /// Prepares the faces of a mesh. With `weld`, vertices with the same bits are replaced by the
+    /// first of them.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh, PreparedFaces};
@@ -76,10 +82,10 @@ impl<'a> PreparedFaces<'a> {
         Self { faces, vertex_count: mesh.vertex_count(), counts, welds }
     }
 
-    /// Prepares faces over positions in the memory of the caller, which stay there.
+    /// Prepares faces over positions in the caller's memory. Positions are not copied.
     ///
     /// # Errors
-    /// A face has a vertex without a position, or with one that is not finite.
+    /// A face has a vertex without a position, or with a position that is not finite.
     pub(crate) fn of_faces<P: Positions + ?Sized>(faces: &'a Faces, positions: &P) -> Result<Self, Error> {
         let vertex_count = positions.vertex_count();
         check_count("vertices", vertex_count)?;
@@ -89,14 +95,14 @@ impl<'a> PreparedFaces<'a> {
         Ok(Self { faces, vertex_count, counts, welds: VertexWelds::default() })
     }
 
-    /// Returns the same faces in another order: each by its number.
+    /// Returns the same faces in another order: `order` contains their indices.
     pub(crate) fn in_order<'b>(&self, order: &[u32]) -> PreparedFaces<'b> {
         let (counts, welds) = (self.counts, self.welds.clone());
         let faces = Cow::Owned(self.faces.in_order(order));
         PreparedFaces { faces, vertex_count: self.vertex_count, counts, welds }
     }
 
-    /// Prepares triangles, for which no positions are needed.
+    /// Prepares triangles, which need no positions.
     pub(crate) fn of_triangles(faces: &'a Faces, vertex_count: usize) -> Self {
         debug_assert!(faces.as_triangles().is_some());
         let mut counts = PreparedCounts::default();
@@ -108,7 +114,7 @@ impl<'a> PreparedFaces<'a> {
     ///
     /// ```
     /// use tristrip::{Faces, Mesh, PreparedFaces};
-    /// // A concave quadrilateral, which is cut along the diagonal inside.
+    /// // A concave quadrilateral, which is cut along its inner diagonal.
     /// let positions = vec![[0.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.5, 1.0, 0.0]];
     /// let mesh = Mesh::new(positions, Faces::from_polygons([[0, 1, 2, 3]])?)?;
     /// let prepared = PreparedFaces::new(&mesh, false);
@@ -120,21 +126,21 @@ impl<'a> PreparedFaces<'a> {
         &self.faces
     }
 
-    /// Counts the vertices of the mesh, whether or not a face uses them.
+    /// Counts the vertices of the mesh, including unused ones.
     pub(crate) fn vertex_count(&self) -> usize {
         self.vertex_count
     }
 
-    /// Returns the vertices that were welded.
+    /// Returns the welded vertices.
     pub(crate) fn welds(&self) -> &VertexWelds {
         &self.welds
     }
 
-    /// Returns the counts of changes.
+    /// Returns what the preparation changed.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh, PreparedFaces};
-    /// // The last two of four vertices are at one position.
+    /// // The last two of four vertices have the same position.
     /// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 1, 2, 3])?)?;
     /// let counts = PreparedFaces::new(&mesh, true).counts();
@@ -146,7 +152,7 @@ impl<'a> PreparedFaces<'a> {
     }
 }
 
-/// Returns valid faces if some are not valid; `None` if all are.
+/// Returns cleaned faces, or `None` if all faces are valid.
 fn clean<P: Positions + ?Sized>(faces: &Faces, positions: &P, counts: &mut PreparedCounts) -> Option<Faces> {
     let is_valid = |polygon: &[u32]| match *polygon {
         [a, b, c] => !is_degenerate([a, b, c]),
@@ -173,14 +179,14 @@ fn clean<P: Positions + ?Sized>(faces: &Faces, positions: &P, counts: &mut Prepa
                 counts.fanned_polygons += 1;
                 (1..polygon.len() - 1).map(|i| [polygon[0], polygon[i], polygon[i + 1]]).collect()
             });
-            // A vertex that the polygon contains twice may yield degenerate triangles.
+            // Polygons that contain a vertex twice may yield degenerate triangles.
             for t in triangles.into_iter().filter(|&t| !is_degenerate(t)) {
                 corners.extend_from_slice(&t);
                 offsets.push(corners.len() as u32);
             }
         }
     }
-    // Preparing adds no triangles, so that the faces are as few as before.
+    // Preparation adds no triangles, so the number of faces stays within the limits.
     Some(Faces::from_valid_offsets(offsets, corners))
 }
 
@@ -264,7 +270,7 @@ mod tests {
         let fanned = PreparedCounts { fanned_polygons: 1, ..cut };
         assert_eq!(one_polygon(&star(EAR_CORNERS + 2)), (EAR_CORNERS, fanned));
 
-        // The largest ones are cut within the budget; small ones always.
+        // The largest polygons are cut within the budget, small ones always.
         let mut points = star(EAR_CORNERS);
         points.extend(star(EAR_SMALL));
         let large: Vec<u32> = (0..EAR_CORNERS as u32).collect();

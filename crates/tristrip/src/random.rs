@@ -71,8 +71,8 @@ impl Random {
     }
 }
 
-/// Returns the odds of accepting rises of 1, 2, … at a temperature, in units of 2⁻³². Uses only plain arithmetic, so the result is
-/// the same on every machine.
+/// Returns the odds of accepting rises of 1, 2, … at a temperature, in units of 2⁻³². Uses only
+/// plain arithmetic, so the result is the same on every machine.
 #[expect(clippy::cast_sign_loss, reason = "odds are not negative")]
 pub(crate) fn metropolis<const RISES: usize>(temperature: f64) -> [u32; RISES] {
     let x = 1.0 / (1024.0 * temperature);

@@ -1,5 +1,6 @@
-//! Serialization with `serde`: options by the names of the command line, strips and collapse sequences as lists of numbers. Nothing is
-//! deserialized that the library's functions would not have made.
+//! Serialization with `serde`: options by the names of the command line, strips and collapse
+//! sequences as lists of numbers. Nothing is deserialized that the library's functions would not
+//! have made.
 //!
 //! ```text
 //! Layout, Cost, Filter …   "restart"                       VertexCache        "fifo:16"

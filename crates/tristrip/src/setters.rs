@@ -1,6 +1,7 @@
 //! Builder methods for options, which are structs of public fields.
 
-/// Declares methods that set a public field and return the options. `with_x(x: T) as Some` sets an optional field to `Some(value)`.
+/// Declares methods that set a public field and return the options. `with_x(x: T) as Some` sets an
+/// optional field to `Some(value)`.
 ///
 /// ```
 /// struct Options {

@@ -1,8 +1,8 @@
-//! Triangle strips: the vertices that are sent, strip after strip.
+//! Triangle strips, stored as one vertex array and the end of each strip.
 //!
-//! Triangle i of a strip consists of its vertices i, i + 1, i + 2, in that order for even i and with the first two exchanged for
-//! odd i; a triangle with two equal vertices draws nothing. A *swap* repeats one vertex inside a strip; a winding repeat does so at
-//! the start.
+//! Triangle i of a strip consists of the vertices i, i + 1 and i + 2. For odd i the first two are
+//! exchanged. A triangle with two equal vertices is degenerate and draws nothing. A *swap* repeats
+//! a vertex inside a strip; a *winding repeat* repeats the first vertex at the start.
 
 mod emit;
 mod join;
@@ -20,7 +20,7 @@ pub use vertex_order::VertexOrder;
 use crate::error::{Error, MeshProblem};
 use crate::mesh::{VertexWelds, is_degenerate};
 
-/// Strips over the vertices of one mesh.
+/// Triangle strips over the vertices of one mesh.
 ///
 /// ```
 /// let mut strips = tristrip::Strips::default();
@@ -34,22 +34,22 @@ pub struct Strips {
     vertices: Vec<u32>,
     /// End of each strip within `vertices`.
     ends: Vec<u32>,
-    /// Whether the order of the strips was chosen on purpose: see [`Strips::with_kept_order`].
+    /// Whether the caller chose the order of the strips: see [`Strips::with_kept_order`].
     keeps_order: bool,
     welds: VertexWelds,
 }
 
 impl Strips {
-    /// Creates strips from all their vertices and the end of each strip.
+    /// Creates strips from the vertices of all strips and the end of each strip.
     ///
     /// # Errors
-    /// The ends decrease, or the last one is not the number of vertices.
+    /// The ends decrease, or the last end is not the number of vertices.
     ///
     /// ```
     /// use tristrip::Strips;
     /// let strips = Strips::from_parts(vec![0, 1, 2, 3, 4, 5, 6], vec![4, 7])?;
     /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3][..], &[4, 5, 6]]);
-    /// // The last vertex is in no strip.
+    /// // The last vertex belongs to no strip.
     /// assert!(Strips::from_parts(vec![0, 1, 2, 3], vec![3]).is_err());
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -65,7 +65,8 @@ impl Strips {
         Ok(Self { vertices, ends, ..Self::default() })
     }
 
-    /// Marks the order and direction of the strips as chosen, for example for a vertex cache, so that joining them keeps both.
+    /// Marks the order and direction of the strips as final, for example after ordering them for a
+    /// vertex cache. Joining the strips then changes neither.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -81,19 +82,21 @@ impl Strips {
         self
     }
 
-    /// Adds the welded vertices of the mesh that the strips draw, so that [`verify`](crate::verify::verify) can prove them.
+    /// Adds the welded vertices of the mesh. [`verify`](crate::verify::verify) needs them to match
+    /// the strips with the mesh.
     #[must_use]
     pub(crate) fn with_welds(mut self, welds: VertexWelds) -> Self {
         self.welds = welds;
         self
     }
 
-    /// Returns the vertices of the mesh that the strips name by another vertex with the same bits; none unless
-    /// [`StripifyOptions::with_weld`](crate::StripifyOptions::with_weld) asked for it.
+    /// Returns the vertices of the mesh that the strips replace by another vertex with the same
+    /// bits. Empty unless [`StripifyOptions::with_weld`](crate::StripifyOptions::with_weld) was
+    /// set.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh, StripifyOptions, stripify, verify::verify};
-    /// // Two triangles that share an edge, but no vertex.
+    /// // Two triangles that touch along an edge but share no vertex.
     /// let (a, b, c, d) = ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]);
     /// let mesh = Mesh::new(vec![a, b, c, c, b, d], Faces::from_triangles((0..6).collect())?)?;
     /// let strips = stripify(&mesh, &StripifyOptions::default().with_weld(true))?;
@@ -106,11 +109,12 @@ impl Strips {
         &self.welds
     }
 
-    /// Returns the strips without the welds of vertices from this number on, for a mesh from which the last vertices were dropped.
+    /// Returns the strips without the welds of vertices whose index is at least `vertex_count`, for
+    /// a mesh whose last vertices were removed.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh, StripifyOptions, stripify};
-    /// // Two triangles that share an edge, but no vertex.
+    /// // Two triangles that touch along an edge but share no vertex.
     /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 1., 0.], [1., 0., 0.], [1., 1., 0.]];
     /// let mesh = Mesh::new(corners.to_vec(), Faces::from_triangles((0..6).collect())?)?;
     /// let strips = stripify(&mesh, &StripifyOptions::default().with_weld(true))?;
@@ -123,13 +127,13 @@ impl Strips {
         self
     }
 
-    /// Returns the strips with other vertices; they have no welds.
+    /// Replaces every vertex by `new(vertex)`. The strips must have no welds.
     pub(crate) fn map_vertices(mut self, new: impl Fn(u32) -> u32) -> Self {
         self.vertices.iter_mut().for_each(|vertex| *vertex = new(*vertex));
         self
     }
 
-    /// Returns whether the order of the strips was chosen on purpose.
+    /// Returns whether joins keep the order of the strips.
     #[cfg(feature = "serde")]
     pub(crate) fn keeps_order(&self) -> bool {
         self.keeps_order
@@ -149,7 +153,8 @@ impl Strips {
     /// ```
     /// let mut strips = tristrip::Strips::default();
     /// strips.push(&[0, 1, 2]);
-    /// // A repeated first vertex makes the triangle an odd one: its winding is the other.
+    /// // A repeated first vertex moves the triangle to an odd position, which reverses its
+    /// // winding.
     /// strips.push(&[3, 3, 4, 5]);
     /// assert_eq!(strips.triangles().collect::<Vec<_>>(), [[0, 1, 2], [4, 3, 5]]);
     /// ```
@@ -158,7 +163,7 @@ impl Strips {
         self.ends.push(self.vertices.len() as u32);
     }
 
-    /// Removes all strips and welds, and keeps the allocated memory.
+    /// Removes all strips and welds but keeps the allocated memory.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -172,12 +177,13 @@ impl Strips {
         self.welds = VertexWelds::default();
     }
 
-    /// Appends a vertex to the strip that is not ended yet.
+    /// Appends a vertex to the open strip.
     pub(crate) fn send_vertex(&mut self, vertex: u32) {
         self.vertices.push(vertex);
     }
 
-    /// Appends vertices, and ends strips at these positions among them.
+    /// Appends a block of vertices that ends strips at the given positions, counted from the start
+    /// of the block.
     pub(crate) fn send_block_of(&mut self, vertices: &[u32], ends: impl IntoIterator<Item = u32>) {
         let sent = self.vertices.len() as u32;
         self.vertices.extend_from_slice(vertices);
@@ -189,18 +195,18 @@ impl Strips {
         self.vertices.pop();
     }
 
-    /// Returns the vertices of the strip that is not ended yet.
+    /// Returns the vertices of the open strip.
     pub(crate) fn open_strip(&mut self) -> &mut [u32] {
         let start = self.ends.last().copied().unwrap_or(0);
         &mut self.vertices[start as usize..]
     }
 
-    /// Ends the strip of the vertices since the end of the last one.
+    /// Ends the open strip.
     pub(crate) fn end_strip(&mut self) {
         self.ends.push(self.vertices.len() as u32);
     }
 
-    /// Returns the memory of the strips in bytes.
+    /// Returns the size of the strips in memory, in bytes.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -214,7 +220,7 @@ impl Strips {
     /// Counts the strips.
     ///
     /// ```
-    /// // A quadrilateral of two triangles, and a triangle that touches it at a corner only.
+    /// // A quadrilateral of two triangles, and a triangle that touches it only at a corner.
     /// let strips = tristrip::stripify_indices(&[0_u8, 1, 2, 2, 1, 3, 3, 4, 5], 6)?;
     /// assert_eq!(strips.len(), 2);
     /// # Ok::<(), tristrip::Error>(())
@@ -223,7 +229,7 @@ impl Strips {
         self.ends.len()
     }
 
-    /// Returns whether there is no strip.
+    /// Returns whether there are no strips.
     ///
     /// ```
     /// // A triangle with a repeated vertex draws nothing.
@@ -234,7 +240,7 @@ impl Strips {
         self.ends.is_empty()
     }
 
-    /// Counts the vertices of all strips, swaps and winding repeats included: the `OpenGL` cost.
+    /// Counts the vertices of all strips, including swaps and winding repeats (the `OpenGL` cost).
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -245,7 +251,7 @@ impl Strips {
         self.vertices.len()
     }
 
-    /// Returns the vertices of all strips, one strip after the other.
+    /// Returns the vertices of all strips, in drawing order.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -269,7 +275,7 @@ impl Strips {
         (0..self.ends.len()).map(|i| self.strip(i))
     }
 
-    /// Returns one strip, in constant time; `None` if there are not so many.
+    /// Returns a strip in constant time, or `None` if the index is out of range.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -286,10 +292,10 @@ impl Strips {
         &self.vertices[start..self.ends[index] as usize]
     }
 
-    /// Checks that all vertices are below a number.
+    /// Checks that every vertex is less than `vertex_count`.
     ///
     /// # Errors
-    /// The first strip vertex that is not: its strip and its position in the strip.
+    /// A strip has a vertex that is out of range. The error has the strip and the position in it.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -308,7 +314,8 @@ impl Strips {
         Err(MeshProblem::StripVertex { strip, position, found, vertex_count }.into())
     }
 
-    /// Iterates over the triangles drawn, with the winding of their faces; degenerate ones are omitted.
+    /// Iterates over the triangles in drawing order, with the winding of their faces. Degenerate
+    /// triangles are omitted.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -320,7 +327,8 @@ impl Strips {
     }
 }
 
-/// Iterates over the triangles that one strip draws, with the winding of their faces; degenerate ones are omitted.
+/// Iterates over the triangles of one strip, with the winding of their faces. Degenerate triangles
+/// are omitted.
 ///
 /// ```
 /// use tristrip::strip_triangles;
@@ -334,7 +342,7 @@ pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     })
 }
 
-/// Counts the triangles that one strip draws; degenerate ones are omitted.
+/// Counts the triangles of one strip. Degenerate triangles are not counted.
 pub(crate) fn count_triangles(strip: &[u32]) -> usize {
     strip.windows(3).filter(|w| !is_degenerate([w[0], w[1], w[2]])).count()
 }

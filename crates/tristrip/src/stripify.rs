@@ -1,7 +1,7 @@
 //! Triangle strips from a mesh: the methods, their options, and the stages that they share.
 //!
-//! A method chooses two things: the diagonals of each polygon, and the edges over which triangles are linked to paths. The
-//! result is a [`StripPlan`]; one emitter turns every plan into strips.
+//! A method chooses two things: the diagonals of each polygon, and the edges over which triangles
+//! are linked to paths. The result is a [`StripPlan`]; one emitter turns every plan into strips.
 
 mod best;
 pub mod bound;
@@ -58,8 +58,8 @@ pub fn plan<'a>(
     plan_watched(prepared, graph, options, &())
 }
 
-/// Computes a plan as [`plan`](fn@plan) does, and reports the progress of a long search to a watcher, which may stop it. A stopped
-/// search returns the best plan found so far.
+/// Computes a plan as [`plan`](fn@plan) does, and reports the progress of a long search to a
+/// watcher, which may stop it. A stopped search returns the best plan found so far.
 ///
 /// # Errors
 /// An option is invalid for the method, or the graph is not the one of the faces.
@@ -150,7 +150,8 @@ mod tests {
     use bound::Bound;
     use proptest::prelude::*;
 
-    /// Every method refuses a graph of fewer faces, of more faces, of faces of other sizes, and of faces connected otherwise.
+    /// Every method refuses a graph of fewer faces, of more faces, of faces of other sizes, and of
+    /// faces connected otherwise.
     #[test]
     fn a_graph_of_other_faces_is_refused() {
         let mesh = |polygons: &[Vec<u32>]| {
@@ -181,7 +182,8 @@ mod tests {
     }
 
     proptest! {
-        /// Meshes with few different positions, so that welding makes faces degenerate and polygons touch themselves.
+        /// Meshes with few different positions, so that welding makes faces degenerate and polygons
+        /// touch themselves.
         #[test]
         fn welded_strips_of_any_mesh_are_proven(
             polygons in generated_meshes::polygons(true, 1..3),

@@ -1,6 +1,7 @@
 //! Vectors in double precision, and the distance from a point to a triangle.
 //!
-//! Only sums, products, quotients and square roots, which are exact to the last bit on every machine.
+//! Only sums, products, quotients and square roots, which are exact to the last bit on every
+//! machine.
 
 /// A point or vector of a local frame.
 pub(crate) type Point = [f64; 3];
@@ -43,11 +44,11 @@ pub(crate) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
     dot(rest, rest)
 }
 
-/// Returns the squared distance from a point to a triangle if it is less than `known`, otherwise `known`; a triangle without area consists of
-/// its edges.
+/// Returns the squared distance from a point to a triangle if it is less than `known`, otherwise
+/// `known`; a triangle without area consists of its edges.
 ///
-/// If the foot of the perpendicular lies inside, this is the distance to the plane; otherwise the least distance to the edges that
-/// the foot lies beyond.
+/// If the foot of the perpendicular lies inside, this is the distance to the plane; otherwise the
+/// least distance to the edges that the foot lies beyond.
 #[inline]
 pub(crate) fn to_triangle(p: Point, corners: [Point; 3], known: f64) -> f64 {
     let normal = normal_of(corners);
@@ -69,10 +70,11 @@ pub(crate) fn to_triangle(p: Point, corners: [Point; 3], known: f64) -> f64 {
     (0..3).filter(|&k| beyond[k]).fold(known, |least, k| least.min(to_segment(p, edge(k))))
 }
 
-/// Returns the point of a triangle that is nearest to a point, as the shares of its corners: none is negative, and they add up to 1. A triangle
-/// without area consists of its edges.
+/// Returns the point of a triangle that is nearest to a point, as the shares of its corners: none
+/// is negative, and they add up to 1. A triangle without area consists of its edges.
 ///
-/// The formulas are those of Ericson: *Real-Time Collision Detection*, 2005, section 5.1.5: by the region of the point's projection.
+/// The formulas are those of Ericson: *Real-Time Collision Detection*, 2005, section 5.1.5: by the
+/// region of the point's projection.
 ///
 /// ```
 /// use tristrip::simplify::nearest_in_triangle;

@@ -1,6 +1,7 @@
 //! Proof that strips draw every face of a mesh exactly once, with its original winding.
 //!
-//! [`verify`](fn@verify) compares by vertex number, [`verify_models`] compares two models by the positions of their vertices.
+//! [`verify`](fn@verify) compares by vertex index. [`verify_models`] compares two models by
+//! position.
 
 mod by_id;
 mod by_position;

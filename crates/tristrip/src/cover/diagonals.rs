@@ -1,21 +1,22 @@
-//! The diagonals that cut polygons into triangles, for searches that flip them.
+//! The diagonals of the polygons, for searches that flip them.
 //!
 //! ```text
-//!   d ───── c        d ───── c      a flip moves the two triangles at a diagonal, which are not linked, one corner further
-//!   │ u   ╱ │        │ ╲   t │      around; four flips restore the initial state
+//!   d ───── c        d ───── c      a flip rotates the two triangles at a diagonal by one corner; they
+//!   │ u   ╱ │        │ ╲   t │      must not be linked. Four flips restore the initial state
 //!   │   ╱   │   ─▶   │   ╲   │
 //!   │ ╱   t │        │ u   ╲ │
 //!   a ───── b        a ───── b
 //! ```
-//! Polygons are convex, or cut in advance so that they can be treated as convex, so every diagonal is valid.
+//! Every diagonal is valid, because polygons are convex or were cut in advance so that they can be
+//! treated as convex.
 //!
 //! # Complexity
-//! O(1) per flip; 13 bytes per triangle, nothing if every face is a triangle.
+//! O(1) per flip. 13 bytes per triangle, or nothing if every face is a triangle.
 
 use crate::dual::Triangulation;
 use crate::mesh::Faces;
 
-/// The triangles that polygons are cut into.
+/// The triangles of the polygons.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Diagonals {
     /// The vertices of each triangle.
@@ -43,19 +44,19 @@ impl Diagonals {
         Self { corners: triangulation.triangles().to_vec(), edges }
     }
 
-    /// Returns the vertices of each triangle; `None` if no polygon is cut.
+    /// Returns the vertices of each triangle, or `None` if every face is a triangle.
     pub(super) fn corners(&self) -> Option<&[u32]> {
         (!self.edges.is_empty()).then_some(&self.corners)
     }
 }
 
-/// Converts the number of a half-edge from 4 t + e, as paths number it, to 3 t + e, as the dual graph does.
+/// Converts a half-edge index of the paths, 4 t + e, to that of the dual graph, 3 t + e.
 #[inline]
 pub(super) fn to_graph_half_edge(h: u32) -> u32 {
     h / 4 * 3 + h % 4
 }
 
-/// Converts the number of a half-edge from 3 t + e, as the dual graph numbers it, to 4 t + e, as paths do.
+/// Converts a half-edge index of the dual graph, 3 t + e, to that of the paths, 4 t + e.
 #[inline]
 pub(super) fn to_path_half_edge(h: u32) -> u32 {
     h / 3 * 4 + h % 3

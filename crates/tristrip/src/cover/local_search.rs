@@ -1,20 +1,23 @@
-//! Local search on a cover: short chains of moves that may pass through more expensive covers but never end in one.
+//! Local search on a cover by short chains of moves. The cost may rise within a chain but not over
+//! the whole chain.
 //!
 //! ```text
-//!   ━ a ━ b ━ c ━        cut a–b, one index more; rotate b over to d and join a with e, one index fewer than before
+//!   ━ a ━ b ━ c ━        cut a–b (one index more), rotate b to d, join a with e (one index
 //!     ┊   ┊
-//!     e   d ━ f ━        a chain that ends more expensive than it began is undone in reverse order
+//!     e   d ━ f ━        fewer than before). A chain that raises the cost is undone in reverse
 //! ```
-//! Annealing passes over a rise by chance and repairs the damage while it cools. If little has changed since a good cover, as near a
-//! collapse, a chain gains more in the same time: it continues where it has cut, and failed attempts leave no trace.
+//! Annealing accepts a rise at random and repairs the damage while it cools. If little has changed
+//! since a good cover, for example near a collapse, a chain gains more in the same time: it
+//! continues at its cut, and failed attempts are undone.
 //!
 //! # Algorithm
-//! 1. Start at the end of a path, or at the two ends that a cut between two triangles creates.
-//! 2. Change one of the ends by a join or a rotation, at random, while the cost stays within [`LocalSearch::improve_at`]'s limit above
-//!    the start.
-//! 3. Stop when the cost is below the start, no end is left, or after a number of moves; undo everything if the cost is higher.
+//! 1. Start at the end of a path, or at the two ends created by a cut between two triangles.
+//! 2. Change one of the ends by a random join or rotation, while the cost stays within the limit of
+//!    [`LocalSearch::improve_at`] above the start.
+//! 3. Stop when the cost is below the start, no end is left, or the maximum number of moves is
+//!    reached. Undo everything if the cost is higher.
 //!
-//! A chain that ends at the cost at which it began is kept, so ends move until they meet.
+//! A chain that ends at its initial cost is kept, so ends move until they meet.
 //!
 //! # Complexity
 //! A few moves per chain, each in O(length of the paths that it cuts).
@@ -23,17 +26,18 @@ use super::moves::{EndMove, Join, move_end};
 use super::priced::PricedPaths;
 use crate::random::Random;
 
-/// Moves of a chain after its cut. Tuned on the bunny at all of its levels: 2 leaves more expensive covers, 8 takes longer for the same.
+/// Moves of a chain after its cut. Tuned on all levels of the bunny: 2 leaves more expensive
+/// covers, and 8 takes longer without a gain.
 const DEPTH: u32 = 4;
 
-/// Improves covers by chains of moves, and records what to undo.
+/// Improves covers by chains of moves, and records the moves to undo them.
 #[derive(Debug, Clone)]
 pub(crate) struct LocalSearch {
     random: Random,
     applied: Vec<AppliedMove>,
 }
 
-/// An elementary move, by its half-edge.
+/// An elementary move and its half-edge.
 #[derive(Debug, Clone, Copy)]
 enum AppliedMove {
     Joined(Join),
@@ -45,8 +49,8 @@ impl LocalSearch {
         Self { random: Random::new(seed), applied: Vec::new() }
     }
 
-    /// Tries one chain of moves from a triangle. Within the chain the cost may rise by less than a strip's price; after it the cost has
-    /// not risen.
+    /// Tries one chain of moves from a triangle. Within the chain the cost may rise by less than
+    /// the price of a strip; after it the cost is not higher than before.
     pub(crate) fn improve_at(&mut self, paths: &mut PricedPaths, t: u32) {
         let start = paths.cost();
         let highest = start + i64::from(paths.prices().strip - 1);
@@ -85,8 +89,9 @@ impl LocalSearch {
         }
     }
 
-    /// Cuts a link of a triangle inside a path, over an edge chosen at random. Returns the end beyond; `None` if there is no link, the cut
-    /// is too expensive, or the ends are too far.
+    /// Cuts a link of a triangle inside a path at a random edge, and returns the new end on the
+    /// other side. Returns `None` if there is no link, the cut is too expensive, or the ends of the
+    /// path are too far away.
     fn open(&mut self, paths: &mut PricedPaths, t: u32, highest: i64) -> Option<u32> {
         let link = 4 * t + self.random.below(3) as u32;
         if paths.mask(t) >> (link % 4) & 1 == 0 || paths.cost() + i64::from(paths.cut_rise(link)) > highest {

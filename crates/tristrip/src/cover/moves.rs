@@ -1,26 +1,27 @@
-//! Moves: what a search changes at the ends of the paths of a cover, each with a limit on the rise of the cost.
+//! Moves at the ends of the paths of a cover. Each move has a limit on the rise of the cost.
 //!
 //! ```text
-//!   w ┄┄ v ━━ a        *join*: v is an end, too: w–v is linked
-//!        ┃             *rotation*: v is inside a path: v–a is cut, w–v is linked, and a becomes an end instead of w
-//!        b             *cut*: v–a is cut, which pays off if it removes swaps
-//!                      *flip*: if v and a belong to one polygon, the diagonal between them is flipped
+//!   w ┄┄ v ━━ a        *join*: v is also an end: link w–v
+//!        ┃             *rotation*: v is inside a path: cut v–a and link w–v; a is an end instead of w
+//!        b             *cut*: cut v–a, which lowers the cost if it removes swaps
+//!                      *flip*: if v and a belong to one polygon, flip the diagonal between them
 //! ```
 
 use super::priced::PricedPaths;
 
-/// The result of a move at an end.
+/// The result of a move at the end of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum EndMove {
     /// Nothing changed.
     Refused,
     /// The end was linked to another end.
     Joined(Join),
-    /// The link over `cut` was removed from a triangle, to which the end was then linked; `end` is the end that replaces it.
+    /// A triangle inside a path was cut across `cut` and linked to the end. `end` is the end that
+    /// replaces it.
     Rotated { cut: u32, join: Join, end: u32 },
 }
 
-/// A join that was made, and what undoes it while the paths are as it left them.
+/// A join, with the data to undo it while the paths are unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Join {
     link: u32,
@@ -29,7 +30,8 @@ pub(crate) struct Join {
 }
 
 impl Join {
-    /// Joins two ends. Returns the join and the rise of the cost; `None` if it would close a path.
+    /// Joins two ends. Returns the join and the rise of the cost, or `None` if the join would close
+    /// a path.
     #[inline]
     fn make(paths: &mut PricedPaths, link: u32) -> Option<(Self, i32)> {
         let ends = paths.outer_ends(link);
@@ -43,8 +45,8 @@ impl Join {
     }
 }
 
-/// Tries a join or a rotation at an end, chosen by the random bits `draw`, unless it raises the cost by more than a limit. The low half of
-/// `draw` is not used.
+/// Tries a join or a rotation at an end, chosen by the random bits `draw`, unless the cost would
+/// rise by more than `highest_rise`. The low half of `draw` is not used.
 #[inline]
 pub(crate) fn move_end(paths: &mut PricedPaths, w: u32, draw: u64, highest_rise: i32) -> EndMove {
     let link = 4 * w + free_edge(paths.mask(w), (draw >> 32) as u32 & 0xffff);
@@ -65,7 +67,7 @@ fn free_edge(mask: u32, draw: u32) -> u32 {
     if inner > 2 { (draw * 3) >> 16 } else { (inner + 1 + (draw & 1)) % 3 }
 }
 
-/// Links two ends unless that raises the cost by more than a limit.
+/// Links two ends unless the cost would rise by more than `highest_rise`.
 #[inline]
 fn join(paths: &mut PricedPaths, link: u32, highest_rise: i32) -> Option<Join> {
     let (join, rise) = Join::make(paths, link)?;
@@ -76,10 +78,11 @@ fn join(paths: &mut PricedPaths, link: u32, highest_rise: i32) -> Option<Join> {
     Some(join)
 }
 
-/// Cuts a link unless that raises the cost by more than a limit, or its ends are too far.
+/// Cuts a link unless the cost would rise by more than `highest_rise`, or the ends of its path are
+/// too far away.
 #[inline]
 pub(crate) fn cut(paths: &mut PricedPaths, link: u32, highest_rise: i32) {
-    // The repeat at the start of the path may go, too.
+    // The cut may also remove the repeat at the start of the path.
     if paths.cut_rise(link) > highest_rise + paths.prices().swap {
         return;
     }
@@ -88,13 +91,14 @@ pub(crate) fn cut(paths: &mut PricedPaths, link: u32, highest_rise: i32) {
     }
 }
 
-/// Cuts a link of the triangle across `link` and links the triangle over `link` instead, unless that raises the cost by more than a
-/// limit, or the ends are too far.
+/// Links the triangle on the other side of `link` over `link`, after cutting its link `cut`. Does
+/// nothing if the cost would rise by more than `highest_rise`, or the ends are too far away.
 #[inline]
 fn rotate(paths: &mut PricedPaths, link: u32, cut: u32, highest_rise: i32) -> Option<EndMove> {
     let released = paths.across(cut) / 4;
-    // Repeats at starts are not counted, so a rotation is occasionally refused that they would have paid for: walking to the ends
-    // for each rotation takes more than twice the time.
+    // Repeats at starts are not counted here. A rotation that would become affordable through them
+    // is occasionally refused; walking to the ends for each rotation would more than double the
+    // time.
     if released == link / 4 || paths.rotation_rise(link, cut) > highest_rise {
         return None;
     }
@@ -109,11 +113,12 @@ fn rotate(paths: &mut PricedPaths, link: u32, cut: u32, highest_rise: i32) -> Op
     None
 }
 
-/// Flips a diagonal and restores as many of the links around it as possible, unless that raises the cost by more than a limit, or the
-/// ends are too far. The diagonal is linked first or last.
+/// Flips a diagonal and restores as many of the links around it as possible, unless the cost would
+/// rise by more than `highest_rise` or the ends are too far away. The diagonal is linked first or
+/// last.
 pub(crate) fn flip_diagonal(paths: &mut PricedPaths, diagonal: u32, diagonal_first: bool, highest_rise: i32) {
     let before = paths.cost();
-    // The edges around are identified by their other sides, which do not change.
+    // Identify the edges around by their other sides, which do not change.
     let [a, b, c, d] = paths.around(diagonal).map(|h| paths.twin(h));
     let links = if diagonal_first { [Some(diagonal), a, b, c, d] } else { [a, b, c, d, Some(diagonal)] };
     let (cut, is_complete) = cut_all(paths, links);
@@ -133,7 +138,8 @@ pub(crate) fn flip_diagonal(paths: &mut PricedPaths, diagonal: u32, diagonal_fir
     }
 }
 
-/// Cuts those of some half-edges that are linked. Returns those cut, and whether they are all.
+/// Cuts all half-edges of `links` that are linked. Returns the half-edges cut, and whether all
+/// could be cut.
 fn cut_all(paths: &mut PricedPaths, links: [Option<u32>; 5]) -> ([Option<u32>; 5], bool) {
     let mut is_complete = true;
     let cut = links.map(|link| {
@@ -144,7 +150,7 @@ fn cut_all(paths: &mut PricedPaths, links: [Option<u32>; 5]) -> ([Option<u32>; 5
     (cut, is_complete)
 }
 
-/// Joins those of some half-edges that can be joined, and returns the joins.
+/// Joins all half-edges of `links` that can be joined, and returns the joins.
 fn join_all(paths: &mut PricedPaths, links: [Option<u32>; 5]) -> [Option<Join>; 5] {
     links.map(|link| {
         let link = link?;

@@ -1,19 +1,22 @@
-//! A path cover that maintains its cost and the ends of its paths, for searches that change it at the ends.
+//! A path cover that maintains its cost and the ends of its paths, for searches that change the
+//! cover at the ends.
 //!
 //! ```text
-//!   e ━━ ∙ ━━ t ┄┄ u ━━ ∙ ━━ f       each end stores the other end of its path: joining t–u pairs e with f,
-//!                                    cutting t–u pairs e with t and u with f
+//!   e ━━ ∙ ━━ t ┄┄ u ━━ ∙ ━━ f       each end stores the other end of its path. Joining t–u
+//!                                    pairs e with f; cutting it pairs e with t and u with f.
 //! ```
-//! There are two elementary moves, *join* and *cut*, and each returns the exact rise of the cost: from the swaps on the link itself and
-//! on the links next to it, from a strip's price, and from the repeats at the starts of the paths that it touches. All other moves
-//! consist of these two, and are undone by the inverse moves in reverse order.
+//! There are two elementary moves, *join* and *cut*. Each returns the exact rise of the cost. The
+//! rise includes the swaps on the link and on the adjacent links, the price of a strip, and the
+//! repeats at the starts of the affected paths. All other moves are composed of these two, and are
+//! undone by the inverse moves in reverse order.
 //!
-//! A cut walks to the nearer end of its path, which in a mesh of one regular strip is far. A search therefore states how many steps of
-//! walks its cuts may take in all; once they are used up, it can only cut near the ends of paths.
+//! A cut walks to the nearer end of its path, which is far in a mesh of one regular strip. A search
+//! therefore limits the total steps of its walks. Once they are used up, it can cut only near the
+//! ends of paths.
 //!
 //! # Complexity
-//! 16 bytes and one bit per triangle. A join takes O(1), and so does its undoing; a cut takes as many steps as there are to the nearer
-//! end of its path.
+//! 16 bytes and one bit per triangle. A join takes O(1), and so does undoing it. A cut takes as
+//! many steps as the distance to the nearer end of its path.
 
 mod dynamic;
 mod flips;
@@ -24,20 +27,21 @@ use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::mesh::Faces;
 
-/// A half-edge without a twin, in the packed nodes only: [`PricedPaths::twin`] returns an `Option`.
+/// Marks a half-edge without a twin, in the packed nodes only: [`PricedPaths::twin`] returns an
+/// `Option`.
 const NO_TWIN: u32 = u32::MAX;
-/// Bits of a node's state: the edges over which it is linked. The other bits are its partner.
+/// The bits of a node's state that store the linked edges. The other bits store its partner.
 const EDGES: u32 = 7;
-/// Steps of a walk that are always allowed.
+/// Steps that a walk may always take.
 const SHORT_WALK: u64 = 16;
-/// The largest number of triangles: a triangle's number and its edges share 32 bits.
+/// Maximum number of triangles: a triangle's index and its edges share 32 bits.
 pub(crate) const TRIANGLE_LIMIT: usize = 1 << 29;
 
-/// A triangle. Half-edges are numbered by fours here: edge e of triangle t is 4 t + e.
+/// A triangle. Half-edges have stride 4 here: edge e of triangle t is 4 t + e.
 #[derive(Debug, Clone, Copy)]
 struct PathNode {
     twins: [u32; 3],
-    /// The edges over which it is linked and, at an end, the other end of its path.
+    /// The linked edges and, at an end, the other end of the path.
     state: u32,
 }
 
@@ -57,14 +61,14 @@ pub(crate) struct PricedPaths {
     ends: Vec<u64>,
     prices: StripPrices,
     strips: usize,
-    /// The cost of the strips beyond one index per triangle.
+    /// The cost of the strips in addition to one index per triangle.
     cost: i64,
-    /// Steps that the walks of a search may still take.
+    /// Remaining steps of the walks of a search.
     walk_steps: u64,
 }
 
-/// The side to which a path turns in a triangle that is linked over the edges of a mask (3 bits) and entered over an edge (2 bits): 1 if
-/// it leaves over the next edge, 2 for the previous one, 0 if it ends.
+/// The turn of a path in a triangle, by the mask of its linked edges (3 bits) and the edge of entry
+/// (2 bits): 1 if the path leaves over the next edge, 2 for the previous edge, 0 if it ends.
 const TURNS: [u8; 32] = {
     let mut turns = [0; 32];
     let mut edge = 0;
@@ -78,25 +82,27 @@ const TURNS: [u8; 32] = {
     turns
 };
 
-/// Returns the turn in a triangle that is linked over a mask of edges and entered over one of them.
+/// Returns the turn in a triangle with the given mask of linked edges that is entered over `edge`.
 #[inline]
 pub(crate) fn turn(mask: u32, edge: u32) -> u8 {
     TURNS[((mask & EDGES) << 2 | edge & 3) as usize]
 }
 
-/// Returns 1 if the turns on the two sides of a link, each seen from the link, cause a swap: a walk over it turns to one side twice.
+/// Returns 1 if the turns on the two sides of a link, each seen from the link, cause a swap: a path
+/// across it turns to the same side twice.
 #[inline]
 pub(crate) fn is_swap(here: u8, there: u8) -> i32 {
     i32::from(here ^ there == 3)
 }
 
 impl PricedPaths {
-    /// Returns the memory of the paths in bytes; triangle meshes have no diagonals.
+    /// Returns the size of the paths in memory, in bytes, without diagonals; triangle meshes have
+    /// none.
     pub(crate) fn memory(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.ends[..])
     }
 
-    /// Creates the paths of a cover of a triangulation of faces.
+    /// Creates the paths of a cover.
     pub(crate) fn new(
         faces: &Faces,
         triangulation: &Triangulation<'_>,
@@ -157,7 +163,7 @@ impl PricedPaths {
         self.nodes.len()
     }
 
-    /// Returns the cost of the strips beyond one index per triangle.
+    /// Returns the cost of the strips in addition to one index per triangle.
     pub(crate) fn cost(&self) -> i64 {
         self.cost
     }
@@ -170,7 +176,7 @@ impl PricedPaths {
         self.prices
     }
 
-    /// Returns which of 64 triangles are ends, one bit per triangle.
+    /// Returns which of the 64 triangles of a block are ends, one bit per triangle.
     #[inline]
     pub(crate) fn ends_of(&self, block: usize) -> u64 {
         self.ends[block]
@@ -199,14 +205,14 @@ impl PricedPaths {
         self.nodes[end as usize].state >> 3
     }
 
-    /// Returns the half-edge on the other side, or `None` at a boundary.
+    /// Returns the twin of a half-edge, or `None` at a boundary.
     #[inline]
     pub(crate) fn twin(&self, half_edge: u32) -> Option<u32> {
         let twin = self.packed_twin(half_edge);
         (twin != NO_TWIN).then_some(twin)
     }
 
-    /// Returns the half-edge on the other side of one that is not at a boundary: a link or a diagonal.
+    /// Returns the twin of a half-edge that is not at a boundary: a link or a diagonal.
     #[inline]
     pub(crate) fn across(&self, half_edge: u32) -> u32 {
         let twin = self.packed_twin(half_edge);
@@ -225,21 +231,21 @@ impl PricedPaths {
         *state = *state & EDGES | other << 3;
     }
 
-    /// Counts the swap on a link.
+    /// Counts the swap on a link, 0 or 1.
     #[inline]
     fn swap_at(&self, link: u32) -> i32 {
         let twin = self.across(link);
         is_swap(turn(self.mask(link / 4), link % 4), turn(self.mask(twin / 4), twin % 4))
     }
 
-    /// Counts the swap on the other link of the triangle that a link leaves.
+    /// Counts the swap on the other link of the triangle that the link starts at.
     #[inline]
     fn swap_behind(&self, link: u32) -> i32 {
         let behind = (self.mask(link / 4) & !(1 << (link % 4))).trailing_zeros();
         if behind < 3 { self.swap_at(link & !3 | behind) } else { 0 }
     }
 
-    /// Returns whether a strip from this end begins with the turn that requires a swap.
+    /// Returns whether the first turn of a strip from this end requires a swap.
     #[inline]
     fn begins_with_swap(&self, end: u32) -> bool {
         let edge = self.mask(end).trailing_zeros();
@@ -256,7 +262,8 @@ impl PricedPaths {
         i32::from(self.begins_with_swap(end) && self.begins_with_swap(other))
     }
 
-    /// Links two ends of different paths. Returns the rise of the cost; `None` if the link would close a path.
+    /// Links two ends of different paths. Returns the rise of the cost, or `None` if the link would
+    /// close a path.
     #[inline]
     pub(crate) fn join(&mut self, link: u32) -> Option<i32> {
         let twin = self.across(link);
@@ -278,17 +285,18 @@ impl PricedPaths {
         Some(rise)
     }
 
-    /// Allows the walks of a search this number of steps in all, instead of those that were left.
+    /// Sets the steps that the walks of a search may take in total.
     pub(crate) fn allow_walks(&mut self, steps: u64) {
         self.walk_steps = steps;
     }
 
-    /// Allows the walks of a search some steps more than were left, but at most a number of steps in all.
+    /// Adds steps to those that the walks of a search may still take, up to a maximum of `most`.
     pub(crate) fn allow_more_walks(&mut self, steps: u64, most: u64) {
         self.walk_steps = self.walk_steps.saturating_add(steps).min(most);
     }
 
-    /// Returns the ends of the two paths that a join would link, each on its side of the link. They undo the join.
+    /// Returns the ends of the two paths that a join would link, each on its side of the link.
+    /// [`PricedPaths::cut_between`] undoes the join with them.
     #[inline]
     pub(crate) fn outer_ends(&self, link: u32) -> [u32; 2] {
         [link, self.across(link)].map(|h| self.partner(h / 4))
@@ -301,7 +309,8 @@ impl PricedPaths {
         ends.map_or(0, |ends| self.cut_between(link, ends))
     }
 
-    /// Removes a link, for a search. Returns the rise of the cost; `None` if both ends are too far.
+    /// Removes a link within the step limit of a search. Returns the rise of the cost, or `None` if
+    /// both ends are too far away.
     #[inline]
     pub(crate) fn try_cut(&mut self, link: u32) -> Option<i32> {
         let mut steps = self.walk_steps.max(SHORT_WALK);
@@ -311,7 +320,8 @@ impl PricedPaths {
         ends.map(|ends| self.cut_between(link, ends))
     }
 
-    /// Removes a link between two known ends, the first on its side of the link. Returns the rise of the cost.
+    /// Removes a link between two known ends. The first end is on the side of `link`. Returns the
+    /// rise of the cost.
     #[inline]
     pub(crate) fn cut_between(&mut self, link: u32, [e, f]: [u32; 2]) -> i32 {
         let twin = self.across(link);
@@ -338,8 +348,9 @@ impl PricedPaths {
         self.prices.strip - swaps * self.prices.swap
     }
 
-    /// Returns the rise of the cost if a triangle's link over `cut` is removed and the triangle is linked over `link`'s twin instead,
-    /// without the repeats at the starts of paths. `link` begins at an end, and `cut` at the triangle across.
+    /// Returns the rise of the cost by a rotation that replaces a triangle's link over `cut` by a
+    /// link over the twin of `link`, without the repeats at the starts of paths. `link` starts at
+    /// an end, and `cut` at the triangle across.
     #[inline]
     pub(crate) fn rotation_rise(&self, link: u32, cut: u32) -> i32 {
         let (twin, cut_twin) = (self.across(link), self.across(cut));
@@ -357,7 +368,7 @@ impl PricedPaths {
             is_swap(turn(new_v, kept), beyond_kept) + is_swap(turn(new_w, link % 4), turn(new_v, twin % 4));
         if inner < 3 {
             let twin = self.across(4 * w + inner);
-            // There is no turn at the new end.
+            // The new end has no turn.
             if twin / 4 != a {
                 after += is_swap(turn(new_w, inner), turn(self.mask(twin / 4), twin % 4));
             }
@@ -377,8 +388,9 @@ impl PricedPaths {
         }
     }
 
-    /// Returns the end on the side of `link` and the one on the side of its twin: walks both ways at once, up to the nearer of the two, and
-    /// counts down the steps. Returns `None` if none are left.
+    /// Returns the path's end on the side of `link` and the end on the side of its twin. Walks in
+    /// both directions at once up to the nearer end, and counts down the steps. Returns `None` if
+    /// no steps are left.
     #[inline]
     fn ends_beyond(&self, link: u32, steps: &mut u64) -> Option<[u32; 2]> {
         let (mut here, mut there) = (link, self.across(link));
@@ -398,7 +410,8 @@ impl PricedPaths {
         }
     }
 
-    /// Returns the triangulation and the cover of the paths; without polygons the triangulation is the one that they were created from.
+    /// Returns the triangulation and the cover of the paths. Without polygons, the triangulation is
+    /// the original one.
     pub(crate) fn to_parts<'a>(&self, triangulation: &Triangulation<'a>) -> (Triangulation<'a>, PathCover) {
         let triangulation = match self.diagonals.corners() {
             None => triangulation.clone(),

@@ -1,9 +1,10 @@
-//! Corner access that is the same for triangles and polygons, and the edge counts that use it.
+//! Corner access for triangles and polygons, and the edge counts that use it.
 
 use crate::csr::Csr;
 use crate::mesh::{Faces, vertex_bound};
 
-/// Returns the first corner of each face, followed by the end of the last face, and the face of each corner.
+/// Returns the first corner of each face followed by the end of the last face, and the face of each
+/// corner.
 pub(super) fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
     let mut offsets = Vec::with_capacity(faces.face_count() + 1);
     let mut face_of = Vec::with_capacity(faces.corner_count());
@@ -15,14 +16,15 @@ pub(super) fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
     (offsets, face_of)
 }
 
-/// The corners of faces of one shape. The functions are called for every half-edge, so they are inlined.
+/// The corners of faces of one shape. The functions are inlined because they are called for every
+/// half-edge.
 pub(super) trait FaceCorners: Sync {
     /// Whether faces may have more than three corners.
     const LARGER: bool;
     fn vertices(&self) -> &[u32];
-    /// Returns the corner after this one in its face.
+    /// Returns the next corner of the face.
     fn next(&self, corner: usize) -> usize;
-    /// Returns the corner before this one in its face.
+    /// Returns the previous corner of the face.
     fn previous(&self, corner: usize) -> usize;
     fn face(&self, corner: usize) -> usize;
 }
@@ -79,10 +81,12 @@ impl FaceCorners for PolygonCorners<'_> {
     }
 }
 
-/// Counts the half-edges over each edge of the faces: `edge` is called once per edge, in order of the vertices, with the number of
-/// forward half-edges, which run from the lower vertex to the higher one, and the number of backward half-edges.
+/// Counts the half-edges over each edge of the faces. Calls `edge` once per edge, in order of the
+/// vertices, with the number of forward half-edges (from the lower vertex to the higher one) and of
+/// backward half-edges.
 ///
-/// A counting sort groups the half-edges by their lower vertex; those of each vertex, mostly a few, are sorted by comparison.
+/// A counting sort groups the half-edges by their lower vertex. The groups are small and sorted by
+/// comparison.
 pub(crate) fn for_each_edge(faces: &Faces, edge: impl FnMut(usize, usize)) {
     if faces.as_triangles().is_some() {
         return count_edges(&TriangleCorners { corners: faces.corners() }, edge);

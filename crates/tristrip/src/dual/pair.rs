@@ -1,13 +1,15 @@
-//! Pairs half-edges into twins, by the rule that [`super`] states.
+//! Pairs half-edges into twins by the rule stated in [`super`].
 //!
 //! # Algorithm
-//! If no two half-edges have the same direction over the same vertices, and no face contains both half-edges of an edge, there is
-//! nothing to choose, and marks find the twins vertex by vertex.
+//! In a simple mesh no two half-edges have the same direction over the same vertices, and no face
+//! contains both half-edges of an edge. The twins are then unique and are found by marks, vertex by
+//! vertex.
 //!
-//! Otherwise half-edges are processed in order. Each waits in the list of its lower vertex until a half-edge of opposite direction
-//! over the same vertices comes, and is then paired and removed from the list. The lists are stored in the slots of the twins that
-//! are still unknown, so only their heads need memory. If a vertex has so many open edges that its list grows long, the pairing is
-//! done by sorting instead, with the same result.
+//! Otherwise half-edges are processed in order. Each is stored in the list of its lower vertex
+//! until a half-edge of opposite direction over the same vertices arrives, and is then paired and
+//! removed from the list. The lists are stored in the slots of the unknown twins, so only their
+//! heads need memory. If the list of a vertex grows long, the pairing is done by sorting instead,
+//! with the same result.
 //!
 //! # Complexity
 //! See [`super`].
@@ -22,21 +24,23 @@ use super::corners::FaceCorners;
 use crate::csr::Csr;
 use crate::mesh::vertex_bound;
 
-/// The value of a half-edge without a twin in the packed array; while the pairing runs, also the end of a list of unpaired half-edges.
+/// The packed twin of a half-edge without one. During the pairing it also ends a list of unpaired
+/// half-edges.
 pub(super) const NO_TWIN: u32 = u32::MAX;
-/// Number of open half-edges over one edge that are examined before a new one is left to wait.
+/// Number of unpaired half-edges over one edge that are compared with a new one.
 const CANDIDATES: usize = 8;
-/// Steps over unpaired half-edges, per half-edge on average, after which the pairing is done by sorting.
+/// Average list steps per half-edge after which the pairing is done by sorting.
 const STEPS_PER_HALF_EDGE: usize = 32;
 
-/// Meshes of fewer corners are paired by one thread: it takes a few milliseconds.
+/// Smaller meshes are paired by one thread, in a few milliseconds. Counted in corners.
 #[cfg(feature = "rayon")]
 const THREADING_MINIMUM: usize = 1 << 18;
-/// The highest number of ranges of vertices that are paired in parallel; each reads all corners.
+/// Maximum number of vertex ranges that are paired in parallel. Each range reads all corners.
 #[cfg(feature = "rayon")]
 const RANGES: usize = 8;
 
-/// Pairs all half-edges. Returns the twin of each, or `NO_TWIN`, and whether there was nothing to choose.
+/// Pairs all half-edges. Returns the twin of each, or `NO_TWIN`, and whether the mesh is simple, so
+/// that the pairing is unique.
 pub(super) fn pair(corners: &impl FaceCorners) -> (Vec<u32>, bool) {
     if let Some(twins) = pair_simple(corners) {
         return (twins, true);
@@ -44,8 +48,9 @@ pub(super) fn pair(corners: &impl FaceCorners) -> (Vec<u32>, bool) {
     (pair_by_lists(corners).unwrap_or_else(|| pair_by_sorting(corners)), false)
 }
 
-/// Pairs half-edges of which no two have the same direction over the same vertices, so that there is nothing to choose; returns
-/// `None` if two have. Ranges of vertices are processed in parallel: each half-edge is paired at the vertex that it leads to.
+/// Pairs the half-edges of a simple mesh, or returns `None` if two half-edges have the same
+/// direction over the same vertices. Ranges of vertices are processed in parallel: each half-edge
+/// is paired at the vertex that it leads to.
 fn pair_simple<C: FaceCorners>(corners: &C) -> Option<Vec<u32>> {
     #[cfg(feature = "rayon")]
     if corners.vertices().len() > THREADING_MINIMUM {
@@ -54,7 +59,7 @@ fn pair_simple<C: FaceCorners>(corners: &C) -> Option<Vec<u32>> {
     pair_simple_in_ranges(corners, 1)
 }
 
-/// Does the same, in a number of ranges of vertices.
+/// Pairs the half-edges of a simple mesh in a given number of vertex ranges.
 fn pair_simple_in_ranges<C: FaceCorners>(corners: &C, ranges: u32) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
     let vertex_count = vertex_bound(vertices);
@@ -68,9 +73,10 @@ fn pair_simple_in_ranges<C: FaceCorners>(corners: &C, ranges: u32) -> Option<Vec
     nothing_to_choose.then(|| twins.into_iter().map(AtomicU32::into_inner).collect())
 }
 
-/// Finds the twins of the half-edges that lead to some of the vertices; returns whether there was nothing to choose. Each vertex marks the
-/// targets of its outgoing half-edges, and each incoming half-edge reads the mark of its origin. Hardly any branch depends on the data,
-/// which makes it fast.
+/// Finds the twins of the half-edges that lead to a range of vertices, and returns whether the mesh
+/// is simple there. Each vertex marks the targets of its outgoing half-edges, then each incoming
+/// half-edge reads the mark of its origin. Hardly any branch depends on the data, which makes this
+/// fast.
 fn pair_around<C: FaceCorners>(
     corners: &C,
     range: Range<u32>,
@@ -81,8 +87,8 @@ fn pair_around<C: FaceCorners>(
     let keyed =
         (0..).zip(vertices).filter(|(_, v)| range.contains(v)).map(|(corner, v)| (v - range.start, corner));
     let by_vertex: Csr = Csr::group_items(keyed, range.len());
-    // For each vertex: the origin, counted from 1, of the last half-edge that leads to it, and that half-edge. Zeroed memory
-    // needs no pass of its own.
+    // For each vertex: the origin (counted from 1) of the last half-edge that leads to it, and that
+    // half-edge. The allocator returns zeroed memory, so no initialization pass is needed.
     let mut marks = vec![(0, 0); vertex_count];
     for (v, here) in (range.start + 1..).zip(by_vertex.rows()) {
         for &corner in here {
@@ -108,25 +114,28 @@ fn pair_around<C: FaceCorners>(
     true
 }
 
-/// Returns whether two half-edges over the same vertices may be twins: they have opposite directions and different faces.
+/// Returns whether two half-edges over the same vertices have opposite directions and different
+/// faces, as twins must.
 #[inline]
 fn opposite(corners: &impl FaceCorners, h: usize, other: usize) -> bool {
     corners.vertices()[h] != corners.vertices()[other] && corners.face(h) != corners.face(other)
 }
 
-/// Returns whether the two faces at twins fold back onto each other, as a face and its own reverse do.
+/// Returns whether the two faces of a pair of twins fold back onto each other, like a face and its
+/// own reverse.
 #[inline]
 fn folds_back(corners: &impl FaceCorners, h: usize, other: usize) -> bool {
     let v = corners.vertices();
     v[corners.next(corners.next(h))] == v[corners.previous(other)]
 }
 
-/// Pairs half-edges by lists of unpaired ones; returns `None` if the lists of some vertices grow too long.
+/// Pairs half-edges by lists of unpaired ones, or returns `None` if the lists of some vertices grow
+/// too long.
 fn pair_by_lists(corners: &impl FaceCorners) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
     let vertex_count = vertex_bound(vertices);
     let mut heads = vec![NO_TWIN; vertex_count];
-    // The twin if it is known, otherwise the next half-edge that waits at the same vertex.
+    // The twin if it is known, otherwise the next half-edge in the list of the same vertex.
     let mut twins = vec![NO_TWIN; vertices.len()];
     let mut steps = 0;
     let limit = STEPS_PER_HALF_EDGE * vertices.len() + 1024;
@@ -173,7 +182,7 @@ fn pair_by_lists(corners: &impl FaceCorners) -> Option<Vec<u32>> {
             return None;
         }
     }
-    // A half-edge that still waits has no twin, unless it was skipped because it folds back.
+    // An unpaired half-edge has no twin, unless it was skipped because it folds back.
     let mut left = Vec::new();
     for head in heads {
         let mut unpaired = head;
@@ -189,7 +198,8 @@ fn pair_by_lists(corners: &impl FaceCorners) -> Option<Vec<u32>> {
     Some(twins)
 }
 
-/// Pairs half-edges by sorting, with the same result: groups them by edge, in order, and applies the same rule to each group.
+/// Pairs half-edges by sorting, with the same result as [`pair_by_lists`]: groups them by edge, in
+/// order, and applies the same rule to each group.
 fn pair_by_sorting(corners: &impl FaceCorners) -> Vec<u32> {
     let mut twins = vec![NO_TWIN; corners.vertices().len()];
     let mut left = Vec::new();
@@ -216,7 +226,7 @@ fn pair_by_sorting(corners: &impl FaceCorners) -> Vec<u32> {
     twins
 }
 
-/// Pairs the remaining half-edges over each edge, forward ones with backward ones, in order.
+/// Pairs the remaining half-edges of each edge in order, forward ones with backward ones.
 fn pair_leftovers(corners: &impl FaceCorners, left: Vec<u32>, twins: &mut [u32]) {
     let (mut forward, mut backward) = (Vec::new(), Vec::new());
     for group in sorted_by_edge(corners, left).chunk_by(|a, b| a.0 == b.0) {
@@ -239,7 +249,8 @@ fn pair_leftovers(corners: &impl FaceCorners, left: Vec<u32>, twins: &mut [u32])
     }
 }
 
-/// Sorts half-edges by their edge (lower vertex, then higher), in order within an edge; those of zero length are omitted.
+/// Sorts half-edges by edge (lower vertex, then higher vertex), then by index. Half-edges of zero
+/// length are omitted.
 fn sorted_by_edge(corners: &impl FaceCorners, half_edges: Vec<u32>) -> Vec<(u64, u32)> {
     let vertices = corners.vertices();
     let mut keyed: Vec<(u64, u32)> = half_edges
@@ -263,7 +274,7 @@ mod tests {
     use crate::mesh::Faces;
     use proptest::prelude::*;
 
-    /// The pairing rule, literally: for every half-edge in order, examines every earlier one.
+    /// Implements the pairing rule literally: compares every half-edge with every earlier one.
     fn naive(corners: &impl FaceCorners) -> Vec<u32> {
         let vertices = corners.vertices();
         let edge = |h: usize| {
@@ -286,7 +297,8 @@ mod tests {
         twins
     }
 
-    /// Compares every pairing algorithm with the rule if it returns a result, and the edge counts with sorting.
+    /// Compares every pairing algorithm that returns a result with the naive rule, and the edge
+    /// counts with sorting.
     fn compare_by(corners: &impl FaceCorners, faces: &Faces) {
         let expected = naive(corners);
         assert_eq!(DualGraph::new(faces).twins, expected);
@@ -329,7 +341,7 @@ mod tests {
         let (offsets, face_of) = polygon_shape(faces);
         let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
         compare_by(&corners, faces);
-        // The same vertices with sparse numbers, which are renumbered.
+        // The same faces with sparse vertex numbers, which are renumbered.
         let apart = faces.corners().iter().map(|v| 1000 * v).collect();
         let apart = Faces::from_offsets(offsets.clone(), apart).unwrap();
         assert_eq!(DualGraph::new(&apart).twins, naive(&corners));
@@ -370,7 +382,8 @@ mod tests {
 
     #[test]
     fn every_pairing_algorithm_is_reached() {
-        // A tetrahedron; one with a face twice; triangles around a vertex whose open edges make its list long.
+        // A tetrahedron; the same with a face twice; and triangles around a vertex whose open edges
+        // make its list long.
         let closed = vec![0, 1, 2, 0, 2, 3, 0, 3, 1, 3, 2, 1];
         let doubled = [&closed[..], &closed[..3]].concat();
         let star: Vec<u32> = (0..300).flat_map(|i| [0, 1 + 2 * i, 2 + 2 * i]).collect();

@@ -1,49 +1,52 @@
-//! Properties of a mesh: counts that determine how well it can be stripped, and defects that a user should know about.
+//! Mesh statistics: counts that determine how well a mesh can be stripped, and defects that users
+//! should know about.
 //!
 //! # Algorithm
-//! If no two half-edges have the same direction over the same vertices, which the graph knows from its pairing, every edge has one face or two
-//! of opposite direction, and no face occurs twice: a half-edge without a twin is a boundary edge. Otherwise the half-edges are counted
-//! edge by edge, and faces are compared.
+//! The pairing of the graph knows whether two half-edges have the same direction over the same
+//! vertices. If there are none, every edge has one face or two of opposite direction, and no face
+//! occurs twice. A half-edge without a twin is then a boundary edge. Otherwise the half-edges are
+//! counted edge by edge, and faces are compared.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; temporarily 8 bytes per triangle and 1 per vertex, for meshes with other edges 16
-//! and 4.
+//! O(n) time for meshes of bounded valence, O(n log n) in the worst case. Temporary memory: 8 bytes
+//! per triangle and 1 per vertex, or 16 and 4 for meshes with other edges.
 
 use super::{DualGraph, for_each_edge};
 use crate::csr::Csr;
 use crate::mesh::{Faces, Mesh, vertex_bound};
 use crate::prepare::{PreparedCounts, PreparedFaces};
 
-/// The counts of a mesh. Edges are those of the prepared faces, between two vertices.
+/// Statistics of a mesh. The edges counted are those of the prepared faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct MeshReport {
-    /// Vertices, used or not.
+    /// Number of vertices, including unused ones.
     pub vertices: usize,
-    /// Vertices that no face of the mesh uses.
+    /// Number of vertices that no face of the mesh uses.
     pub unreferenced_vertices: usize,
-    /// Faces of the mesh, degenerate ones included.
+    /// Number of faces of the mesh, including degenerate ones.
     pub faces: usize,
-    /// Triangles of the prepared faces: k − 2 per face of k corners.
+    /// Number of triangles of the prepared faces, k − 2 per face of k corners.
     pub triangles: usize,
-    /// Connected components of the dual graph.
+    /// Number of connected components of the dual graph.
     pub components: usize,
-    /// Edges of one face.
+    /// Number of edges of one face.
     pub boundary_edges: usize,
-    /// Edges of more than two faces.
+    /// Number of edges of more than two faces.
     pub non_manifold_edges: usize,
-    /// Edges of two faces with inconsistent winding; no strip crosses them.
+    /// Number of edges of two faces with inconsistent winding. No strip crosses them.
     pub inconsistent_edges: usize,
-    /// Faces that share no edge with another.
+    /// Number of faces that share no edge with another face.
     pub isolated_faces: usize,
-    /// Faces with the same vertices and winding as an earlier face; they are drawn as well.
+    /// Number of faces with the same vertices and winding as an earlier face. They are drawn as
+    /// well.
     pub duplicate_faces: usize,
-    /// The changes by which the faces were prepared.
+    /// What the preparation of the faces changed.
     pub surface: PreparedCounts,
 }
 
 impl MeshReport {
-    /// Computes the counts of a mesh, its prepared faces and their dual graph.
+    /// Computes the statistics of a mesh from its prepared faces and their dual graph.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, MeshReport, PreparedFaces};
@@ -81,7 +84,7 @@ impl MeshReport {
         report
     }
 
-    /// Counts the edges by the half-edges over each.
+    /// Counts the edges by their numbers of half-edges in each direction.
     fn count_edges(&mut self, faces: &Faces) {
         for_each_edge(faces, |forward, backward| match (forward, backward) {
             (1, 0) | (0, 1) => self.boundary_edges += 1,
@@ -92,15 +95,15 @@ impl MeshReport {
     }
 }
 
-/// Counts the vertices that corners use.
+/// Counts the distinct vertices of the corners.
 fn used_vertices(corners: &[u32]) -> usize {
     let mut used = vec![false; vertex_bound(corners)];
     corners.iter().for_each(|&v| used[v as usize] = true);
     used.iter().filter(|&&is_used| is_used).count()
 }
 
-/// Counts the faces that repeat an earlier one, from whatever corner they begin: a counting sort groups the faces by their lowest
-/// vertex, and those of each vertex are sorted by comparison.
+/// Counts the faces that repeat an earlier one, regardless of the corner they start with. A
+/// counting sort groups the faces by their lowest vertex, and each group is sorted by comparison.
 fn duplicates(faces: &Faces) -> usize {
     let lowest = |polygon: &[u32]| (0..polygon.len()).min_by_key(|&k| polygon[k]).unwrap_or(0);
     let whole = |face: u32| {
@@ -139,7 +142,7 @@ mod tests {
     }
 
     proptest! {
-        /// The oracle counts every edge and every face, also where the pairing had nothing to choose.
+        /// The oracle counts every edge and every face, even if the mesh is simple.
         #[test]
         fn counts_are_those_of_every_edge(polygons in prop::collection::vec((3..5_usize, 0..12_u32, 1..4_u32), 0..12)) {
             let polygons = polygons.into_iter().map(|(n, first, step)| {

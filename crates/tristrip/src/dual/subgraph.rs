@@ -1,19 +1,20 @@
-//! Graphs with other numbers of faces. Subgraphs: whole connected components of a dual graph, renumbered from 0, so that a method can process
-//! them separately. And all faces in another order.
+//! Subgraphs and reordered graphs. A subgraph consists of whole connected components of a dual
+//! graph, renumbered from 0, and lets a method process them separately.
 //!
 //! ```text
 //!   triangles   3 4 7          numbered 0 1 2 in the subgraph
 //!   half-edge   9  →  0        edges of a triangle keep their numbers 0 to 2
 //! ```
-//! Path covers need no translation: a link names an edge of its own triangle.
+//! Path covers need no translation, because a link is an edge number within its own triangle.
 
 use super::{DualGraph, FaceShape, NO_TWIN, polygon_shape};
 use crate::ids::{FaceId, HalfEdge};
 use crate::mesh::Faces;
 
 impl DualGraph {
-    /// Returns the graph of some triangles, numbered from 0 in the given order. No shared edge may lead to other triangles.
-    /// `renumber` maps a half-edge of the whole graph to the half-edge of the subgraph.
+    /// Returns the graph of the given triangles, numbered from 0 in the given order. They must not
+    /// share edges with other triangles. `renumber` maps a half-edge of the whole graph to the
+    /// half-edge of the subgraph.
     pub(crate) fn subgraph(
         &self,
         triangles: impl IntoIterator<Item = u32>,
@@ -23,7 +24,8 @@ impl DualGraph {
         Self::of_triangle_twins(half_edges.map(|half_edge| self.twin_of(half_edge).map(&renumber)))
     }
 
-    /// Returns the graph of all faces in another order; `order` has the old number of each, and `faces` are those in the new order.
+    /// Returns the graph of all faces in another order. `order` has the old index of each face, and
+    /// `faces` are the faces in the new order.
     pub(crate) fn in_order(&self, order: &[u32], faces: &Faces) -> Self {
         let shape = match &self.shape {
             FaceShape::Triangles => FaceShape::Triangles,
@@ -32,7 +34,8 @@ impl DualGraph {
                 FaceShape::Polygons { offsets, face_of }
             }
         };
-        // From an old face to the number that its half-edges grow by, which wraps around where it is negative.
+        // The amount by which the half-edges of an old face are shifted. It wraps around where it
+        // is negative.
         let mut growth = vec![0_u32; order.len()];
         for (new, &old) in (0..).zip(order) {
             growth[old as usize] = shape.first_half_edge(new).wrapping_sub(self.shape.first_half_edge(old));

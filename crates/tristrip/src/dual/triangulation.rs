@@ -1,10 +1,12 @@
-//! Triangulations of prepared faces: the diagonals that a method chose, and the dual graph of the resulting triangles.
+//! Triangulations of prepared faces: the diagonals chosen by a method, and the dual graph of the
+//! triangles.
 //!
-//! A face of k corners has k − 2 consecutive triangles, the faces in order. Across a face's own edges the triangles are connected
-//! like the faces; across a diagonal, the triangles at its two sides are connected.
+//! A face of k corners has k − 2 consecutive triangles, in face order. Triangles are connected
+//! across the edges of their faces like the faces, and across diagonals.
 //!
 //! # Complexity
-//! 24 bytes per triangle and 4 per corner while building; nothing if every face is a triangle: the triangles are borrowed.
+//! 24 bytes per triangle and 4 per corner while building. Nothing if every face is a triangle: the
+//! triangles are then borrowed.
 
 use std::borrow::Cow;
 
@@ -14,7 +16,7 @@ use crate::ids::OptionalId;
 use crate::mesh::Faces;
 use crate::prepare::PreparedFaces;
 
-/// The triangles of prepared faces and their connections.
+/// The triangles of prepared faces and their dual graph.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};
@@ -33,23 +35,25 @@ pub struct Triangulation<'a> {
 }
 
 impl<'a> Triangulation<'a> {
-    /// Borrows faces that are all triangles; returns `None` if there is a larger face.
+    /// Borrows the faces if all are triangles; otherwise returns `None`.
     pub(crate) fn of_triangles(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Option<Self> {
         let triangles = prepared.faces().as_triangles()?;
         Some(Self { triangles: Cow::Borrowed(triangles), graph: Cow::Borrowed(graph) })
     }
 
-    /// Creates a triangulation from triangles and their dual graph, which the caller knows to triangulate the faces.
+    /// Creates a triangulation from triangles and their dual graph. The triangles must triangulate
+    /// the faces.
     pub(crate) fn from_parts(triangles: Vec<u32>, graph: DualGraph) -> Self {
         Self { triangles: Cow::Owned(triangles), graph: Cow::Owned(graph) }
     }
 
-    /// Returns the same triangulation, with its own copy of what it borrows.
+    /// Returns the same triangulation with owned data.
     pub(crate) fn into_owned<'b>(self) -> Triangulation<'b> {
         Triangulation::from_parts(self.triangles.into_owned(), self.graph.into_owned())
     }
 
-    /// Cuts every face into a fan around its first corner. Triangles are borrowed.
+    /// Triangulates every face as a fan around its first corner. Borrows the faces if all are
+    /// triangles.
     ///
     /// # Errors
     /// The graph is not the dual graph of the faces.
@@ -68,7 +72,8 @@ impl<'a> Triangulation<'a> {
         Ok(Self::fan(prepared, graph))
     }
 
-    /// Cuts every face of a graph that was made from the faces into a fan around its first corner.
+    /// Triangulates every face as a fan around its first corner. The graph must be that of the
+    /// faces.
     pub(crate) fn fan(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
         Self::of_triangles(prepared, graph).unwrap_or_else(|| {
             let mut builder = TriangulationBuilder::new(prepared.faces(), graph);
@@ -81,8 +86,8 @@ impl<'a> Triangulation<'a> {
         })
     }
 
-    /// Cuts every face by alternate left and right turns from its first edge, so that the face is one strip without swaps
-    /// (Evans et al. 1996, figure 5b).
+    /// Triangulates every face by alternate left and right turns from its first edge, which makes
+    /// each face one strip without swaps (Evans et al. 1996, figure 5b).
     pub(crate) fn zigzag(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
         Self::of_triangles(prepared, graph).unwrap_or_else(|| {
             let mut builder = TriangulationBuilder::new(prepared.faces(), graph);
@@ -104,7 +109,7 @@ impl<'a> Triangulation<'a> {
         })
     }
 
-    /// Returns three vertices per triangle, in its winding.
+    /// Returns the vertices of the triangles, three per triangle in winding order.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -119,7 +124,7 @@ impl<'a> Triangulation<'a> {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// // One diagonal: two half-edges that are twins.
+    /// // One diagonal: a pair of twins.
     /// assert_eq!(plan.triangulation().graph().half_edge_twins().flatten().count(), 2);
     /// assert_eq!(graph.half_edge_twins().flatten().count(), 0);
     /// # Ok::<(), tristrip::Error>(())
@@ -140,15 +145,15 @@ impl<'a> Triangulation<'a> {
     }
 }
 
-/// Collects the triangles that a method cuts the faces into, in any order of the faces.
+/// Collects the triangles of the faces. The faces may be added in any order.
 #[derive(Debug)]
 pub(crate) struct TriangulationBuilder<'a> {
     faces: &'a Faces,
     graph: &'a DualGraph,
     triangles: Vec<u32>,
-    /// The corner of the face whose edge a triangle's edge is; none for a diagonal.
+    /// The corner of the face at which an edge of a triangle starts; none for a diagonal.
     edges: Vec<OptionalId>,
-    /// The next free triangle of each face.
+    /// The next free triangle index of each face.
     next: Vec<u32>,
 }
 
@@ -173,8 +178,8 @@ impl<'a> TriangulationBuilder<'a> {
         }
     }
 
-    /// Adds a triangle of a face, by the indices of its corners within the face, in the face's winding.
-    /// Returns its number; its edges are numbered from `corners[0]` on.
+    /// Adds a triangle of a face, given by corner indices within the face, in the winding of the
+    /// face. Returns the index of the triangle. Its edges are numbered from `corners[0]` on.
     pub(crate) fn add(&mut self, face: usize, corners: [u32; 3]) -> u32 {
         let triangle = self.next[face];
         self.next[face] += 1;
@@ -190,7 +195,7 @@ impl<'a> TriangulationBuilder<'a> {
         triangle
     }
 
-    /// Returns whether all triangles of every face were added.
+    /// Returns whether all triangles of all faces were added.
     fn is_complete(&self) -> bool {
         let mut end = 0;
         self.faces.iter().zip(&self.next).all(|(polygon, &next)| {
@@ -199,7 +204,7 @@ impl<'a> TriangulationBuilder<'a> {
         })
     }
 
-    /// Connects the triangles. All triangles of every face must have been added.
+    /// Connects the triangles. All triangles of all faces must have been added.
     pub(crate) fn finish(self) -> Triangulation<'a> {
         debug_assert!(self.is_complete(), "triangles of a face are missing");
         let mut at_corner = vec![OptionalId::NONE; self.faces.corner_count()];

@@ -6,7 +6,7 @@ use crate::error::{Error, MeshProblem};
 use crate::ids::index_out_of_range;
 use crate::text::counted;
 
-/// The values of one vertex attribute, `components` of them per vertex.
+/// The values of one vertex attribute, with `components` values per vertex.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AttributeData {
     /// 32-bit floats.
@@ -48,7 +48,7 @@ impl AttributeData {
         }
     }
 
-    /// Returns whether there is no value.
+    /// Returns whether there are no values.
     ///
     /// ```
     /// use tristrip::AttributeData;
@@ -59,24 +59,25 @@ impl AttributeData {
     }
 }
 
-/// One value, of one or more components, per vertex.
+/// A vertex attribute: one value of one or more components per vertex.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attribute {
-    /// The glTF name if there is one (`NORMAL`, `TEXCOORD_0`, `COLOR_0`), otherwise the name in the file.
+    /// The glTF name if there is one (`NORMAL`, `TEXCOORD_0`, `COLOR_0`), otherwise the name in the
+    /// file.
     pub name: String,
-    /// Number of values per vertex, at least 1.
+    /// Number of components per vertex, at least 1.
     pub components: u8,
-    /// Whether integers represent fractions of their range.
+    /// Whether integers represent fractions of their range, as in glTF.
     pub normalized: bool,
-    /// The values, vertex after vertex.
+    /// The values, in vertex order.
     pub data: AttributeData,
 }
 
 impl Attribute {
-    /// Returns the values of some vertices, in their order.
+    /// Returns the values of the given vertices, in their order.
     ///
     /// # Errors
-    /// There is no such vertex, or a vertex has no components.
+    /// A vertex is out of range, or the attribute has zero components.
     ///
     /// ```
     /// use tristrip::{Attribute, AttributeData};
@@ -95,10 +96,10 @@ impl Attribute {
         }
     }
 
-    /// Appends the values of an attribute of the same name, with as many components of the same type.
+    /// Appends the values of an attribute with the same name, type and number of components.
     ///
     /// # Errors
-    /// The attribute is of another kind.
+    /// The attributes differ in name, type, number of components or normalization.
     ///
     /// ```
     /// use tristrip::{Attribute, AttributeData};
@@ -131,7 +132,8 @@ impl Attribute {
         Ok(())
     }
 
-    /// Returns value `i` of all as a float: a normalized integer as the fraction that it represents; `None` if there is no such value.
+    /// Returns value `i` of the data as a float, or `None` if it is out of range. Normalized
+    /// integers are converted to the fraction that they represent.
     ///
     /// ```
     /// use tristrip::{Attribute, AttributeData};
@@ -153,7 +155,7 @@ impl Attribute {
         }
     }
 
-    /// Checks that there is one value per vertex, and that it has components.
+    /// Checks that there is one value per vertex, with at least one component.
     pub(crate) fn check(&self, vertex_count: usize) -> Result<(), Error> {
         self.check_components()?;
         let components = usize::from(self.components);
@@ -173,7 +175,7 @@ impl Attribute {
         Err(Error::Parameter { name: "components", found, expected: "at least 1" })
     }
 
-    /// Returns the values of some vertices that exist, in their order.
+    /// Returns the values of the given vertices, in their order. The vertices must be in range.
     pub(crate) fn select(&self, vertices: &[u32]) -> Self {
         let n = usize::from(self.components.max(1));
         let data = match &self.data {
@@ -206,7 +208,7 @@ impl Attribute {
     }
 }
 
-/// Returns the values of some vertices, `components` each, in the order of `vertices`.
+/// Returns the values of the given vertices, `components` each, in the order of `vertices`.
 pub(crate) fn select<T: Copy>(values: &[T], components: usize, vertices: &[u32]) -> Vec<T> {
     if components == 1 {
         return vertices.iter().map(|&v| values[v as usize]).collect();

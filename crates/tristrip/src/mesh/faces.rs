@@ -7,7 +7,7 @@ use super::vertex_subset::{SPARSE, VertexSubset, vertex_bound};
 use crate::error::{Error, MeshProblem};
 use crate::ids::check_count;
 
-/// Faces of any size; the winding of a face is the order of its corners.
+/// Faces of any size. The order of the corners is the winding of a face.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Faces {
     corners: Vec<u32>,
@@ -16,10 +16,10 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Creates triangles from three indices each.
+    /// Creates triangles from three vertex indices each.
     ///
     /// # Errors
-    /// The number of indices is not a multiple of three, or too large for 32-bit ids.
+    /// The number of indices is not a multiple of three, or too large for 32-bit indices.
     ///
     /// ```
     /// let faces = tristrip::Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?;
@@ -32,11 +32,13 @@ impl Faces {
         Ok(Self { corners, offsets: None })
     }
 
-    /// Creates polygons from all corners and the offset of each face's first corner; `offsets` has one entry more than there are
-    /// faces, starts at 0, never decreases and ends at the number of corners. Faces may have any size, including 0.
+    /// Creates polygons from all corners and the offset of each face's first corner. `offsets` has
+    /// `face_count + 1` entries: it starts at 0, never decreases, and ends at the number of
+    /// corners. Faces may have any size, including 0.
     ///
     /// # Errors
-    /// The offsets do not match the corners, or the corners of the faces or of their triangles are too many for 32-bit ids.
+    /// The offsets do not match the corners, or there are too many corners of faces or of their
+    /// triangles for 32-bit indices.
     ///
     /// ```
     /// let quad_and_triangle = tristrip::Faces::from_offsets(vec![0, 4, 7], vec![0, 1, 2, 3, 3, 2, 4])?;
@@ -57,12 +59,12 @@ impl Faces {
             return Err(MeshProblem::CornerCount { found: corners.len() as u64, expected }.into());
         }
         let faces = Self::from_valid_offsets(offsets, corners);
-        // The triangles of a large polygon have up to three times as many corners.
+        // The triangles of a large polygon have up to three times as many corners as the polygon.
         check_count("corners of the triangles of the faces", faces.triangle_count().saturating_mul(3))?;
         Ok(faces)
     }
 
-    /// Creates polygons as [`Faces::from_offsets`] does, from offsets that are known to match the corners.
+    /// Creates polygons like [`Faces::from_offsets`]. The offsets must match the corners.
     pub(crate) fn from_valid_offsets(offsets: Vec<u32>, corners: Vec<u32>) -> Self {
         let all_triangles = offsets.windows(2).all(|w| w[1] - w[0] == 3);
         Self { corners, offsets: (!all_triangles).then_some(offsets) }
@@ -71,7 +73,7 @@ impl Faces {
     /// Creates faces from a list of polygons.
     ///
     /// # Errors
-    /// There are too many corners for 32-bit ids.
+    /// There are too many corners for 32-bit indices.
     ///
     /// ```
     /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
@@ -122,7 +124,7 @@ impl Faces {
         &self.corners
     }
 
-    /// Returns the range of a face's corners within [`Faces::corners`]; the face exists.
+    /// Returns the range of a face's corners within [`Faces::corners`]. The face must exist.
     pub(crate) fn range(&self, face: usize) -> std::ops::Range<usize> {
         match &self.offsets {
             Some(offsets) => offsets[face] as usize..offsets[face + 1] as usize,
@@ -130,7 +132,7 @@ impl Faces {
         }
     }
 
-    /// Returns the vertices of a face in its winding; `None` if there is no such face.
+    /// Returns the vertices of a face in winding order, or `None` if there is no such face.
     ///
     /// ```
     /// let quad_and_triangle = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
@@ -142,12 +144,13 @@ impl Faces {
         (face < self.face_count()).then(|| self.face(face))
     }
 
-    /// Returns the vertices of a face in its winding; the face exists.
+    /// Returns the vertices of a face in winding order. The face must exist.
     pub(crate) fn face(&self, face: usize) -> &[u32] {
         &self.corners[self.range(face)]
     }
 
-    /// Returns the offset of each face's first corner, and the end of the last face; `None` if every face is a triangle.
+    /// Returns the offset of each face's first corner and the end of the last face, or `None` if
+    /// every face is a triangle.
     pub(crate) fn offsets(&self) -> Option<&[u32]> {
         self.offsets.as_deref()
     }
@@ -163,7 +166,7 @@ impl Faces {
         (0..self.face_count()).map(|face| self.face(face))
     }
 
-    /// Returns the index buffer if every face is a triangle.
+    /// Returns the index buffer if every face is a triangle, otherwise `None`.
     ///
     /// ```
     /// use tristrip::Faces;
@@ -176,7 +179,8 @@ impl Faces {
         self.offsets.is_none().then_some(&self.corners)
     }
 
-    /// Returns the triangles of the faces, three vertices each; a larger face is a fan around its first corner.
+    /// Returns the triangles of the faces, three vertices each. A larger face becomes a fan around
+    /// its first corner.
     ///
     /// ```
     /// let quad_and_triangle = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
@@ -191,7 +195,7 @@ impl Faces {
         self.iter().flat_map(fan).collect()
     }
 
-    /// Returns faces of the same sizes with other corners.
+    /// Returns faces of the same sizes with other vertices.
     ///
     /// # Errors
     /// The number of corners differs.
@@ -210,14 +214,15 @@ impl Faces {
         Ok(self.renamed(corners))
     }
 
-    /// Returns faces of the same sizes with other corners, of which there are as many.
+    /// Returns faces of the same sizes with other vertices. The number of corners must be the same.
     pub(crate) fn renamed(&self, corners: Vec<u32>) -> Self {
         debug_assert_eq!(corners.len(), self.corners.len());
         Self { corners, offsets: self.offsets.clone() }
     }
 
-    /// Returns the same faces over a [`VertexSubset`], in the same order, if they use few of the vertices up to the highest one;
-    /// otherwise borrows the faces. Memory that is proportional to the highest vertex is then proportional to the corners.
+    /// Renumbers the vertices by a [`VertexSubset`] if the faces use few of the vertices up to the
+    /// highest one; otherwise borrows the faces. The order of the faces stays the same. Later
+    /// stages then need memory proportional to the corners instead of the highest vertex.
     pub(crate) fn compact(&self) -> Cow<'_, Self> {
         if vertex_bound(&self.corners).saturating_sub(1) / SPARSE < self.corners.len() {
             return Cow::Borrowed(self);
@@ -225,8 +230,8 @@ impl Faces {
         Cow::Owned(self.renamed(VertexSubset::of(&self.corners).numbers(&self.corners)))
     }
 
-    /// Returns the same faces with vertices numbered in order of their first use: vertices of nearby faces are then close in
-    /// memory. Allocates 4 bytes per vertex up to the highest one.
+    /// Returns the same faces with the vertices numbered by first use, which places the vertices of
+    /// nearby faces close together in memory. Allocates 4 bytes per vertex up to the highest one.
     pub(crate) fn in_order_of_use(&self) -> Self {
         let mut number = vec![0_u32; vertex_bound(&self.corners)]; // counted from 1
         let mut count = 0;
@@ -241,7 +246,7 @@ impl Faces {
         Self { corners: self.corners.iter().map(renumber).collect(), offsets: self.offsets.clone() }
     }
 
-    /// Returns the faces in another order: each by its number.
+    /// Returns the faces in another order: `order` contains their indices.
     pub(crate) fn in_order(&self, order: &[u32]) -> Self {
         let corners = match &self.offsets {
             None => order.iter().flat_map(|&face| triangle_at(&self.corners, face as usize)).collect(),
@@ -262,7 +267,7 @@ impl Faces {
         Self { corners, offsets }
     }
 
-    /// Counts the triangles of the faces: a face of k corners has k − 2.
+    /// Counts the triangles of the faces. A face of k corners has k − 2.
     ///
     /// ```
     /// // An edge draws nothing.
@@ -278,7 +283,7 @@ impl Faces {
     }
 }
 
-/// Copies a polygon without the corners that repeat the one before, cyclically.
+/// Copies a polygon without corners that repeat the previous one, cyclically.
 pub(crate) fn without_repeats(face: &[u32], polygon: &mut Vec<u32>) {
     polygon.clear();
     polygon.extend_from_slice(face);

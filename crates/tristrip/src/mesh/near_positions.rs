@@ -1,25 +1,26 @@
-//! Positions within a distance of others, in a grid of cells.
+//! Finds positions within a distance of others by a grid of cells.
 //!
-//! Scanners and CAD write the two sides of a border with small differences. To find the other side, every position looks at those already
-//! in the grid, and then enters it itself.
+//! Scanners and CAD programs write the two sides of a border with small differences. To find the
+//! other side, each position is looked up in the grid before it is inserted.
 //!
 //! # Complexity
-//! Constant time per position: a cell is [`CELL`] times as wide as the distance, so that most positions look at one cell and a few at up to eight,
-//! and at no more than [`MAX_IN_CELL`] positions of each. About 60 bytes per position.
+//! Constant time per position. A cell is [`CELL`] times as wide as the distance, so most lookups
+//! visit one cell and a few visit up to eight. At most [`MAX_IN_CELL`] positions are compared per
+//! cell. About 60 bytes per position.
 
 use std::collections::HashMap;
 
 use crate::error::Error;
 use crate::ids::{OptionalId, check_count};
 
-/// The width of a cell, in distances.
+/// Width of a cell, in multiples of the distance.
 const CELL: f64 = 16.0;
 
-/// The number of positions of a cell that are looked at, the latest first. More than these are in a cell only if the distance is several times
-/// that between neighbours.
+/// Maximum number of positions compared per cell, latest first. A cell contains more only if the
+/// distance is several times the spacing of the positions.
 const MAX_IN_CELL: usize = 1024;
 
-/// Positions that are found by their distance.
+/// Positions that can be looked up by distance.
 ///
 /// ```
 /// use tristrip::NearPositions;
@@ -32,7 +33,8 @@ const MAX_IN_CELL: usize = 1024;
 #[derive(Debug)]
 pub struct NearPositions {
     distance: f64,
-    /// The latest position of each cell. A random seed protects against files with colliding cells; no result depends on it.
+    /// The latest position of each cell. A random hash seed protects against files with colliding
+    /// cells; no result depends on it.
     latest: HashMap<[u64; 3], OptionalId>,
     entries: Vec<CellEntry>,
 }
@@ -41,15 +43,15 @@ pub struct NearPositions {
 struct CellEntry {
     number: u32,
     position: [f32; 3],
-    /// The one that entered the cell before.
+    /// The previous entry of the same cell.
     before: OptionalId,
 }
 
 impl NearPositions {
-    /// Creates a grid for a distance, in the unit of the positions.
+    /// Creates an empty grid for a distance, in the unit of the positions.
     ///
     /// # Errors
-    /// The distance is not a finite number above 0.
+    /// The distance is not a positive finite number.
     ///
     /// ```
     /// use tristrip::NearPositions;
@@ -63,10 +65,10 @@ impl NearPositions {
         Ok(Self { distance: distance.into(), latest: HashMap::new(), entries: Vec::new() })
     }
 
-    /// Adds a position under a number of the caller's choice.
+    /// Adds a position with a number that the caller chooses.
     ///
     /// # Errors
-    /// There are too many positions for 32-bit ids.
+    /// There are too many positions for 32-bit indices.
     ///
     /// ```
     /// let mut grid = tristrip::NearPositions::new(2.0)?;
@@ -82,8 +84,8 @@ impl NearPositions {
         Ok(())
     }
 
-    /// Iterates over the positions within the distance of another, in no particular order: how far each is, and its number. Of cells with more
-    /// than 1024 positions the latest are looked at.
+    /// Iterates over the positions within the distance, as pairs of a distance and a number, in no
+    /// particular order. In cells with more than 1024 positions only the latest 1024 are compared.
     ///
     /// ```
     /// let mut grid = tristrip::NearPositions::new(1.0)?;
@@ -93,7 +95,7 @@ impl NearPositions {
     /// ```
     pub fn near(&self, position: [f32; 3]) -> impl Iterator<Item = (f64, u32)> {
         let p = position.map(f64::from);
-        // Along each axis one cell, or two if a border between them is within the distance.
+        // One cell along each axis, or two if a border between cells is within the distance.
         let [x, y, z] = p.map(|x| {
             let [low, high] = [x - self.distance, x + self.distance].map(|x| self.cell(x));
             std::iter::once(low).chain((high != low).then_some(high))
@@ -117,7 +119,8 @@ impl NearPositions {
         std::iter::successors(latest, move |at| entry(at.before)).take(MAX_IN_CELL)
     }
 
-    /// Returns the cell of a coordinate. Where cells are narrower than coordinates can differ, each coordinate has its own.
+    /// Returns the cell of a coordinate. Where cells are narrower than the spacing of floats, each
+    /// coordinate has its own cell.
     fn cell(&self, x: f64) -> u64 {
         // Adding 0.0 turns −0.0 into 0.0.
         ((x / (CELL * self.distance)).floor() + 0.0).to_bits()

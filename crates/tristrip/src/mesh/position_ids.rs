@@ -1,10 +1,11 @@
-//! A common numbering for the vertices of several meshes, by position, so that the drawings of two files can be compared.
+//! A common vertex numbering of several meshes by position, used to compare what two files draw.
 //!
-//! Vertices get the same number if their positions have the same bits; −0.0 counts as 0.0. Other attributes are ignored.
+//! Vertices get the same number if their positions have the same bits; −0.0 equals 0.0. Other
+//! attributes are ignored.
 //!
 //! # Complexity
-//! O(n) time over the corners; about 40 bytes per position that a face uses, and 4 bytes per vertex unless the faces use few
-//! of them. Positions that several meshes share are numbered once.
+//! O(n) time, where n is the number of corners. About 40 bytes per position in use, and 4 bytes per
+//! vertex unless the faces use few of them. Positions that several meshes share are numbered once.
 
 use std::collections::HashMap;
 
@@ -13,8 +14,8 @@ use super::{Faces, Mesh, Positions};
 use crate::error::Error;
 use crate::ids::{OptionalId, check_count};
 
-/// The numbers of positions, in order of their first occurrence. They do not depend on the hash function, whose random seed protects
-/// against files with colliding positions.
+/// Numbers of positions, in order of first occurrence. The numbers do not depend on the hash
+/// function, whose random seed protects against files with colliding positions.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, PositionIds};
@@ -33,21 +34,21 @@ pub struct PositionIds {
 }
 
 impl PositionIds {
-    /// Returns the faces of all meshes, one after the other, with the common numbers as vertices.
+    /// Returns the faces of all meshes, in order, with the common numbers as vertices.
     ///
     /// # Errors
-    /// The meshes together have too many corners, faces or positions for 32-bit ids.
+    /// The meshes together have too many corners, faces or positions for 32-bit indices.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// // Vertex 4 of another mesh is where vertex 0 of this one is.
-    /// let last = Mesh::new(vec![mesh.positions()[0]; 5], Faces::from_polygons([[4]])?)?;
-    /// let faces = PositionIds::default().faces(&[&mesh, &last])?;
-    /// assert_eq!(faces.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3][..], &[3, 2, 4], &[0]]);
+    /// // Vertex 4 of another mesh has the position of vertex 0 of this one. let last =
+    /// Mesh::new(vec![mesh.positions()[0]; 5], Faces::from_polygons([[4]])?)?; let faces =
+    /// PositionIds::default().faces(&[&mesh, &last])?; assert_eq!(faces.iter().collect::<Vec<_>>(),
+    /// [&[0, 1, 2, 3][..], &[3, 2, 4], &[0]]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn faces(&mut self, meshes: &[&Mesh]) -> Result<Faces, Error> {
-        // The numbers of the vertices that faces have used, by the address of the positions.
+        // The numbers of the vertices used so far, by the address of the positions.
         let mut known: HashMap<usize, Vec<OptionalId>> = HashMap::new();
         let corner_count = meshes.iter().map(|m| m.faces().corner_count()).sum();
         let mut corners = Vec::with_capacity(corner_count);
@@ -73,7 +74,7 @@ impl PositionIds {
         Faces::from_offsets(offsets, corners)
     }
 
-    /// Returns the position with a number, in mesh units; `None` if no position has it.
+    /// Returns the position with this number in mesh units, or `None` if there is no such number.
     ///
     /// ```
     /// assert_eq!(tristrip::PositionIds::default().position(0), None);
@@ -82,12 +83,13 @@ impl PositionIds {
         self.positions.get(id as usize).copied()
     }
 
-    /// Returns the position with a number that a vertex has.
+    /// Returns the position with this number. The number must exist.
     pub(crate) fn position_of(&self, id: u32) -> [f32; 3] {
         self.positions[id as usize]
     }
 
-    /// Returns the number of the position of each corner; the corners are vertices that have positions.
+    /// Returns the number of the position of each corner. The corners must be vertices of
+    /// `positions`.
     pub(crate) fn numbers<P: Positions + ?Sized>(&mut self, positions: &P, corners: &[u32]) -> Vec<u32> {
         let mut known = unknown_numbers(positions.vertex_count(), corners.len());
         // A surface has about half as many points as triangles.
@@ -95,7 +97,7 @@ impl PositionIds {
         corners.iter().map(|&v| self.number_of_vertex(positions, v, &mut known)).collect()
     }
 
-    /// Returns the number of a vertex's position, from `known` if it is not empty and the vertex was used before.
+    /// Returns the number of a vertex's position. Uses `known` unless it is empty.
     #[inline]
     fn number_of_vertex<P: Positions + ?Sized>(
         &mut self,
@@ -126,7 +128,8 @@ impl PositionIds {
     }
 }
 
-/// Returns a list for the numbers of all vertices, or an empty one if the corners use few of them.
+/// Returns a list for the numbers of all vertices, or an empty one if the corners use few of the
+/// vertices.
 fn unknown_numbers(vertex_count: usize, corner_count: usize) -> Vec<OptionalId> {
     if vertex_count / SPARSE > corner_count { Vec::new() } else { vec![OptionalId::NONE; vertex_count] }
 }

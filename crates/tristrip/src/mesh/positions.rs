@@ -1,4 +1,5 @@
-//! Positions in the memory of the caller: arrays of points of any library, or vertices with their attributes in between.
+//! Positions in the caller's memory: arrays of any library's points, or vertices with interleaved
+//! attributes.
 //!
 //! ```text
 //! InterleavedPositions    offset
@@ -10,10 +11,11 @@ use crate::error::{Error, MeshProblem};
 use crate::ids::check_count;
 use crate::text::counted;
 
-/// The positions of vertices, wherever they are stored.
+/// Vertex positions, in any storage.
 ///
-/// Slices, vectors and arrays of everything that converts to `[f32; 3]` are positions: points and vectors of `glam`, `mint`, `nalgebra` and
-/// others in any version, or vertices of your own. [`InterleavedPositions`] are in a buffer of numbers or bytes.
+/// Implemented for slices, vectors and arrays of every type that converts to `[f32; 3]`: points and
+/// vectors of `glam`, `mint`, `nalgebra` and others in any version, or your own vertices. Use
+/// [`InterleavedPositions`] for a buffer of numbers or bytes.
 ///
 /// ```
 /// use tristrip::Positions;
@@ -37,7 +39,7 @@ pub trait Positions {
     /// ```
     fn vertex_count(&self) -> usize;
 
-    /// Returns the position of a vertex in mesh units; `None` if there is no such vertex.
+    /// Returns the position of a vertex in mesh units, or `None` if there is no such vertex.
     ///
     /// ```
     /// use tristrip::Positions;
@@ -82,7 +84,8 @@ impl<P: Copy + Into<[f32; 3]>, const N: usize> Positions for [P; N] {
     }
 }
 
-/// Positions among other values of each vertex, as a vertex buffer has them. Nothing is copied.
+/// Positions interleaved with other values of each vertex, as in a vertex buffer. Nothing is
+/// copied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InterleavedPositions<'a> {
     values: FloatSource<'a>,
@@ -97,11 +100,12 @@ enum FloatSource<'a> {
 }
 
 impl<'a> InterleavedPositions<'a> {
-    /// Borrows positions from floats: vertex i has its three coordinates from number `i * stride + offset` on.
+    /// Borrows positions from floats. The three coordinates of vertex i start at index
+    /// `i * stride + offset`.
     ///
     /// # Errors
-    /// A stride has no room for three coordinates after the offset, the floats are not a whole number of strides, or there are too many vertices
-    /// for 32-bit ids.
+    /// The position does not fit within the stride, the number of floats is not a multiple of the
+    /// stride, or there are too many vertices for 32-bit indices.
     ///
     /// ```
     /// use tristrip::{InterleavedPositions, Positions};
@@ -116,11 +120,12 @@ impl<'a> InterleavedPositions<'a> {
         Ok(Self { values: FloatSource::Floats(floats), stride, offset })
     }
 
-    /// Borrows positions from bytes: vertex i has three 32-bit floats, as this machine stores them, from byte `i * stride + offset` on.
+    /// Borrows positions from bytes. The coordinates of vertex i are three 32-bit floats in native
+    /// byte order, from byte `i * stride + offset` on.
     ///
     /// # Errors
-    /// A stride has no room for 12 bytes after the offset, the bytes are not a whole number of strides, or there are too many vertices for
-    /// 32-bit ids.
+    /// The position does not fit within the stride, the number of bytes is not a multiple of the
+    /// stride, or there are too many vertices for 32-bit indices.
     ///
     /// ```
     /// use tristrip::{InterleavedPositions, Positions};
@@ -160,7 +165,8 @@ impl Positions for InterleavedPositions<'_> {
     }
 }
 
-/// Checks that values are a whole number of strides, with room for a position of `size` values in each.
+/// Checks that the length is a multiple of the stride, and that a position of `size` values fits
+/// within a stride.
 fn check_stride(length: usize, stride: usize, offset: usize, size: usize) -> Result<(), Error> {
     if offset.checked_add(size).is_none_or(|end| end > stride) {
         let found = format!("{stride} with an offset of {offset}");
@@ -173,7 +179,7 @@ fn check_stride(length: usize, stride: usize, offset: usize, size: usize) -> Res
     check_count("vertices", length / stride)
 }
 
-/// Checks that the vertices of corners have positions, which are finite.
+/// Checks that the vertices of all corners have finite positions.
 pub(crate) fn check_positions<P: Positions + ?Sized>(corners: &[u32], positions: &P) -> Result<(), Error> {
     for (at, &vertex) in corners.iter().enumerate() {
         let position = positions.position(vertex as usize);

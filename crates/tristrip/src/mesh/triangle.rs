@@ -1,8 +1,10 @@
-//! Triangles as three vertices: whether they are degenerate, and a canonical form that does not depend on the first corner.
+//! Triangles as three vertices: degeneracy, and a canonical form that does not depend on the first
+//! corner.
 
 use crate::error::{Error, MeshProblem};
 
-/// Returns the triangle rotated to begin with its lowest vertex, so that equal triangles of one winding are equal arrays.
+/// Returns the triangle rotated to its lowest vertex. Equal triangles with the same winding become
+/// equal arrays.
 pub(crate) fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
     match triangle {
         [a, b, c] if b < a && b < c => [b, c, a],
@@ -11,13 +13,13 @@ pub(crate) fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// Returns whether a triangle contains a vertex more than once, so that it draws nothing.
+/// Returns whether a triangle contains a vertex more than once and therefore draws nothing.
 #[inline]
 pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || a == c
 }
 
-/// Checks that a number of corners is one of triangles.
+/// Checks that the number of corners is a multiple of three.
 pub(crate) fn check_triangles(corner_count: usize) -> Result<(), Error> {
     if corner_count.is_multiple_of(3) {
         return Ok(());
@@ -26,7 +28,7 @@ pub(crate) fn check_triangles(corner_count: usize) -> Result<(), Error> {
     Err(MeshProblem::CornerCount { found, expected: "a multiple of 3".into() }.into())
 }
 
-/// Checks that every corner of triangles is less than the number of vertices.
+/// Checks that every corner is less than the number of vertices.
 pub(crate) fn check_corners(triangles: &[u32], vertex_count: usize) -> Result<(), Error> {
     let Some(corner) = triangles.iter().position(|&v| v as usize >= vertex_count) else { return Ok(()) };
     let (face, found) = ((corner / 3) as u32, triangles[corner]);
@@ -34,7 +36,8 @@ pub(crate) fn check_corners(triangles: &[u32], vertex_count: usize) -> Result<()
     Err(MeshProblem::VertexIndex { face, corner, found, vertex_count }.into())
 }
 
-/// Returns the triangles that are not degenerate, in canonical form and sorted: equal lists draw the same.
+/// Returns the triangles that are not degenerate, in canonical form and sorted. Lists that draw the
+/// same triangles become equal.
 pub(crate) fn canonical_triangles(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     let real = triangles.into_iter().filter(|&t| !is_degenerate(t));
     let mut all: Vec<_> = real.map(canonical_triangle).collect();

@@ -1,21 +1,23 @@
-//! The vertices that an index buffer uses, renumbered 0, 1, 2 … in ascending order: thousands of parts may share one long list of
-//! vertices, and arrays per vertex should then have the size of a part.
+//! The vertices that an index buffer uses, renumbered 0, 1, 2 … in ascending order. Thousands of
+//! parts may share one long list of vertices; arrays per vertex should then have the size of a
+//! part.
 //!
 //! # Complexity
-//! O(n log n) time; 4 bytes per index while building, 4 bytes per vertex in use.
+//! O(n log n) time; 4 bytes per index while building, then 4 bytes per vertex in use.
 
-/// The number of vertices per index above which the used vertices are renumbered before arrays per vertex are allocated.
+/// The ratio of vertices to indices above which the used vertices are renumbered before arrays per
+/// vertex are allocated.
 pub(crate) const SPARSE: usize = 16;
 
-/// Returns one more than the highest index, 0 for no indices: the number of vertices that a table by vertex needs. Where the highest index is
-/// the highest of a 32-bit `usize`, that number does not exist, and no table either.
+/// Returns the highest index plus 1, or 0 without indices: the size of a table by vertex. Saturates
+/// where `usize` has 32 bits; such a table cannot exist.
 pub(crate) fn vertex_bound(indices: &[u32]) -> usize {
-    // Unlike `max`, compiles to several comparisons at a time.
+    // Compiles to SIMD comparisons, unlike `max`.
     let highest = indices.iter().fold(0, |highest, &index| highest.max(index));
     if indices.is_empty() { 0 } else { (highest as usize).saturating_add(1) }
 }
 
-/// The vertices that occur in an index buffer, ascending.
+/// The vertices that occur in an index buffer, in ascending order.
 #[derive(Debug, Clone)]
 pub(crate) struct VertexSubset {
     used: Vec<u32>,
@@ -45,19 +47,19 @@ impl VertexSubset {
         self.used
     }
 
-    /// Returns the new number of a vertex of the subset.
+    /// Returns the new number of a vertex. The vertex must belong to the subset.
     #[inline]
     pub(crate) fn number(&self, vertex: u32) -> u32 {
         self.used.partition_point(|&used| used < vertex) as u32
     }
 
-    /// Returns the new number of a vertex, if it is of the subset.
+    /// Returns the new number of a vertex, or `None` if it does not belong to the subset.
     pub(crate) fn find(&self, vertex: u32) -> Option<u32> {
         let number = self.number(vertex);
         (self.used.get(number as usize) == Some(&vertex)).then_some(number)
     }
 
-    /// Returns the new number of every index; all of them are of the subset.
+    /// Returns the new number of every index. All indices must belong to the subset.
     pub(crate) fn numbers(&self, indices: &[u32]) -> Vec<u32> {
         indices.iter().map(|&vertex| self.number(vertex)).collect()
     }

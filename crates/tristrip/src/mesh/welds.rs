@@ -1,11 +1,14 @@
-//! Welded vertices: those that others with the same bits in position and all attributes replace.
+//! Welded vertices: vertices replaced by others with the same bits in position and all attributes.
 //!
-//! A model that a program exported without shared vertices has no shared edges either, and every triangle would be a strip by itself. Welding
-//! names one vertex for all equal ones. Strips of a welded mesh draw the same, but name other vertices than its faces, so they carry
-//! the welds: [`verify`](crate::verify::verify) checks that the vertices are equal, and compares the faces after welding.
+//! A model exported without shared vertices has no shared edges, and every triangle would be a
+//! strip of its own. Welding uses one vertex for all equal ones. Strips of a welded mesh draw the
+//! same surface but use other vertices than its faces, so they carry the welds.
+//! [`verify`](crate::verify::verify) checks that the vertices are equal and compares the faces
+//! after welding.
 //!
 //! # Complexity
-//! O(n) time over the corners; 8 bytes per welded vertex, and while welding the bits of each vertex in use.
+//! O(n) time, where n is the number of corners. 8 bytes per welded vertex, and the bits of each
+//! vertex in use while welding.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,11 +17,11 @@ use super::{Mesh, VertexSubset, vertex_bits};
 #[cfg(feature = "serde")]
 use crate::error::Error;
 
-/// Vertices that are replaced by others. Clones share them.
+/// Vertices that are replaced by others. Clones share the data.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, VertexWelds};
-/// // Two triangles that share an edge, but no vertex: 3 is equal to 2, and 4 to 1.
+/// // Two triangles that touch along an edge but share no vertex: 3 equals 2, and 4 equals 1.
 /// let (a, b, c, d) = ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]);
 /// let mesh = Mesh::new(vec![a, b, c, c, b, d], Faces::from_triangles((0..6).collect())?)?;
 /// let welds = VertexWelds::of(&mesh);
@@ -28,24 +31,28 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct VertexWelds {
-    /// Each welded vertex and the one that replaces it, which is not welded itself; by welded vertex.
+    /// Pairs of a welded vertex and its replacement, sorted by welded vertex. A replacement is
+    /// never welded itself.
     pairs: Arc<Vec<(u32, u32)>>,
 }
 
 impl VertexWelds {
-    /// Finds the vertices in use that have the same bits in position and all attributes as an earlier vertex in use.
+    /// Finds the vertices in use whose position and attributes have the same bits as those of an
+    /// earlier vertex in use.
     ///
     /// ```
     #[doc = include_str!("welded_example.txt")]
-    /// let shades = AttributeData::U8(vec![0, 1, 2, 2, 9, 5]);
-    /// let shades = Attribute { name: "shade".into(), components: 1, normalized: true, data: shades };
-    /// // Vertices 1 and 4 have different shades now.
-    /// assert_eq!(VertexWelds::of(&mesh.with_attribute(shades)?).iter().collect::<Vec<_>>(), [(3, 2)]);
+    /// let shades = AttributeData::U8(vec![0, 1, 2, 2, 9, 5]); let shades = Attribute { name:
+    /// "shade".into(), components: 1, normalized: true, data: shades }; // Now vertices 1 and 4
+    /// have different shades.
+    /// assert_eq!(VertexWelds::of(&mesh.with_attribute(shades)?).iter().collect::<Vec<_>>(), [(3,
+    /// 2)]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn of(mesh: &Mesh) -> Self {
         let used = VertexSubset::of(mesh.faces().corners());
-        // A random seed protects against files with colliding vertices; the welds do not depend on it.
+        // A random hash seed protects against files with colliding vertices; the welds do not
+        // depend on it.
         let mut first: HashMap<Vec<u8>, u32> = HashMap::new();
         let pairs = used.vertices().iter().filter_map(|&v| {
             let equal = *first.entry(vertex_bits(mesh, v as usize)).or_insert(v);
@@ -54,10 +61,10 @@ impl VertexWelds {
         Self { pairs: Arc::new(pairs.collect()) }
     }
 
-    /// Creates welds from pairs of a welded vertex and the one that replaces it.
+    /// Creates welds from pairs of a welded vertex and its replacement.
     ///
     /// # Errors
-    /// The welded vertices do not ascend, or a vertex that replaces others is welded itself.
+    /// The welded vertices are not in ascending order, or a replacement is welded itself.
     #[cfg(feature = "serde")]
     pub(crate) fn from_pairs(pairs: Vec<(u32, u32)>) -> Result<Self, Error> {
         let ascends = pairs.windows(2).all(|pair| pair[0].0 < pair[1].0);
@@ -91,7 +98,7 @@ impl VertexWelds {
         self.pairs.len()
     }
 
-    /// Returns whether no vertex is welded.
+    /// Returns whether no vertices are welded.
     ///
     /// ```
     #[doc = include_str!("welded_example.txt")]
@@ -103,7 +110,7 @@ impl VertexWelds {
         self.pairs.is_empty()
     }
 
-    /// Iterates over the welded vertices in ascending order, each with the vertex that replaces it.
+    /// Iterates over the welded vertices in ascending order, each with its replacement.
     ///
     /// ```
     #[doc = include_str!("welded_example.txt")]
@@ -116,7 +123,7 @@ impl VertexWelds {
         self.pairs.iter().copied()
     }
 
-    /// Returns the vertex that replaces a vertex; the vertex itself if it is not welded.
+    /// Returns the replacement of a vertex, or the vertex itself if it is not welded.
     ///
     /// ```
     #[doc = include_str!("welded_example.txt")]
@@ -129,12 +136,12 @@ impl VertexWelds {
         at.map_or(vertex, |at| self.pairs[at].1)
     }
 
-    /// Returns the vertices that replace others.
+    /// Returns the vertices after welding.
     pub(crate) fn vertices(&self, vertices: &[u32]) -> Vec<u32> {
         vertices.iter().map(|&vertex| self.vertex(vertex)).collect()
     }
 
-    /// Returns the first weld whose vertices the mesh does not have, or has with different bits.
+    /// Returns the first weld whose vertices are out of range or have different bits.
     pub(crate) fn wrong_weld(&self, mesh: &Mesh) -> Option<(u32, u32)> {
         let equal = |(a, b): (u32, u32)| {
             let exist = a.max(b) < mesh.vertex_count() as u32;
@@ -143,7 +150,7 @@ impl VertexWelds {
         self.iter().find(|&weld| !equal(weld))
     }
 
-    /// Returns the welds of the vertices below a number.
+    /// Returns the welds whose vertices are both below `vertex_count`.
     pub(crate) fn below(&self, vertex_count: usize) -> Self {
         let exist = |&(a, b): &(u32, u32)| (a.max(b) as usize) < vertex_count;
         if self.pairs.iter().all(exist) {
@@ -153,7 +160,7 @@ impl VertexWelds {
         }
     }
 
-    /// Returns the welds of the same vertices with other numbers.
+    /// Returns the welds with the vertices renumbered.
     pub(crate) fn renumbered<E>(&self, number: impl Fn(u32) -> Result<u32, E>) -> Result<Self, E> {
         let mut pairs: Vec<(u32, u32)> =
             self.iter().map(|(a, b)| Ok((number(a)?, number(b)?))).collect::<Result<_, E>>()?;

@@ -1,34 +1,35 @@
 //! Convexity of polygons in space.
 //!
 //! # Algorithm
-//! 1. The polygon is projected along its normal (Newell's sum).
-//! 2. It is convex if it turns left at every corner and goes around once, or if it follows its convex hull as closely as the rounding
-//!    of its coordinates to 32-bit floats.
+//! 1. Project the polygon along its normal (Newell's sum).
+//! 2. The polygon is convex if it turns left at every corner and goes around once, or if it follows
+//!    its convex hull up to the rounding of its coordinates to 32-bit floats.
 //!
-//! All arithmetic is exact to the last bit on every machine: sums, products, quotients and square roots, and Shewchuk's adaptive
-//! predicates for the hull.
+//! Results are identical on every machine: the arithmetic consists of sums, products, quotients and
+//! square roots, and Shewchuk's adaptive predicates for the hull.
 //!
 //! # References
-//! Andrew: *Another Efficient Algorithm for Convex Hulls in Two Dimensions*, 1979; Shewchuk: *Adaptive Precision Floating-Point
-//! Arithmetic and Fast Robust Geometric Predicates*, 1997.
+//! Andrew: *Another Efficient Algorithm for Convex Hulls in Two Dimensions*, 1979; Shewchuk:
+//! *Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates*, 1997.
 //!
 //! # Complexity
-//! O(k log k) for k corners; O(k) if the polygon turns left at every corner.
+//! O(k log k) for k corners, or O(k) if the polygon turns left at every corner.
 
 use robust::{Coord, orient2d};
 
 use crate::mesh::Positions;
 use crate::vector::{cross, dot, sub, unit};
 
-/// A corner counts as straight if it turns right by an angle of at most this sine.
+/// A corner counts as straight if it turns right by an angle whose sine is at most this.
 const STRAIGHT: f64 = 1e-6;
 
-/// The distance by which rounding to 32-bit floats may have moved two points relative to each other, as a fraction of the largest
-/// coordinate: half a unit in the last place each, along three axes.
+/// The distance by which rounding to 32-bit floats may have moved two points relative to each
+/// other, as a fraction of the largest coordinate: half a unit in the last place per point, along
+/// three axes.
 const ROUNDING: f64 = 1.732_051 * f32::EPSILON as f64;
 
-/// Returns whether a polygon is convex in its plane, with straight corners and rounding allowed. A polygon without area counts as convex,
-/// since no triangulation of it is better than another.
+/// Returns whether a polygon is convex in its plane, allowing for straight corners and rounding. A
+/// polygon without area counts as convex, because all its triangulations are equivalent.
 pub(super) fn is_convex<P: Positions + ?Sized>(polygon: &[u32], positions: &P) -> bool {
     let Some(points) = project(polygon, positions) else { return true };
     if turns_left(&points) {
@@ -39,7 +40,7 @@ pub(super) fn is_convex<P: Positions + ?Sized>(polygon: &[u32], positions: &P) -
     lies_along_hull(&points, ROUNDING * f64::from(largest))
 }
 
-/// Returns whether a polygon turns left or not at all at every corner, and goes around once.
+/// Returns whether a polygon turns left or goes straight at every corner, and goes around once.
 fn turns_left(points: &[[f64; 2]]) -> bool {
     let n = points.len();
     let edge = |i: usize| {
@@ -47,21 +48,24 @@ fn turns_left(points: &[[f64; 2]]) -> bool {
         [q[0] - p[0], q[1] - p[1]]
     };
     let square = |e: [f64; 2]| e[0] * e[0] + e[1] * e[1];
-    // Squares instead of lengths: the coordinates are differences of 32-bit floats, so their fourth powers do not overflow.
+    // Compare squares instead of lengths. The coordinates are differences of 32-bit floats, so
+    // their fourth powers do not overflow.
     let turns_right = |i: usize| {
         let (a, b) = (edge(i), edge(i + 1));
         let cross = a[0] * b[1] - a[1] * b[0];
         cross < 0.0 && cross * cross > STRAIGHT * STRAIGHT * square(a) * square(b)
     };
-    // A star turns left at every corner but goes around more than once: its direction along an axis changes more than twice.
+    // A star turns left at every corner but goes around more than once: its direction along an axis
+    // changes more than twice.
     let signs: Vec<bool> = (0..n).map(edge).filter(|e| e[0] != 0.0).map(|e| e[0] > 0.0).collect();
     let changes = (0..signs.len()).filter(|&i| signs[i] != signs[(i + 1) % signs.len()]).count();
     changes <= 2 && !(0..n).any(turns_right)
 }
 
-/// Returns whether a polygon follows its convex hull, counter-clockwise and once, with no corner farther than `tolerance` from
-/// the hull or farther than that behind an earlier corner. Unlike the turns at the corners this detects a concave bend over many
-/// corners, each of which bends by less than its rounding.
+/// Returns whether a polygon follows its convex hull counter-clockwise and once. No corner may be
+/// farther than `tolerance` from the hull, or farther than that behind an earlier corner. Unlike
+/// `turns_left` this detects a concave bend over many corners, each of which bends by less than its
+/// rounding.
 fn lies_along_hull(points: &[[f64; 2]], tolerance: f64) -> bool {
     let hull = hull(points);
     let n = points.len();
@@ -88,7 +92,8 @@ fn lies_along_hull(points: &[[f64; 2]], tolerance: f64) -> bool {
         })
 }
 
-/// Returns the corners of the convex hull counter-clockwise (Andrew's monotone chain, with exact predicates).
+/// Returns the corners of the convex hull in counter-clockwise order (Andrew's monotone chain with
+/// exact predicates).
 fn hull(points: &[[f64; 2]]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     let by_position = |&a: &usize, &b: &usize| {
@@ -116,7 +121,8 @@ fn hull(points: &[[f64; 2]]) -> Vec<usize> {
     hull
 }
 
-/// Projects a polygon along its normal, which is Newell's sum; returns `None` if the polygon has no area.
+/// Projects a polygon along its normal, which is Newell's sum. Returns `None` if the polygon has no
+/// area.
 pub(super) fn project<P: Positions + ?Sized>(polygon: &[u32], positions: &P) -> Option<Vec<[f64; 2]>> {
     let vertex = |i: usize| polygon[i % polygon.len()] as usize;
     let at = |i: usize| positions.position(vertex(i)).unwrap_or_default().map(f64::from);
@@ -134,7 +140,7 @@ pub(super) fn project<P: Positions + ?Sized>(polygon: &[u32], positions: &P) -> 
         return None;
     }
     let n = normal.map(|x| x / length);
-    // Two axes in the polygon's plane, from a coordinate axis that is far from its normal.
+    // Choose two axes in the polygon's plane, starting from a coordinate axis far from the normal.
     let axis = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let u = unit(cross(axis, n));
     let v = cross(n, u);
@@ -166,7 +172,7 @@ mod tests {
         let arrow = [[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [0.5, 1.0]];
         for scale in [f32::from_bits(1 << 4), f32::MIN_POSITIVE, 1.0, f32::MAX / 4.0] {
             let scaled = |points: [[f32; 2]; 4]| flat(&points.map(|p| p.map(|x| x * scale)));
-            // The other coordinate would leave no precision to tiny ones.
+            // A large second coordinate would leave no precision for tiny squares.
             let positions =
                 |points| scaled(points).into_iter().map(|p| [p[0], 0.0, p[2]]).collect::<Vec<_>>();
             assert!(is_convex(&[0, 1, 2, 3], &positions(square)), "{scale}");
@@ -176,7 +182,7 @@ mod tests {
 
     #[test]
     fn a_concave_bend_is_detected_however_many_corners_it_has() {
-        // A crescent: its inner side bends by less at each corner than rounding may.
+        // A crescent: each corner of its inner side bends by less than its rounding.
         let n = 40_000;
         let x = |i: usize| i as f32 / n as f32 * 2.0 - 1.0;
         let outer = (0..=n).map(|i| [x(i), 1.0 - x(i) * x(i)]);

@@ -35,7 +35,8 @@ fn tunnel_parameters(tunnels: TunnelOptions) -> [(&'static str, String); 3] {
     ]
 }
 
-/// Returns a method with another value of a parameter; `None` if it has no such parameter, or no such value.
+/// Returns a method with another value of a parameter; `None` if it has no such parameter, or no
+/// such value.
 fn with_parameter(method: Method, name: &str, value: &str) -> Option<Method> {
     Some(match (method, name) {
         (Method::StripeLocal { ties, .. }, "triangulation") => {

@@ -1,4 +1,4 @@
-//! The emitter: converts a path cover into strips, each path at its least cost.
+//! Converts a path cover into strips, and each path into the shortest strip.
 //!
 //! ```text
 //!   enter p → q, third vertex w        even position in the strip: sent … p q w, drawn (p, q, w)
@@ -7,15 +7,18 @@
 //!       /   \                          odd position: sent … q p w, drawn (p, q, w)
 //!      p ──▶ q                         the last two are (p, w): leaving across w → p is free
 //! ```
-//! A strip begins with the vertex opposite the first exit, so the first triangle has the right winding. Whether the next turn
-//! is free depends on its side: a strip that begins with the wrong turn would need a winding repeat, and a swap at that
-//! turn costs the same. From its other end the same path may begin with the right turn, so both ends are priced.
+//! A strip begins with the vertex opposite the first exit, so the first triangle has the right
+//! winding. Each turn is free on one side only, depending on the position in the strip. A strip
+//! whose first turn is not free needs a winding repeat, or a swap at that turn, which costs the
+//! same. The first turn may be free from the other end of the path, so both directions are
+//! compared.
 //!
 //! # References
-//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 and figure 3.
+//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996,
+//! section 1 and figure 3.
 //!
 //! # Complexity
-//! O(n); no memory except the strips, one byte per triangle, and one path.
+//! O(n) time. Memory: the strips, one byte per triangle, and one path.
 
 use super::Strips;
 use crate::cover::PathCover;
@@ -23,10 +26,11 @@ use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::ids::{FaceId, HalfEdge};
 
-/// The value of an absent edge (0–2) of a triangle.
+/// The edge number that stands for "no edge"; the edges of a triangle are 0 to 2.
 pub(crate) const OPEN: u32 = 3;
 
-/// Converts each path of a cover into a strip, the strips in order of their lowest triangles.
+/// Converts each path of a cover into a strip. The strips are in the order of their lowest
+/// triangles.
 pub(crate) fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
     let (triangles, graph) = (triangulation.triangles(), triangulation.graph());
     let mut strips = Strips::with_capacity(cover.len() + cover.len() / 3, cover.path_count());
@@ -40,7 +44,8 @@ pub(crate) fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Stri
         let (first, second) = cover.packed_edges(lowest);
         back.clear();
         ahead.clear();
-        // Both directions at once: a step waits for memory, and the two do not wait for each other.
+        // Walk in both directions at once: each step waits for memory, and the two walks are
+        // independent.
         let mut walks =
             [TriangleWalk { triangle: lowest, exit: first }, TriangleWalk { triangle: lowest, exit: second }];
         while walks.iter().any(|walk| walk.exit != OPEN) {
@@ -62,10 +67,11 @@ pub(crate) fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Stri
     strips
 }
 
-/// Converts paths into strips in an order that the caller chose: `order` has the first triangle of each path, in drawing order.
+/// Converts paths into strips in the given order: `order` contains the first triangle of each path,
+/// in drawing order.
 ///
-/// The order is [kept](Strips::with_kept_order). Paths that `order` does not contain are not drawn. A path whose first turn requires a
-/// swap in that direction gets the swap.
+/// The order is [kept](Strips::with_kept_order). Paths that are missing from `order` are not drawn.
+/// Paths are not reversed, even if the first turn then needs a swap.
 pub(crate) fn emit_in_order(
     triangulation: &Triangulation<'_>,
     cover: &PathCover,
@@ -80,7 +86,7 @@ pub(crate) fn emit_in_order(
     strips.with_kept_order()
 }
 
-/// Iterates over a path from one of its ends.
+/// Iterates over the steps of a path, starting at one of its ends.
 pub(crate) fn path_steps<'a>(
     graph: &'a DualGraph,
     cover: &'a PathCover,
@@ -94,7 +100,8 @@ pub(crate) fn path_steps<'a>(
     })
 }
 
-/// A triangle of a path and the edges (0–2) over which the path enters and leaves it, `OPEN` at the ends of the path.
+/// A triangle of a path with the edges (0–2) over which the path enters and leaves it. They are
+/// `OPEN` at the ends of the path.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step {
     pub(crate) triangle: u32,
@@ -107,21 +114,24 @@ impl Step {
         Self { triangle: self.triangle, entry: self.exit, exit: self.entry }
     }
 
-    /// Returns whether leaving is free at an even position in the strip; at an odd position the other side is free.
+    /// Returns whether leaving is free at an even position in the strip. Otherwise it is free at an
+    /// odd position.
     #[inline]
     pub(crate) fn is_free_at_even(&self) -> bool {
         self.exit == if self.entry == 2 { 0 } else { self.entry + 1 }
     }
 }
 
-/// A walk along a path: the current triangle and the edge over which it continues, `OPEN` at the path's end.
+/// A walk along a path: the current triangle, and the edge over which the walk continues (`OPEN` at
+/// the end of the path).
 struct TriangleWalk {
     triangle: u32,
     exit: u32,
 }
 
 impl TriangleWalk {
-    /// Advances by one triangle, unless the path ends; stops if the path is closed, which a valid cover's paths are not.
+    /// Advances by one triangle, or returns `None` at the end of the path. Also stops on a closed
+    /// path, which no valid cover has.
     #[inline]
     fn step(&mut self, graph: &DualGraph, cover: &PathCover, seen: &mut [bool]) -> Option<Step> {
         if self.exit == OPEN {
@@ -143,7 +153,7 @@ impl TriangleWalk {
     }
 }
 
-/// Counts the swap that the first turn requires: the second triangle is at an odd position.
+/// Counts the swap at the first turn: the second triangle is at an odd position.
 fn swaps_at_start(path: &[Step]) -> usize {
     let turns = path.len().saturating_sub(2);
     path.get(1).map_or(0, |step| usize::from(turns > 0 && step.is_free_at_even()))
@@ -154,7 +164,8 @@ fn swaps_at_start_reversed(path: &[Step]) -> usize {
     path.len().checked_sub(2).map_or(0, |i| usize::from(turns > 0 && path[i].reversed().is_free_at_even()))
 }
 
-/// Counts the swaps between adjacent turns to the same side, which are the same in both directions.
+/// Counts the swaps between adjacent turns to the same side. The count is the same in both
+/// directions.
 fn swaps_inside(path: &[Step]) -> usize {
     let turns = path.get(1..path.len().saturating_sub(1)).unwrap_or_default();
     turns.windows(2).filter(|w| w[0].is_free_at_even() == w[1].is_free_at_even()).count()
@@ -190,13 +201,15 @@ pub(crate) fn send_path(triangles: &[u32], path: impl Iterator<Item = Step>, out
     }
 }
 
-/// Counts the vertices of the strip that [`emit`] creates from the path at `start`, for methods that compare alternatives.
+/// Counts the vertices of the strip that [`emit`] makes of the path at `start`, without emitting
+/// it.
 pub(crate) fn path_cost(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
     let path: Vec<Step> = path_steps(graph, cover, start).collect();
     path.len() + 2 + swaps_inside(&path) + swaps_at_start(&path).min(swaps_at_start_reversed(&path))
 }
 
-/// Counts the vertices and restarts of a cover's strips, one restart per strip, for methods that compare covers.
+/// Counts the vertices and restarts of a cover's strips, one restart per strip, without emitting
+/// them.
 pub(crate) fn cover_cost(graph: &DualGraph, cover: &PathCover) -> usize {
     cover.path_starts(graph).map(|start| path_cost(graph, cover, start) + 1).sum()
 }
@@ -208,7 +221,8 @@ mod tests {
     use crate::prepare::PreparedFaces;
     use proptest::prelude::*;
 
-    /// The length of the shortest strip for a path, by trying every position for repeats: breadth first over (triangle, last two vertices).
+    /// Returns the length of the shortest strip for a path. Searches breadth first over (triangle,
+    /// last two vertices) and tries a repeat at every position.
     fn cheapest(triangles: &[[u32; 3]]) -> usize {
         let same =
             |t: [u32; 3], a: u32, b: u32, c: u32| canonical_triangle(t) == canonical_triangle([a, b, c]);
@@ -245,7 +259,8 @@ mod tests {
     proptest! {
         #[test]
         fn is_the_cheapest_over_both_directions(turns in prop::collection::vec(any::<bool>(), 0..7)) {
-            // A path of triangles in general position: each has one edge of the last and a new vertex.
+            // Builds a path of triangles in general position: each has one edge of the previous
+            // triangle and a new vertex.
             let mut path = vec![[0, 1, 2_u32]];
             for (i, &left) in turns.iter().enumerate() {
                 let [a, b, c] = path[i];

@@ -1,43 +1,49 @@
-//! The order in which strips are joined into one by degenerate triangles, with few indices between them.
+//! Orders strips for joining by degenerate triangles with few indices between them.
 //!
-//! A strip follows without extra indices on one that ended with its first vertex, if it then begins at a position of the right parity: a
-//! strip of an even number of vertices at an even position from either end, one of an odd number at an even position forward, at an odd
-//! position backward. A strip that begins with a repeat does not need it at a position of the other parity.
+//! A strip needs no extra indices if it starts with the vertex that was sent last, at a position
+//! with the right parity. A strip with an even number of vertices must start at an even position,
+//! in either direction. A strip with an odd number of vertices must start at an even position
+//! forward, or at an odd position backward. A strip that starts with a repeat does not need the
+//! repeat at the other parity.
 //!
 //! ```text
 //!   (a, even) ──────── (z, even)     a strip a … z of an even number of vertices, sent either way
 //!   (a, even) ──────── (z, odd)      of an odd number; forward from the left, backward from the right
 //! ```
 //! # Algorithm
-//! 1. A node is a vertex with the parity of the position after it, and each strip is an edge between two nodes. A strip of one triangle is
-//!    one of three edges, as it may begin with any of its vertices: the one that leaves the fewest nodes of odd degree.
-//! 2. The nodes of odd degree are paired by bridges: first those of one vertex, since a repeat changes the parity; then the others in
-//!    order.
-//! 3. Closed Euler trails through all edges and bridges are found (Hierholzer), and opened at the most expensive bridges. The number of
-//!    trails is minimal: each node of odd degree begins or ends one.
-//! 4. The trails are ordered so that each begins with the parity with which the one before ended.
-//!
+//! 1. A node is a vertex with the parity of the next position, and each strip is an edge between
+//!    two nodes. A strip of one triangle can be any of three edges, because it can start with any
+//!    of its vertices. The edge that leaves the fewest nodes of odd degree is used.
+//! 2. Bridges pair the nodes of odd degree. The first bridges connect the two parities of the same
+//!    vertex, because a repeat changes the parity. The other nodes are paired in order.
+//! 3. Hierholzer's algorithm finds closed Euler trails through all edges and bridges, which are
+//!    then opened at the most expensive bridges. The number of trails is minimal, because each node
+//!    of odd degree starts or ends one.
+//! 4. The trails are ordered so that each starts with the parity at which the previous one ended.
 //! # References
-//! Hierholzer, Wiener: *Über die Möglichkeit, einen Linienzug ohne Wiederholung und ohne Unterbrechung zu umfahren*, 1873.
+//! Hierholzer, Wiener: *Über die Möglichkeit, einen Linienzug ohne Wiederholung und ohne
+//! Unterbrechung zu umfahren*, 1873.
 //!
 //! # Complexity
-//! O(s log s) time and 70 bytes per strip for s strips.
+//! O(s log s) time and 70 bytes per strip, where s is the number of strips.
 
 use rustc_hash::FxHashSet;
 
 use super::Strips;
 
-/// A direction in which to draw a strip: from its first vertex or from its last; one triangle also from each of its vertices.
+/// A strip with a drawing direction: from its first vertex or from its last. A strip of one
+/// triangle can start with any of its vertices.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DirectedStrip<'a> {
     strip: &'a [u32],
     rotation: usize,
     reversed: bool,
-    /// Whether the forward strip keeps its winding at an odd position, because a repeat of its first vertex was removed.
+    /// Whether the forward strip must start at an odd position to keep its winding, because a
+    /// repeat of its first vertex was removed.
     is_odd: bool,
 }
 
-/// Consecutive vertices of a strip, sent from the first or from the last.
+/// Consecutive vertices of a strip, forward or reversed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StripRun<'a> {
     vertices: &'a [u32],
@@ -50,7 +56,7 @@ impl StripRun<'_> {
         self.vertices.len()
     }
 
-    /// Calls `send` for each vertex in the order in which it is sent.
+    /// Calls `send` with each vertex in drawing order.
     pub(super) fn for_each(self, send: impl FnMut(u32)) {
         let vertices = self.vertices.iter().copied();
         if self.reversed { vertices.rev().for_each(send) } else { vertices.for_each(send) }
@@ -62,26 +68,28 @@ impl StripRun<'_> {
 }
 
 impl<'a> DirectedStrip<'a> {
-    /// Returns the vertices in the order in which they are sent, in two runs, because the strip may begin inside its array.
+    /// Returns the vertices in drawing order. There are two runs because the strip may start inside
+    /// its array.
     fn runs(self) -> [StripRun<'a>; 2] {
         let (head, tail) = self.strip.split_at(self.rotation);
         let (first, second) = if self.reversed { (head, tail) } else { (tail, head) };
         [first, second].map(|vertices| StripRun { vertices, reversed: self.reversed })
     }
 
-    /// Returns the first vertex that is sent. A strip has at least one triangle.
+    /// Returns the first vertex in drawing order. A strip has at least one triangle.
     fn first(self) -> u32 {
         let n = self.strip.len();
         self.strip[if self.reversed { (self.rotation + n - 1) % n } else { self.rotation }]
     }
 
-    /// Returns whether the strip keeps its winding at an odd position, rather than at an even one.
+    /// Returns whether the strip must start at an odd position to keep its winding.
     fn starts_at_odd(self) -> bool {
         self.is_odd != (self.reversed && self.strip.len() % 2 == 1)
     }
 
-    /// Appends the strip to a joined buffer, and the indices between: the last vertex and the first one again if they differ, and
-    /// the first one once more if the strip would otherwise begin at a position of the wrong parity.
+    /// Appends the strip to a joined buffer with the indices between. These are the last vertex and
+    /// the new first vertex if they differ, and the first vertex again if the parity would be
+    /// wrong.
     pub(super) fn join_to(self, joined: &mut JoinedStrips<impl FnMut(StripRun<'_>)>) {
         let first = self.first();
         if let Some(last) = joined.last
@@ -96,7 +104,8 @@ impl<'a> DirectedStrip<'a> {
     }
 }
 
-/// A buffer of joined strips: the parity of its length, its last index, and where its indices go.
+/// A joined index buffer: the parity of its length, its last index, and the receiver of its
+/// indices.
 pub(super) struct JoinedStrips<F> {
     is_odd: bool,
     last: Option<u32>,
@@ -115,7 +124,8 @@ impl<F: FnMut(StripRun<'_>)> JoinedStrips<F> {
     }
 }
 
-/// Returns the strips of at least one triangle in an order, and with directions, that require few indices between them.
+/// Returns the strips of at least one triangle, in an order and with directions that need few
+/// indices between them.
 pub(super) fn order(strips: &Strips) -> Vec<DirectedStrip<'_>> {
     let mut ways: Vec<DirectedStrip<'_>> = in_order(strips).collect();
     let mut edges = JoinGraph::new(&mut ways);
@@ -128,12 +138,12 @@ pub(super) fn order(strips: &Strips) -> Vec<DirectedStrip<'_>> {
         .collect()
 }
 
-/// Returns the strips of at least one triangle in the present order and direction.
+/// Returns the strips of at least one triangle in their present order and direction.
 pub(super) fn in_order(strips: &Strips) -> impl Iterator<Item = DirectedStrip<'_>> {
     strips.iter().filter(|strip| strip.len() >= 3).map(without_repeats)
 }
 
-/// Removes the repeats at the start of a strip: a start at the other parity replaces them.
+/// Removes the repeats at the start of a strip. Starting at the other parity replaces them.
 fn without_repeats(mut strip: &[u32]) -> DirectedStrip<'_> {
     let mut is_odd = false;
     while let [first, rest @ ..] = strip
@@ -146,14 +156,15 @@ fn without_repeats(mut strip: &[u32]) -> DirectedStrip<'_> {
     DirectedStrip { strip, rotation: 0, reversed: false, is_odd }
 }
 
-/// An end of an edge: twice the edge's number, plus one at the side of the strip's last vertex.
+/// An end of an edge: twice the index of the edge, plus 1 at the last vertex of the strip.
 type End = u32;
 
-/// A graph with strips as edges.
+/// A graph whose edges are strips and bridges.
 struct JoinGraph {
     /// The node at each end.
     nodes: Vec<u64>,
-    /// The first edge that is a bridge within a vertex; from `jumps` on they are bridges between two vertices.
+    /// The index of the first bridge between the parities of one vertex. From `jumps` on, bridges
+    /// connect two vertices.
     repeats: usize,
     jumps: usize,
 }
@@ -171,7 +182,7 @@ impl JoinGraph {
             [node(first, way.is_odd), node(last, way.is_odd != (n % 2 == 1))]
         };
         let mut nodes: Vec<u64> = ways.iter().flat_map(|&way| ends_of(way)).collect();
-        // Nodes of odd degree, counting only the longer strips.
+        // The nodes of odd degree, counting only strips longer than one triangle.
         let others = ways.iter().filter(|way| way.strip.len() > 3).flat_map(|&way| ends_of(way));
         let mut odd = FxHashSet::default();
         let toggle = |odd: &mut FxHashSet<u64>, node| {
@@ -192,7 +203,7 @@ impl JoinGraph {
         Self { nodes, repeats: ways.len(), jumps: ways.len() }
     }
 
-    /// Pairs the nodes of odd degree.
+    /// Pairs the nodes of odd degree by bridges.
     fn add_bridges(&mut self, edge_count: usize) {
         let mut sorted = self.nodes.clone();
         sorted.sort_unstable();
@@ -215,11 +226,12 @@ impl JoinGraph {
         self.nodes.extend(rest);
     }
 
-    /// Returns trails over all strips, each a list of the ends from which its strips are drawn, in an order of low cost.
+    /// Returns trails over all strips in a cheap order. A trail is a list of the ends from which
+    /// its strips are drawn.
     fn trails(&self, strip_count: usize) -> Vec<Vec<End>> {
         let mut trails = Vec::new();
         for circuit in self.circuits(strip_count) {
-            // Open it where that saves the most: at every jump, otherwise at one repeat.
+            // Open the circuit where that saves the most: at every jump, otherwise at one repeat.
             let is_jump = |end: &End| *end as usize / 2 >= self.jumps;
             let is_bridge = |end: &End| *end as usize / 2 >= self.repeats;
             let opening = circuit.iter().position(is_jump).or_else(|| circuit.iter().position(is_bridge));
@@ -233,11 +245,11 @@ impl JoinGraph {
         self.order_by_parity(trails)
     }
 
-    /// Returns closed trails over all edges: the ends over which each leaves its edges.
+    /// Returns closed trails over all edges, as the ends from which the edges are traversed.
     fn circuits(&self, strip_count: usize) -> Vec<Vec<End>> {
         let mut by_node: Vec<(u64, End)> = self.nodes.iter().copied().zip(0..).collect();
         by_node.sort_unstable();
-        // The first slot of each end's node.
+        // The first slot of the node of each end.
         let mut first_of = vec![0_u32; self.nodes.len()];
         let mut start = 0;
         for same in by_node.chunk_by(|a, b| a.0 == b.0) {
@@ -272,7 +284,8 @@ impl JoinGraph {
         circuits
     }
 
-    /// Orders and reverses trails so that each begins with the parity with which the one before ended, with at most one exception.
+    /// Orders and reverses trails so that each starts with the parity at which the previous one
+    /// ended, with at most one exception.
     fn order_by_parity(&self, trails: Vec<Vec<End>>) -> Vec<Vec<End>> {
         let parities = |trail: &[End]| {
             let (first, last) = (trail.first().copied().unwrap_or(0), trail.last().copied().unwrap_or(1));

@@ -1,8 +1,9 @@
-//! Index buffers of strips, in the four layouts that files and graphics APIs support; and the inverse of the joined layout.
+//! Index buffers of strips in the four layouts that files and graphics APIs support, and the
+//! inverse of the joined layout.
 //!
 //! # References
-//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 (swaps by repeated
-//! vertices); the draft glTF extension `KHR_mesh_primitive_restart`.
+//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996,
+//! section 1 (swaps by repeated vertices); the draft glTF extension `KHR_mesh_primitive_restart`.
 
 use std::ops::Range;
 
@@ -15,7 +16,8 @@ use crate::mesh::check_triangles;
 use crate::names::names;
 use crate::text::counted;
 
-/// Fewer equal indices than these between two changed ranges are sent with them: a transfer has a cost of its own.
+/// Changed ranges are merged if fewer than this many equal indices lie between them, because each
+/// transfer has a fixed cost.
 const MIN_EQUAL_RUN: usize = 16;
 
 /// The layout of strips in an index buffer.
@@ -23,7 +25,7 @@ const MIN_EQUAL_RUN: usize = 16;
 pub enum Layout {
     /// Strips separated by the restart index.
     Restart,
-    /// One strip, joined by degenerate triangles, winding kept.
+    /// One strip joined by degenerate triangles. Winding is kept.
     Degenerate,
     /// One draw call, or primitive, per strip.
     Separate,
@@ -40,11 +42,12 @@ names! {
 }
 
 impl Strips {
-    /// Returns the index buffer in a layout, with indices of 8, 16 or 32 bits. With [`Layout::Separate`], the strips follow each other
-    /// without anything between them; [`Strips::iter`] has their lengths.
+    /// Returns the index buffer in a layout, with indices of 8, 16 or 32 bits. With
+    /// [`Layout::Separate`] the strips follow each other without separators; [`Strips::iter`] has
+    /// their lengths.
     ///
     /// # Errors
-    /// A vertex does not fit the type of the indices, or is the restart value in a buffer with restarts.
+    /// A vertex does not fit the index type, or equals the restart value in a buffer with restarts.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -65,12 +68,13 @@ impl Strips {
         Ok(out)
     }
 
-    /// Writes the index buffer in a layout to the start of a slice, for example one of mapped memory. Returns the number of indices, of
-    /// which [`Strips::index_count`] tells how many there will be.
+    /// Writes the index buffer in a layout to the start of a slice, for example of mapped memory.
+    /// Returns the number of indices written. [`Strips::index_count`] returns that number in
+    /// advance.
     ///
     /// # Errors
-    /// A vertex does not fit the type of the indices, or is the restart value in a buffer with restarts; the slice is too short. Nothing is
-    /// written then.
+    /// A vertex does not fit the index type, or equals the restart value in a buffer with restarts;
+    /// or the slice is too short. Nothing is written then.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -98,11 +102,13 @@ impl Strips {
         Ok(count)
     }
 
-    /// Brings an index buffer up to date: it gets the indices of a layout, and the ranges are returned in which it has changed, so that
-    /// only these have to be sent to a graphics processor. Ranges with fewer than 16 equal indices between them are one.
+    /// Updates an index buffer to the indices of a layout. Returns the changed ranges in ascending
+    /// order, so that only they need to be uploaded. Ranges with fewer than 16 equal indices
+    /// between them are merged.
     ///
     /// # Errors
-    /// A vertex does not fit the type of the indices, or is the restart value in a buffer with restarts. The buffer is unchanged then.
+    /// A vertex does not fit the index type, or equals the restart value in a buffer with restarts.
+    /// The buffer is unchanged then.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -138,7 +144,7 @@ impl Strips {
         Ok(changed)
     }
 
-    /// Counts the indices of a layout. For [`Layout::Degenerate`] the strips are joined to count them.
+    /// Counts the indices of a layout. For [`Layout::Degenerate`] this joins the strips.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -159,18 +165,18 @@ impl Strips {
         count
     }
 
-    /// Reads strips from an index buffer. Of a buffer with degenerate triangles, the joined strips become strips of their own, with
-    /// the same winding; a buffer without anything between strips ([`Layout::Separate`]) is one strip, and of a list each triangle is one.
-    /// Parts that draw nothing are left out.
+    /// Reads strips from an index buffer, and omits parts that draw nothing. A buffer joined by
+    /// degenerate triangles is split into its strips, with the same winding. A buffer without
+    /// separators ([`Layout::Separate`]) is one strip. In a list, each triangle is one strip.
     ///
     /// # Errors
-    /// An index needs more than 32 bits, or a list does not have three indices per triangle.
+    /// An index needs more than 32 bits, or the length of a list is not a multiple of three.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
     /// let strips = Strips::from_indices(&[0_u16, 1, 2, 3, 65_535, 4, 5, 6], Layout::Restart)?;
     /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3][..], &[4, 5, 6]]);
-    /// // The second strip begins at an odd position of the buffer: a repeat keeps its winding.
+    /// // The second strip starts at an odd position, so a repeat keeps its winding.
     /// let strips = Strips::from_indices(&[0_u8, 1, 2, 2, 3, 3, 4, 5, 6], Layout::Degenerate)?;
     /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2][..], &[3, 3, 4, 5, 6]]);
     /// assert_eq!(strips.triangles().collect::<Vec<_>>(), [[0, 1, 2], [4, 3, 5], [4, 5, 6]]);
@@ -203,7 +209,8 @@ impl Strips {
         }
     }
 
-    /// Appends the strips that degenerate triangles join. One that begins at an odd position is reversed or repeats its first vertex.
+    /// Appends the strips of a joined buffer. A strip at an odd position is reversed or repeats its
+    /// first vertex.
     fn push_joined(&mut self, joined: &[u32]) {
         for (start, strip) in split_with_starts(joined) {
             if start % 2 == 0 {
@@ -216,7 +223,7 @@ impl Strips {
         }
     }
 
-    /// Checks that all vertices fit a type of indices.
+    /// Checks that all vertices fit the index type.
     fn check_indices<I: Index>(&self, layout: Layout) -> Result<(), Error> {
         let is_free =
             |vertex| I::from_vertex(vertex).is_some_and(|i| layout != Layout::Restart || i != I::RESTART);
@@ -226,7 +233,7 @@ impl Strips {
         Err(Error::LimitExceeded { what: I::DESCRIPTION, found: u64::from(found), limit })
     }
 
-    /// Sends the indices of a layout; those that do not fit their type, which the caller has excluded, are the restart value.
+    /// Sends the indices of a layout. The caller has checked that all vertices fit the index type.
     fn send_indices<I: Index>(&self, layout: Layout, mut send: impl FnMut(I)) {
         let index = |vertex| I::from_vertex(vertex).unwrap_or(I::RESTART);
         match layout {
@@ -244,7 +251,7 @@ impl Strips {
         }
     }
 
-    /// Sends the strips joined by degenerate triangles.
+    /// Sends the strips, joined by degenerate triangles.
     fn join(&self, send: impl FnMut(StripRun<'_>)) {
         let mut joined = join::JoinedStrips::new(send);
         if self.keeps_order {
@@ -254,7 +261,8 @@ impl Strips {
         }
     }
 
-    /// Returns the index buffer with `restart` between strips, whatever it is; see [`Strips::to_indices`] for one that is checked.
+    /// Returns the index buffer with `restart` between strips. `restart` is not checked against the
+    /// vertices; [`Strips::to_indices`] does that.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -273,12 +281,12 @@ impl Strips {
         out
     }
 
-    /// Joins the strips into one by degenerate triangles; each strip keeps its winding.
+    /// Joins the strips into one by degenerate triangles. Each strip keeps its winding.
     ///
-    /// A join repeats the last vertex and the next strip's first one, and once more if the next strip would begin at an odd
-    /// position; but nothing if the next strip begins with the vertex that was sent last. The strips are therefore drawn in an order
-    /// in which this holds for as many as possible, from their first vertex or from their last; or in the present order if it is
-    /// [kept](Strips::with_kept_order).
+    /// A join repeats the last vertex of a strip and the first vertex of the next. It repeats the
+    /// first vertex again if the next strip would start at an odd position. A join costs nothing if
+    /// the next strip starts with the vertex that was sent last. Strips are therefore reordered and
+    /// reversed to make this frequent, unless their order is [kept](Strips::with_kept_order).
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -305,10 +313,11 @@ impl Strips {
     }
 }
 
-/// Iterates over the strips that degenerate triangles join: cuts an index buffer between equal consecutive vertices, and omits
-/// parts that draw nothing. A vertex that is repeated at the very start, for the winding, stays with its strip.
+/// Iterates over the strips of a joined index buffer. The buffer is cut between equal consecutive
+/// vertices, and parts that draw nothing are omitted. A vertex repeated at the very start, for the
+/// winding, stays with its strip.
 ///
-/// Later strips may have begun at an odd position; their winding is then reversed when they are drawn alone.
+/// A strip that started at an odd position has the opposite winding when it is drawn alone.
 ///
 /// ```
 /// use tristrip::split_joined;
@@ -319,7 +328,7 @@ pub fn split_joined(indices: &[u32]) -> impl Iterator<Item = &[u32]> {
     split_with_starts(indices).map(|(_, strip)| strip)
 }
 
-/// Iterates over the strips of [`split_joined`], each with its position in the buffer.
+/// Iterates over the strips of [`split_joined`], each with its start position in the buffer.
 fn split_with_starts(indices: &[u32]) -> impl Iterator<Item = (usize, &[u32])> {
     let mut end = 0;
     let cut = indices.chunk_by(|a, b| a != b).map(move |part| {
@@ -337,7 +346,8 @@ mod tests {
     use crate::verify::verify_drawing;
     use proptest::prelude::*;
 
-    /// The usual join: the strips in order, two repeats between them, three after an odd number of vertices.
+    /// Joins the strips in the usual way: in order, with two repeats between them and three after
+    /// an odd number of vertices.
     fn plain_join(strips: &Strips) -> Vec<u32> {
         let mut out: Vec<u32> = Vec::new();
         for strip in strips.iter() {
@@ -350,8 +360,8 @@ mod tests {
         out
     }
 
-    /// The least number of trails over strips as edges between vertices with parities: in each component the number of pairs of nodes of
-    /// odd degree, at least one.
+    /// Returns the minimum number of trails when strips are edges between vertices with parities.
+    /// Each component needs half as many trails as it has nodes of odd degree, but at least one.
     fn fewest_trails(strips: &Strips) -> usize {
         let node = |vertex: u32, odd: bool| vertex as usize * 2 + usize::from(odd);
         let edges = strips.iter().map(|s| (node(s[0], false), node(s[s.len() - 1], s.len() % 2 == 1)));
@@ -413,7 +423,7 @@ mod tests {
             prop_assert!(verify_drawing(&faces, &drawn).is_ok());
         }
 
-        /// Every layout, in every width, is read back to the same triangles.
+        /// Every layout, in every index width, is read back to the same triangles.
         #[test]
         fn buffers_are_read_back(lengths in prop::collection::vec(3..9_usize, 0..12), seed in 0..60_u64) {
             let mut strips = Strips::default();
@@ -459,7 +469,7 @@ mod tests {
             lengths in prop::collection::vec(4..8_usize, 1..20),
             vertices in prop::collection::vec(0..9_u32, 40),
         ) {
-            // Strips whose inner vertices differ and whose ends are few.
+            // Strips with distinct inner vertices and only a few different end vertices.
             let mut strips = Strips::default();
             for (length, ends) in lengths.into_iter().zip(vertices.chunks_exact(2)) {
                 let mut strip: Vec<u32> = (90..90 + length as u32).collect();

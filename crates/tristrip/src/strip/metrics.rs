@@ -1,4 +1,4 @@
-//! The cost of strips: the single definition of every metric of the project.
+//! The cost of strips. All metrics of the project are defined here.
 
 use super::{Layout, Strips, count_triangles};
 use crate::cover::priced::StripPrices;
@@ -8,14 +8,15 @@ use crate::names::names;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Cost {
-    /// The index buffer with a restart between strips: [`Metrics::indices_restart`].
+    /// The length of the index buffer with restarts between strips: [`Metrics::indices_restart`].
     #[default]
     Restart,
-    /// The vertices sent, swaps and winding repeats included: [`Metrics::vertices_sent`].
+    /// The vertices sent, including swaps and winding repeats: [`Metrics::vertices_sent`].
     OpenGl,
-    /// The index buffer of one strip joined by degenerate triangles: [`Metrics::indices_degenerate`].
+    /// The index buffer of one strip joined by degenerate triangles:
+    /// [`Metrics::indices_degenerate`].
     Degenerate,
-    /// The vertices sent with free swaps, so that only strips count: [`Metrics::gl_cost`].
+    /// The vertices sent, with free swaps: [`Metrics::gl_cost`].
     Gl,
 }
 
@@ -28,7 +29,7 @@ names! {
 }
 
 impl Cost {
-    /// Returns this cost from the metrics of strips.
+    /// Returns the value of this cost in the metrics.
     ///
     /// ```
     /// use tristrip::{Cost, Metrics, Strips};
@@ -46,8 +47,9 @@ impl Cost {
         }
     }
 
-    /// Returns the cost of a strip and of a swap beyond one index per triangle. A join by degenerate triangles costs one or two indices,
-    /// as measured: the joined strips share many vertices. Tuned on cow, fandisk, bunny and horse.
+    /// Returns the cost of a strip and of a swap in addition to one index per triangle. In
+    /// measurements, a join by degenerate triangles costs one or two indices, because many joined
+    /// strips share vertices. Tuned on cow, fandisk, bunny and horse.
     pub(crate) fn prices(self) -> StripPrices {
         match self {
             Self::Restart | Self::Degenerate => StripPrices { strip: 3, swap: 1 },
@@ -57,30 +59,31 @@ impl Cost {
     }
 }
 
-/// The metrics of a set of strips. All are counts of indices, triangles or strips.
+/// Metrics of a set of strips. All are counts of indices, triangles or strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Metrics {
-    /// Real triangles drawn.
+    /// Number of triangles drawn, without degenerate ones.
     pub triangles: usize,
     /// Number of strips.
     pub strips: usize,
-    /// Strips of one triangle.
+    /// Number of strips of one triangle.
     pub isolated: usize,
-    /// Vertices repeated inside a strip or at its start, each of which draws one or two degenerate triangles.
+    /// Number of vertices repeated inside or at the start of a strip. Each draws one or two
+    /// degenerate triangles.
     pub swaps: usize,
-    /// The sum of the strip lengths, swaps and winding repeats included (the OpenGL cost).
+    /// Sum of the strip lengths, including swaps and winding repeats (the OpenGL cost).
     pub vertices_sent: usize,
-    /// The same with free swaps (the GL cost, one bit each).
+    /// Sum of the strip lengths with free swaps (the GL cost; a swap takes one bit).
     pub gl_cost: usize,
-    /// Length of the index buffer with a restart between strips: `vertices_sent + strips − 1`.
+    /// Length of the index buffer with restarts between strips: `vertices_sent + strips − 1`.
     pub indices_restart: usize,
-    /// Length of the index buffer with strips joined by degenerate triangles, winding kept.
+    /// Length of the index buffer with strips joined by degenerate triangles; winding is kept.
     pub indices_degenerate: usize,
 }
 
 impl Metrics {
-    /// Measures strips.
+    /// Computes the metrics of strips.
     ///
     /// ```
     /// use tristrip::{Metrics, Strips};
@@ -109,7 +112,7 @@ impl Metrics {
         metrics
     }
 
-    /// Returns `vertices_sent` per triangle; 0 without triangles.
+    /// Returns `vertices_sent` per triangle, or 0 without triangles.
     ///
     /// ```
     /// use tristrip::{Metrics, Strips};
@@ -122,7 +125,7 @@ impl Metrics {
         per(self.vertices_sent, self.triangles)
     }
 
-    /// Returns `indices_restart` per triangle; 0 without triangles.
+    /// Returns `indices_restart` per triangle, or 0 without triangles.
     ///
     /// ```
     /// use tristrip::{Metrics, Strips};
@@ -135,7 +138,7 @@ impl Metrics {
         per(self.indices_restart, self.triangles)
     }
 
-    /// Returns `indices_degenerate` per triangle; 0 without triangles.
+    /// Returns `indices_degenerate` per triangle, or 0 without triangles.
     ///
     /// ```
     /// use tristrip::{Metrics, Strips};
@@ -150,8 +153,9 @@ impl Metrics {
     }
 }
 
-/// Adds the metrics of two parts. `indices_restart` is the length of one index buffer for both, `vertices_sent + strips − 1` as
-/// before; `indices_degenerate` is the sum over one index buffer per part.
+/// Adds the metrics of two parts. `indices_restart` of the sum is the length of one index buffer
+/// for both, `vertices_sent + strips − 1`. `indices_degenerate` is the sum over one index buffer
+/// per part.
 ///
 /// ```
 /// use tristrip::{Metrics, Strips};

@@ -1,22 +1,22 @@
-//! The order of first use: vertices numbered in the order in which an index buffer uses them, so that they are fetched from memory
-//! sequentially.
+//! Vertex numbering by first use: vertices are numbered in the order in which an index buffer uses
+//! them, which makes vertex fetches sequential.
 //!
 //! ```text
 //! indices          7 2 9 2 4         new_to_old   7 2 9 4   0 1 3 5 6 8
 //! after            0 1 2 1 3                      used      unused
 //! ```
-//! The triangles stay the same, and so do the hits of a vertex cache: only the numbers change. Unused vertices come last, in their
-//! old order; none is lost, so every order has an inverse.
+//! Renumbering changes neither triangles nor vertex-cache hits. Unused vertices come last, in their
+//! old order. No vertex is dropped, so every order has an inverse.
 //!
 //! # Complexity
-//! Linear time; 8 bytes per vertex.
+//! O(n) time and 8 bytes per vertex.
 
 use super::Strips;
 use crate::error::{Error, MeshProblem};
 use crate::ids::{OptionalId, check_count, index_out_of_range};
 use crate::mesh::{Attribute, Faces, Mesh, select};
 
-/// A new numbering of the vertices of one array, in both directions.
+/// A renumbering of the vertices of one array, in both directions.
 ///
 /// ```
 /// use tristrip::{Strips, VertexOrder};
@@ -36,10 +36,10 @@ pub struct VertexOrder {
 }
 
 impl VertexOrder {
-    /// Creates the order in which every vertex keeps its number.
+    /// Creates the identity order.
     ///
     /// # Errors
-    /// There are too many vertices for 32-bit ids.
+    /// There are too many vertices for 32-bit indices.
     ///
     /// ```
     /// assert_eq!(tristrip::VertexOrder::identity(3)?.new_to_old(), [0, 1, 2]);
@@ -49,11 +49,12 @@ impl VertexOrder {
         Self::of_indices(vertex_count, [])
     }
 
-    /// Numbers vertices 0 to `vertex_count` − 1 by their first use in the strips, in drawing order. Strips of several parts over the
-    /// same vertices share one order.
+    /// Numbers the vertices 0 to `vertex_count` − 1 by first use in the strips, in drawing order.
+    /// The strips of several parts over the same vertices share one order.
     ///
     /// # Errors
-    /// A strip has a vertex that is not less than `vertex_count`, or there are too many vertices for 32-bit ids.
+    /// A strip has a vertex that is not less than `vertex_count`, or there are too many vertices
+    /// for 32-bit indices.
     ///
     /// ```
     /// use tristrip::{Strips, VertexOrder};
@@ -73,10 +74,11 @@ impl VertexOrder {
         )
     }
 
-    /// Numbers vertices 0 to `vertex_count` − 1 by their first use in an index buffer without restart indices.
+    /// Numbers the vertices 0 to `vertex_count` − 1 by first use in an index buffer without restart
+    /// indices.
     ///
     /// # Errors
-    /// An index is not less than `vertex_count`, or there are too many vertices for 32-bit ids.
+    /// An index is not less than `vertex_count`, or there are too many vertices for 32-bit indices.
     ///
     /// ```
     /// let order = tristrip::VertexOrder::of_indices(4, [2, 2, 3, 0])?;
@@ -106,10 +108,11 @@ impl VertexOrder {
         Ok(Self { new_to_old, old_to_new })
     }
 
-    /// Creates an order from the old number of each new one.
+    /// Creates an order from the old index of each new vertex.
     ///
     /// # Errors
-    /// Not every number below the length occurs once, or there are too many vertices for 32-bit ids.
+    /// Some index below the length is missing or occurs twice, or there are too many vertices for
+    /// 32-bit indices.
     ///
     /// ```
     /// use tristrip::VertexOrder;
@@ -126,7 +129,7 @@ impl VertexOrder {
         Ok(order)
     }
 
-    /// Returns the old number of each new one.
+    /// Returns the old index of each new vertex.
     ///
     /// ```
     /// let order = tristrip::VertexOrder::of_indices(4, [3, 1, 2])?;
@@ -139,7 +142,7 @@ impl VertexOrder {
         &self.new_to_old
     }
 
-    /// Returns the new number of each old one.
+    /// Returns the new index of each old vertex.
     ///
     /// ```
     /// let order = tristrip::VertexOrder::of_indices(4, [3, 1, 2])?;
@@ -151,7 +154,7 @@ impl VertexOrder {
         &self.old_to_new
     }
 
-    /// Counts the vertices, used or not.
+    /// Counts the vertices, including unused ones.
     ///
     /// ```
     /// let order = tristrip::VertexOrder::of_indices(100, [40, 41, 42])?;
@@ -162,7 +165,7 @@ impl VertexOrder {
         self.new_to_old.len()
     }
 
-    /// Counts the vertices whose number changes.
+    /// Counts the vertices whose index changes.
     ///
     /// ```
     /// let order = tristrip::VertexOrder::of_indices(4, [0, 3])?;
@@ -173,7 +176,7 @@ impl VertexOrder {
         (0..).zip(&self.new_to_old).filter(|&(new, &old)| new != old).count()
     }
 
-    /// Returns the inverse order, which undoes this one.
+    /// Returns the inverse order.
     ///
     /// ```
     /// let order = tristrip::VertexOrder::of_indices(4, [2, 3, 0])?;
@@ -186,7 +189,7 @@ impl VertexOrder {
         Self { new_to_old: self.old_to_new.clone(), old_to_new: self.new_to_old.clone() }
     }
 
-    /// Returns whether both directions contain every vertex once and undo each other.
+    /// Returns whether both directions are permutations and inverse to each other.
     ///
     /// ```
     /// use tristrip::VertexOrder;
@@ -200,10 +203,11 @@ impl VertexOrder {
             && (0..).zip(&self.new_to_old).all(|(new, &old)| undone(new, old))
     }
 
-    /// Reorders values from the old order into the new one, `components` of them per vertex.
+    /// Reorders values from the old vertex order to the new one. `values` has `components` values
+    /// per vertex.
     ///
     /// # Errors
-    /// There are not `components` values per vertex.
+    /// The length of `values` is not `components` times the number of vertices.
     ///
     /// ```
     /// let order = tristrip::VertexOrder::of_indices(3, [2])?;
@@ -238,7 +242,7 @@ impl VertexOrder {
         Ok(attribute.select(&self.new_to_old))
     }
 
-    /// Returns the new number of each index.
+    /// Returns the new index of each given index.
     ///
     /// # Errors
     /// An index is not less than the number of vertices.
@@ -256,7 +260,7 @@ impl VertexOrder {
         indices.iter().enumerate().map(new).collect()
     }
 
-    /// Returns the same strips with the new numbers.
+    /// Returns the strips with the new vertex indices.
     ///
     /// # Errors
     /// A strip has a vertex that is not less than the number of vertices.
@@ -274,7 +278,7 @@ impl VertexOrder {
         Ok(Strips { vertices: self.indices(&strips.vertices)?, welds, ..strips.clone() })
     }
 
-    /// Returns the same faces, in their order, with the new numbers.
+    /// Returns the faces in the same order, with the new vertex indices.
     ///
     /// # Errors
     /// A face has a vertex that is not less than the number of vertices.
@@ -290,7 +294,7 @@ impl VertexOrder {
         faces.with_corners(self.indices(faces.corners())?)
     }
 
-    /// Returns the same mesh with positions, attributes and faces in the new order.
+    /// Returns the mesh with positions, attributes and faces in the new vertex order.
     ///
     /// # Errors
     /// The mesh has a different number of vertices.
@@ -335,7 +339,8 @@ mod tests {
         })
     }
 
-    /// The order from a table of first positions: used vertices by position, the others after them.
+    /// Computes the order from a table of first positions: used vertices by position, then the
+    /// others.
     fn naive(vertex_count: usize, indices: &[u32]) -> Vec<u32> {
         let mut first: BTreeMap<u32, usize> = BTreeMap::new();
         for at in (0..indices.len()).rev() {
@@ -353,15 +358,15 @@ mod tests {
             let order = VertexOrder::of_strips(40, [&strips, &others]).unwrap();
             prop_assert!(order.check());
             prop_assert_eq!(order.new_to_old(), naive(40, &both));
-            // In the new numbers, every first use is the next number.
+            // In the new numbering, each first use is the next index.
             let mut next = 0;
             for new in order.indices(&both).unwrap() {
                 prop_assert!(new <= next);
                 next = next.max(new + 1);
             }
-            // The unused ones follow in their old order.
+            // Unused vertices follow in their old order.
             prop_assert!(order.new_to_old()[next as usize..].is_sorted());
-            // Indices that are in order stay the same.
+            // Indices in order of first use stay the same.
             let again = VertexOrder::of_indices(40, order.indices(&both).unwrap()).unwrap();
             prop_assert_eq!(again.moved_count(), 0);
         }

@@ -2,18 +2,23 @@
 //!
 //! # Algorithm
 //! 1. *Start*: the cheapest of the covers of `sequential`, `input` and `quad-rows`.
-//! 2. *Cold*: annealing from a low temperature, which improves the start and keeps its regular parts.
-//! 3. *Hot*: slow annealing from a temperature at which nothing of the start remains. On irregular meshes this gains the most.
-//! 4. The result is the cheapest of the three by the measured cost, so that no effort makes it worse than the start.
+//! 2. *Cold*: annealing from a low temperature, which improves the start and keeps its regular
+//!    parts.
+//! 3. *Hot*: slow annealing from a temperature at which nothing of the start remains. On irregular
+//!    meshes this gains the most.
+//! 4. The result is the cheapest of the three by the measured cost, so that no effort makes it
+//!    worse than the start.
 //!
-//! Nothing is searched if the start has one strip per component and no swaps, which no cover is cheaper than.
+//! Nothing is searched if the start has one strip per component and no swaps, which no cover is
+//! cheaper than.
 //!
-//! The moves are those of the module `anneal`. They consist of joins and cuts, which [`PricedPaths`] prices exactly. Polygons
-//! are triangulated again during the search: one of the moves flips a diagonal.
+//! The moves are those of the module `anneal`. They consist of joins and cuts, which
+//! [`PricedPaths`] prices exactly. Polygons are triangulated again during the search: one of the
+//! moves flips a diagonal.
 //!
 //! # Effort
-//! Each level has about twice as many sweeps over the mesh as the level below. On one core, for the bunny of 69,451 triangles and
-//! restarts:
+//! Each level has about twice as many sweeps over the mesh as the level below. On one core, for the
+//! bunny of 69,451 triangles and restarts:
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
 //! |---|---|---|---|---|---|---|---|---|
@@ -21,15 +26,17 @@
 //! | times meshoptimizer's strip pipeline | 0.5 | 0.8 | 3 | 7 | 15 | 40 | 80 | 160 |
 //! | seconds | 0.007 | 0.013 | 0.045 | 0.12 | 0.28 | 0.8 | 1.5 | 2.9 |
 //!
-//! Levels 8 and 9 take two and four times as long as 7. The time is proportional to the size of larger meshes; smaller meshes take
-//! the same time, down to an eighth of this size.
+//! Levels 8 and 9 take two and four times as long as 7. The time is proportional to the size of
+//! larger meshes; smaller meshes take the same time, down to an eighth of this size.
 //!
 //! # References
-//! Kirkpatrick, Gelatt, Vecchi: *Optimization by Simulated Annealing*, 1983; Pósa: *Hamiltonian circuits in random graphs*, 1976
-//! (rotations); Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001.
+//! Kirkpatrick, Gelatt, Vecchi: *Optimization by Simulated Annealing*, 1983; Pósa: *Hamiltonian
+//! circuits in random graphs*, 1976 (rotations); Stewart: *Tunneling for Triangle Strips in
+//! Continuous Level-of-Detail Meshes*, 2001.
 //!
 //! # Complexity
-//! O(sweeps · n) time, see [`SWEEPS`]; 16 bytes per triangle besides the memory of the start; 13 more for meshes with polygons.
+//! O(sweeps · n) time, see [`SWEEPS`]; 16 bytes per triangle besides the memory of the start; 13
+//! more for meshes with polygons.
 
 mod anneal;
 #[cfg(test)]
@@ -46,7 +53,8 @@ use anneal::{Annealer, AnnealingPhase};
 
 /// The number of sweeps over the mesh, by effort. Tuned on the bunny; see the module documentation.
 const SWEEPS: [u32; 10] = [0, 1, 8, 36, 100, 300, 600, 1200, 2400, 4800];
-/// Smaller meshes get more sweeps, up to [`MAX_ROUNDS`] times as many, so that a level takes the time of a mesh of this size.
+/// Smaller meshes get more sweeps, up to [`MAX_ROUNDS`] times as many, so that a level takes the
+/// time of a mesh of this size.
 const SMALL: usize = 1 << 16;
 const MAX_ROUNDS: usize = 8;
 /// From this level on, `quad-rows` is one of the starts. It takes longer than level 1.
@@ -139,7 +147,8 @@ fn price(plan: &StripPlan<'_>, cost: Cost) -> usize {
     }
 }
 
-/// Returns whether no plan is cheaper than this price of a plan: there is one strip per component, and there are no swaps that cost anything.
+/// Returns whether no plan is cheaper than this price of a plan: there is one strip per component,
+/// and there are no swaps that cost anything.
 fn is_lowest_possible(plan: &StripPlan<'_>, price: usize, cost: Cost) -> bool {
     let (triangles, strips) = (plan.cover.len(), plan.cover.path_count());
     let strip = cost.prices().strip.unsigned_abs() as usize;
@@ -154,7 +163,8 @@ fn joined(plan: &StripPlan<'_>) -> usize {
     plan.strips().to_degenerate().len()
 }
 
-/// Returns the number of indices that the prices count after the last strip, although they occur only between strips.
+/// Returns the number of indices that the prices count after the last strip, although they occur
+/// only between strips.
 fn without_last(cost: Cost) -> usize {
     match cost {
         Cost::Restart | Cost::Degenerate => 1,

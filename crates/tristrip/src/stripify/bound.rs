@@ -1,30 +1,36 @@
 //! Lower bounds: the fewest strips, vertices and indices that any method needs for a mesh.
 //!
-//! A search that meets a bound is done; for one that does not, the bound tells how far from the optimum it is at most. Every bound
-//! holds for all path covers of the given dual graph; where more than two faces meet at an edge, another pairing may allow fewer strips.
+//! A search that meets a bound is done; for one that does not, the bound tells how far from the
+//! optimum it is at most. Every bound holds for all path covers of the given dual graph; where more
+//! than two faces meet at an edge, another pairing may allow fewer strips.
 //!
 //! # Algorithm
-//! A cover of T triangles by S paths links T − S pairs of them. The links are a *2-matching*: no triangle has more than
-//! two. So T minus the size of a maximum 2-matching is a lower bound of S. It is computed by a maximum matching among the triangles of
-//! three neighbours. A 2-matching does not exclude that links close a cycle. So:
-//! 1. *Bridges* (`blocks`): bridges connect the blocks of the dual graph to trees. From the leaves to the root it is decided
-//!    for each bridge whether the best cover uses it, and each block needs a strip or a bridge.
+//! A cover of T triangles by S paths links T − S pairs of them. The links are a *2-matching*: no
+//! triangle has more than two. So T minus the size of a maximum 2-matching is a lower bound of S.
+//! It is computed by a maximum matching among the triangles of three neighbours. A 2-matching does
+//! not exclude that links close a cycle. So:
+//! 1. *Bridges* (`blocks`): bridges connect the blocks of the dual graph to trees. From the leaves
+//!    to the root it is decided for each bridge whether the best cover uses it, and each block
+//!    needs a strip or a bridge.
 //! 2. *Matching* (`matching`, `strips`): each block separately.
-//! 3. *Subproblems* (`subproblems`, `frontier`): small blocks are solved exactly, and of larger ones the neighbourhoods where ends are
-//!    forced.
+//! 3. *Subproblems* (`subproblems`, `frontier`): small blocks are solved exactly, and of larger
+//!    ones the neighbourhoods where ends are forced.
 //!
-//! A strip of t triangles has t + 2 vertices and one more per swap. The number of swaps follows from the number of runs without a
-//! swap that cover the triangles (`sequential`). The other bounds follow from these.
+//! A strip of t triangles has t + 2 vertices and one more per swap. The number of swaps follows
+//! from the number of runs without a swap that cover the triangles (`sequential`). The other bounds
+//! follow from these.
 //!
-//! Faces of more than three corners may be triangulated in many ways, and a bound must hold for all of them: see [`Bound::of_prepared`].
+//! Faces of more than three corners may be triangulated in many ways, and a bound must hold for all
+//! of them: see [`Bound::of_prepared`].
 //!
 //! # References
-//! Edmonds, Johnson: *Matching: a well-solved class of integer linear programs*, 1970 (2-matchings); Evans, Skiena,
-//! Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 (vertices of a strip).
+//! Edmonds, Johnson: *Matching: a well-solved class of integer linear programs*, 1970
+//! (2-matchings); Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast
+//! Rendering*, 1996, section 1 (vertices of a strip).
 //!
 //! # Complexity
-//! O(n), since all searches are limited to a number of steps per triangle: about a second for 870,000 triangles of a scan, some 10 s at worst.
-//! 60 bytes per triangle.
+//! O(n), since all searches are limited to a number of steps per triangle: about a second for
+//! 870,000 triangles of a scan, some 10 s at worst. 60 bytes per triangle.
 
 mod blocks;
 mod frontier;
@@ -86,7 +92,8 @@ impl Bound {
         let runs = runs(triangulation.graph(), &found);
         let mut repeats = 0;
         let components = found.into_iter().zip(runs).map(|(found, runs)| {
-            // Each strip has two vertices before its first run, one more per further run, and one if it repeats its first vertex.
+            // Each strip has two vertices before its first run, one more per further run, and one
+            // if it repeats its first vertex.
             let least_runs = runs.least.max(found.strips).max(if runs.whole.is_some() { 1 } else { 2 });
             let repeat = usize::from(least_runs == 1 && runs.whole.is_some_and(|run| !run.keeps_winding));
             repeats += repeat;
@@ -103,9 +110,9 @@ impl Bound {
 
     /// Bounds all covers of all triangulations of a mesh.
     ///
-    /// If all faces are triangles there is only one triangulation, and the bound is tighter. A face of k corners counts as
-    /// k − 2 triangles; a strip may pass through it several times. Only faces with at most one neighbour necessarily contain
-    /// an end of a strip, or two.
+    /// If all faces are triangles there is only one triangulation, and the bound is tighter. A face
+    /// of k corners counts as k − 2 triangles; a strip may pass through it several times. Only
+    /// faces with at most one neighbour necessarily contain an end of a strip, or two.
     ///
     /// # Errors
     /// The graph is not the one of the faces.
@@ -153,8 +160,8 @@ impl Bound {
         }
     }
 
-    /// Adds up the bounds of the components. `repeats` counts those whose only strip must repeat its first vertex, and `groups` the
-    /// sets of components that share no vertex.
+    /// Adds up the bounds of the components. `repeats` counts those whose only strip must repeat
+    /// its first vertex, and `groups` the sets of components that share no vertex.
     fn sum(components: Vec<ComponentBound>, repeats: usize, groups: usize) -> Self {
         let strips: usize = components.iter().map(|component| component.strips).sum();
         let triangles: usize = components.iter().map(|component| component.triangles).sum();
@@ -164,8 +171,9 @@ impl Bound {
             vertices_sent,
             gl_cost: triangles + 2 * strips,
             indices_restart: vertices_sent + strips.saturating_sub(1),
-            // A join sends nothing if the next strip begins with the vertex sent last, otherwise at least two indices. A strip other
-            // than the first needs no repeat if it begins at an odd position.
+            // A join sends nothing if the next strip begins with the vertex sent last, otherwise at
+            // least two indices. A strip other than the first needs no repeat if it begins at an
+            // odd position.
             indices_degenerate: vertices_sent + 2 * groups.saturating_sub(1)
                 - repeats.min(components.len().saturating_sub(1)),
             components,
@@ -181,8 +189,9 @@ fn runs(graph: &DualGraph, found: &[ComponentStrips]) -> Vec<sequential::Compone
 
 /// Bounds the components of a mesh of polygons.
 ///
-/// The links over a face's own diagonals, and half of those over its edges, are at most one less than its triangles if at least two
-/// edges are linked, half a link fewer with one, one fewer with none. The difference is what the face adds to the strips.
+/// The links over a face's own diagonals, and half of those over its edges, are at most one less
+/// than its triangles if at least two edges are linked, half a link fewer with one, one fewer with
+/// none. The difference is what the face adds to the strips.
 fn of_polygons(faces: &Faces, graph: &DualGraph) -> Vec<ComponentBound> {
     let (component, count) = graph.components();
     let mut sums = vec![(0, 0); count];

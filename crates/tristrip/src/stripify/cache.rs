@@ -1,8 +1,9 @@
 //! `cache`: strips in an order that makes good use of a vertex cache, with few indices.
 //!
-//! Vertices on the long sides of a strip across the mesh have left the cache when the neighbouring strips are drawn. Short strips
-//! side by side still find them in the cache, but each starts with three vertices and a restart. Which cost matters more depends
-//! on the hardware, so that both are weighed: `index weight × indices + miss weight × misses`.
+//! Vertices on the long sides of a strip across the mesh have left the cache when the neighbouring
+//! strips are drawn. Short strips side by side still find them in the cache, but each starts with
+//! three vertices and a restart. Which cost matters more depends on the hardware, so that both are
+//! weighed: `index weight × indices + miss weight × misses`.
 //!
 //! ```text
 //!  ═══════════════════════   drawn
@@ -12,23 +13,29 @@
 //! ```
 //!
 //! # Algorithm
-//! A strip grows triangle by triangle along the front of the drawn triangles (Hoppe 1999, section 5). At each decision:
-//! 1. *Look ahead.* Draw speculatively as many triangles as the horizon: first n more of this strip, then a restart at the oldest
-//!    edge of the front whose vertices are still in the cache, and so on as strips reach dead ends. Try n = 0, 1, 2, 4 …
-//! 2. *Take the n* of the lowest cost per triangle, undo the speculation, and draw these n for good; n = 0 is a restart.
-//! 3. If no edge of the front is in the cache any more, continue at the most recently drawn triangle, otherwise at the lowest
-//!    remaining triangle.
+//! A strip grows triangle by triangle along the front of the drawn triangles (Hoppe 1999, section
+//! 5). At each decision:
+//! 1. *Look ahead.* Draw speculatively as many triangles as the horizon: first n more of this
+//!    strip, then a restart at the oldest edge of the front whose vertices are still in the cache,
+//!    and so on as strips reach dead ends. Try n = 0, 1, 2, 4 …
+//! 2. *Take the n* of the lowest cost per triangle, undo the speculation, and draw these n for
+//!    good; n = 0 is a restart.
+//! 3. If no edge of the front is in the cache any more, continue at the most recently drawn
+//!    triangle, otherwise at the lowest remaining triangle.
 //!
-//! A strip turns toward the front as long as it can. This takes a swap where fewer than three triangles remain at a vertex, and
-//! leaves no isolated triangles.
+//! A strip turns toward the front as long as it can. This takes a swap where fewer than three
+//! triangles remain at a vertex, and leaves no isolated triangles.
 //!
-//! For few indices, the strips are those of `best`, and only their order and direction are chosen: next is the strip at the
-//! oldest edge of the front, in its cheaper direction. From effort 3 on, other growth policies are tried, some of them with seed
-//! strips of another method, which they follow, cut and extend; the cheapest result is taken. Then order annealing moves
-//! triangles between strips, cuts, reverses and reorders strips (module `anneal_order`), for FIFO caches of up to 256 entries.
+//! For few indices, the strips are those of `best`, and only their order and direction are chosen:
+//! next is the strip at the oldest edge of the front, in its cheaper direction. From effort 3 on,
+//! other growth policies are tried, some of them with seed strips of another method, which they
+//! follow, cut and extend; the cheapest result is taken. Then order annealing moves triangles
+//! between strips, cuts, reverses and reorders strips (module `anneal_order`), for FIFO caches of
+//! up to 256 entries.
 //!
 //! # Effort
-//! Indices and misses per triangle on one core, for the bunny of 69,451 triangles and a FIFO cache of 16 entries:
+//! Indices and misses per triangle on one core, for the bunny of 69,451 triangles and a FIFO cache
+//! of 16 entries:
 //!
 //! | level | 0 to 2 | 3 | 4 | 5 | 6 |
 //! |---|---|---|---|---|---|
@@ -39,16 +46,17 @@
 //!
 //! The two orders of meshoptimizer give 1.334, 0.890 and 1.741, 0.706 there.
 //!
-//! Differences from Hoppe: indices are weighed, not only misses; triangles with one open neighbour or none count as the
-//! restarts that they will need; a restart avoids vertices that are about to leave the cache; and all n triangles are drawn
-//! at once, which is several times faster and hardly worse.
+//! Differences from Hoppe: indices are weighed, not only misses; triangles with one open neighbour
+//! or none count as the restarts that they will need; a restart avoids vertices that are about to
+//! leave the cache; and all n triangles are drawn at once, which is several times faster and hardly
+//! worse.
 //!
 //! # References
 //! Hoppe: *Optimization of mesh locality for transparent vertex caching*, 1999.
 //!
 //! # Complexity
-//! O(h log h) time per decision for a horizon of h triangles, about twice the number of cache entries; 18 bytes per triangle, and
-//! 2 more for a FIFO cache.
+//! O(h log h) time per decision for a horizon of h triangles, about twice the number of cache
+//! entries; 18 bytes per triangle, and 2 more for a FIFO cache.
 
 mod active_front;
 mod anneal_order;
@@ -81,13 +89,14 @@ const MAX_LRU_ENTRIES: u32 = 128;
 /// The number of growth policies that are tried, by effort.
 const POLICY_COUNT: [usize; 10] = [1, 1, 1, 3, 5, 8, 8, 8, 8, 8];
 
-/// The vertices per triangle that order annealing sends in simulations, by effort. A move takes about 150.
+/// The vertices per triangle that order annealing sends in simulations, by effort. A move takes
+/// about 150.
 const SIMULATED_VERTICES: [u64; 10] = [0, 0, 0, 300, 750, 1800, 3600, 7200, 14400, 28800];
 /// Cache sizes for which order annealing runs: it stores the contents of the cache for each strip.
 const ANNEALED_ENTRIES: std::ops::RangeInclusive<u32> = 1..=256;
 
-/// Returns the first and last temperature of order annealing, in indices. Indices that are already few are kept. Tuned on bunny,
-/// fandisk and armadillo.
+/// Returns the first and last temperature of order annealing, in indices. Indices that are already
+/// few are kept. Tuned on bunny, fandisk and armadillo.
 fn temperatures(objective: Objective) -> [f64; 2] {
     match objective {
         Objective::Indices => [0.1, 0.03],
@@ -142,8 +151,8 @@ fn start<'a>(
     let weights = PolicyWeights::of(objective);
     let mut lowest = price(&best, vertex_cache, weights);
     let mut seed_plans: [Option<StripPlan<'a>>; 3] = [const { None }; 3];
-    // If the cache is too small to help, nothing is cheaper than the strips of `best`, in order. A balanced search does not start
-    // there otherwise: it would not leave them.
+    // If the cache is too small to help, nothing is cheaper than the strips of `best`, in order. A
+    // balanced search does not start there otherwise: it would not leave them.
     let with_best = objective == Objective::Misses || vertex_cache.entries < MIN_USEFUL_ENTRIES;
     let candidates = others.iter().map(Some).chain(with_best.then_some(None));
     for (i, policy) in candidates.enumerate() {

@@ -1,42 +1,53 @@
-//! `eta`, the enhanced tunnelling algorithm as published: tunnels within a star, identifiers rewritten node by node.
+//! `eta`, the enhanced tunnelling algorithm as published: tunnels within a star, identifiers
+//! rewritten node by node.
 //!
 //! # Algorithm
 //! The numbers are those of section 4.1 of the paper; see [`tunnel`](super::tunnel) for the terms.
 //!
-//! 1. *The length k*: fixed, and every tunnel up to it is accepted (depth first). Where strips are left, the search is repeated with a longer
-//!    one (section 6.1): 49, 99, 199 …. Or it is 1, 3, 5 …, where the next begins when no terminal has a tunnel of the last (breadth first,
-//!    section 5).
+//! 1. *The length k*: fixed, and every tunnel up to it is accepted (depth first). Where strips are
+//!    left, the search is repeated with a longer one (section 6.1): 49, 99, 199 …. Or it is 1, 3, 5
+//!    …, where the next begins when no terminal has a tunnel of the last (breadth first, section
+//!    5).
 //! 2. *A terminal*, in random order.
 //! 3. *Its k-star*: the triangles at most k steps away.
 //! 4. *Temporary edges* for the strips that leave the star and come back.
-//! 5. *Tunnelling*: alternating paths, depth first. A step cuts a black edge, which splits a strip, and links the part at its near end with
-//!    the tip; the part gets the identifier of the tip, node by node, and its own again when the path is given up. No step closes a loop:
-//!    both must not be the same part of one strip. A search ends after its paths have stepped on a given number of triangles, the forecast of section 4.2.
-//! 6. *Complement*, if a tunnel was found: the temporary edges vanish, and the strips get their identifiers everywhere.
+//! 5. *Tunnelling*: alternating paths, depth first. A step cuts a black edge, which splits a strip,
+//!    and links the part at its near end with the tip; the part gets the identifier of the tip,
+//!    node by node, and its own again when the path is given up. No step closes a loop: both must
+//!    not be the same part of one strip. A search ends after its paths have stepped on a given
+//!    number of triangles, the forecast of section 4.2.
+//! 6. *Complement*, if a tunnel was found: the temporary edges vanish, and the strips get their
+//!    identifiers everywhere.
 //! 7. *The next terminal.*
 //!
-//! Without localization, steps 3, 4 and 6 fall away: identifiers are written to the end of each strip. It finds the same tunnels. On demand, a
-//! search begins without localization, and begins again within a star when it has become long: the same tunnels, too.
+//! Without localization, steps 3, 4 and 6 fall away: identifiers are written to the end of each
+//! strip. It finds the same tunnels. On demand, a search begins without localization, and begins
+//! again within a star when it has become long: the same tunnels, too.
 //!
 //! # Departures
-//! - A strip's consecutive crossings of the star's boundary are found by the position of a triangle on its strip, kept beside the
-//!   identifier; the paper does not say how it finds them.
-//! - Where the cut divides a strip that is the tip's own, one part is followed to find out whether the tip is on it, in place of an
-//!   identifier that would be written on it and taken back. As many nodes are accessed.
-//! - The threshold counts the triangles that paths step on, not the identifiers written, so that it cuts the same searches with and
-//!   without localization.
-//! - The paper leaves open the order of terminals and paths: both are random, but an end of the tunnel is taken first. It does not say when
-//!   to end: here, when some passes over all terminals have found nothing.
+//! - A strip's consecutive crossings of the star's boundary are found by the position of a triangle
+//!   on its strip, kept beside the identifier; the paper does not say how it finds them.
+//! - Where the cut divides a strip that is the tip's own, one part is followed to find out whether
+//!   the tip is on it, in place of an identifier that would be written on it and taken back. As
+//!   many nodes are accessed.
+//! - The threshold counts the triangles that paths step on, not the identifiers written, so that it
+//!   cuts the same searches with and without localization.
+//! - The paper leaves open the order of terminals and paths: both are random, but an end of the
+//!   tunnel is taken first. It does not say when to end: here, when some passes over all terminals
+//!   have found nothing.
 //!
-//! - The lengths at which the search is repeated are ours; section 6.1 only says that longer tunnels can be searched for.
+//! - The lengths at which the search is repeated are ours; section 6.1 only says that longer
+//!   tunnels can be searched for.
 //!
 //! [`guided_tunnels`](super::guided_tunnels) is our variant.
 //!
 //! # References
-//! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006.
+//! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*,
+//! 2006.
 //!
 //! # Complexity
-//! A search takes O(star + threshold · star) time. At most 60 bytes per triangle, beside the cover and the dual graph.
+//! A search takes O(star + threshold · star) time. At most 60 bytes per triangle, beside the cover
+//! and the dual graph.
 
 mod search;
 mod star;
@@ -64,14 +75,16 @@ pub(super) struct EtaOptions {
     pub(super) localization: Localization,
 }
 
-/// Passes over all terminals that find nothing, and the sum of the strips in them, before the search ends.
+/// Passes over all terminals that find nothing, and the sum of the strips in them, before the
+/// search ends.
 #[derive(Debug, Clone, Copy)]
 struct EmptyPasses {
     passes: u32,
     strips: usize,
 }
 
-/// Those with the last maximum length. With 20 passes alone, fandisk keeps a second strip for some seeds.
+/// Those with the last maximum length. With 20 passes alone, fandisk keeps a second strip for some
+/// seeds.
 const AT_LAST_LENGTH: EmptyPasses = EmptyPasses { passes: 20, strips: 1000 };
 
 /// Those while longer tunnels are to come, depth first and breadth first.
@@ -81,7 +94,8 @@ const BREADTH_FIRST: EmptyPasses = EmptyPasses { passes: 1, strips: 0 };
 /// The first maximum length, if lengths are repeated.
 const FIRST_LENGTH: u32 = 49;
 
-/// Accesses to nodes after which a search is repeated within a star, if stars are found on demand. On bunny it saves two thirds of the time.
+/// Accesses to nodes after which a search is repeated within a star, if stars are found on demand.
+/// On bunny it saves two thirds of the time.
 const SHORT_SEARCH: u64 = 256;
 
 /// Joins paths of a cover until no more tunnels are found or the watch stops it.
@@ -159,7 +173,8 @@ impl Eta<'_> {
         }
     }
 
-    /// Does passes over all terminals until enough of them in succession have found nothing. Returns whether to continue.
+    /// Does passes over all terminals until enough of them in succession have found nothing.
+    /// Returns whether to continue.
     fn passes(&mut self, length: u32, most_empty: EmptyPasses, counter: &mut AccessCounter<'_>) -> bool {
         let mut empty = EmptyPasses { passes: 0, strips: 0 };
         while self.cover.path_count() > self.min_path_count

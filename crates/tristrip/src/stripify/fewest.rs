@@ -1,5 +1,6 @@
-//! `fewest`: a local search for as few strips as possible. The ends of paths move until the ends of two different paths are adjacent
-//! and are joined; where that takes too long, one end is guided to another.
+//! `fewest`: a local search for as few strips as possible. The ends of paths move until the ends of
+//! two different paths are adjacent and are joined; where that takes too long, one end is guided to
+//! another.
 //!
 //! ```text
 //!   rotation walk  w ┄┄ v ━━ x        link w–v, cut v–x: x is the new end. One path stays one path (v inside w's own path, x on the
@@ -11,30 +12,35 @@
 //!                                     the new p. Continue if it is nearer to q, or not much farther; otherwise undo
 //! ```
 //! # Algorithm
-//! The tunnels of Stewart (2001) and of Porcu and Scateni, done as rotations of Pósa (1976): a new link at an end w requires a
-//! cut, which makes a new end, and so on. Every intermediate state is a path cover, so that no cycle can arise, and a walk
-//! may have any length. Each component is searched separately, from the cover of `sequential`, until it reaches its lower bound
-//! or the steps of the effort are used up.
+//! The tunnels of Stewart (2001) and of Porcu and Scateni, done as rotations of Pósa (1976): a new
+//! link at an end w requires a cut, which makes a new end, and so on. Every intermediate state is a
+//! path cover, so that no cycle can arise, and a walk may have any length. Each component is
+//! searched separately, from the cover of `sequential`, until it reaches its lower bound or the
+//! steps of the effort are used up.
 //!
-//! 1. *Tunnels* (see [`super::guided_tunnels`]): the long tunnels of `guided-tunnels` make most of the joins in components that are not large, and
-//!    work better than walks for ends at a boundary, where walks get stuck.
-//! 2. *Rotation walks* from random ends. In a triangle of three neighbours the next step is mostly forced; where it enters another
-//!    path, the side of the cut is chosen at random. While there are many ends, two of them meet soon.
-//! 3. *Close* paths while there are few of them: the two ends of one path meet as often as those of different paths, and a closed path
-//!    may be opened anywhere.
-//! 4. *Guided walks* after some time without a join. The orbits of the last few ends are often short, so that they never meet. A
-//!    cut makes two more ends, which soon join again, but in a different way; so an end advances along the shortest way to
-//!    another one. That takes a few dozen cuts, each undone unless it leads nearer.
+//! 1. *Tunnels* (see [`super::guided_tunnels`]): the long tunnels of `guided-tunnels` make most of
+//!    the joins in components that are not large, and work better than walks for ends at a
+//!    boundary, where walks get stuck.
+//! 2. *Rotation walks* from random ends. In a triangle of three neighbours the next step is mostly
+//!    forced; where it enters another path, the side of the cut is chosen at random. While there
+//!    are many ends, two of them meet soon.
+//! 3. *Close* paths while there are few of them: the two ends of one path meet as often as those of
+//!    different paths, and a closed path may be opened anywhere.
+//! 4. *Guided walks* after some time without a join. The orbits of the last few ends are often
+//!    short, so that they never meet. A cut makes two more ends, which soon join again, but in a
+//!    different way; so an end advances along the shortest way to another one. That takes a few
+//!    dozen cuts, each undone unless it leads nearer.
 //!
 //! With [`SegmentedPaths`] a step takes about 0.3 µs, whatever the length of the paths.
 //!
 //! # References
-//! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001; Porcu, Scateni: *Partitioning Meshes
-//! into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006; Pósa: *Hamiltonian circuits in random graphs*, 1976.
+//! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001; Porcu,
+//! Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006;
+//! Pósa: *Hamiltonian circuits in random graphs*, 1976.
 //!
 //! # Complexity
-//! A step takes O(√(n / paths)). 40 bytes per triangle beyond the cover, and 21 more for the components that are searched, if there
-//! are several.
+//! A step takes O(√(n / paths)). 40 bytes per triangle beyond the cover, and 21 more for the
+//! components that are searched, if there are several.
 
 mod components;
 mod distance_map;
@@ -59,8 +65,8 @@ use components::UnfinishedComponent;
 use distance_map::DistanceMap;
 use segmented_paths::{SegmentedPaths, WalkStep};
 
-/// Steps without a join after which a guided walk begins. Tuned, as all below, on horse, armadillo, buddha and david: 60 and
-/// 1000 take half as long again.
+/// Steps without a join after which a guided walk begins. Tuned, as all below, on horse, armadillo,
+/// buddha and david: 60 and 1000 take half as long again.
 const PATIENCE: u64 = 300;
 /// Most triangles that a guided end advances at once.
 const LEAP: usize = 8;
@@ -76,7 +82,8 @@ const NEAREST: usize = 3;
 const CLOSING_LIMIT: usize = 64;
 /// Paths are renumbered when this many of them are touched,
 const TOUCHED_LIMIT: usize = 16;
-/// or when the number of segments exceeds this multiple of the root of the mean path length, within these limits:
+/// or when the number of segments exceeds this multiple of the root of the mean path length, within
+/// these limits:
 const SEGMENTS_PER_ROOT: usize = 4;
 const SEGMENT_LIMITS: (usize, usize) = (32, 4096);
 /// Triangles reached by a distance map that count as one step.
@@ -84,7 +91,8 @@ const REACHED_PER_STEP: u64 = 64;
 
 /// Accesses to triangles in tunnels that take about as long as a step of a walk.
 const ACCESSES_PER_STEP: u64 = 64;
-/// Tunnels are tried first in components of at most this many triangles. In larger ones they take longer than walks for the same result.
+/// Tunnels are tried first in components of at most this many triangles. In larger ones they take
+/// longer than walks for the same result.
 const TUNNEL_LIMIT: usize = 1 << 18;
 /// Steps per four triangles of a component at effort 0; each level doubles them.
 const STEPS_PER_FOUR_TRIANGLES: u64 = 5;
@@ -185,7 +193,8 @@ impl<'a> SharedProgress<'a> {
     }
 }
 
-/// Watches tunnelling in one component, which ends at the lower bound or when the budget is used up.
+/// Watches tunnelling in one component, which ends at the lower bound or when the budget is used
+/// up.
 struct TunnelWatch<'a> {
     lower_bound: usize,
     budget: u64,
@@ -195,7 +204,8 @@ struct TunnelWatch<'a> {
 }
 
 impl TunnelWatch<'_> {
-    /// Reports what was done since the last report. Returns the steps so far, and whether the search shall continue.
+    /// Reports what was done since the last report. Returns the steps so far, and whether the
+    /// search shall continue.
     fn report(&self, steps: Option<u64>, path_count: usize) -> (u64, bool) {
         let Ok(mut reported) = self.reported.lock() else { return (0, false) };
         let steps = steps.unwrap_or(reported.0);
@@ -320,7 +330,8 @@ impl<'a> FewestSearch<'a> {
         }
     }
 
-    /// Computes the distances to one of the ends nearest to this one. Returns the distance of this end; `None` if there is no other.
+    /// Computes the distances to one of the ends nearest to this one. Returns the distance of this
+    /// end; `None` if there is no other.
     fn set_goal(&mut self, end: u32) -> Option<u32> {
         let mut ends_left = 1 + self.random.below(NEAREST);
         let paths = &self.paths;
@@ -334,8 +345,8 @@ impl<'a> FewestSearch<'a> {
         self.distances.distance(end)
     }
 
-    /// Cuts a path ahead of an end, on the way to the goal, and walks from the three ends until two are joined. Returns the three, two
-    /// of which are no ends any more, or `None` if none met.
+    /// Cuts a path ahead of an end, on the way to the goal, and walks from the three ends until two
+    /// are joined. Returns the three, two of which are no ends any more, or `None` if none met.
     fn guided_step(&mut self, end: u32) -> Option<[u32; 3]> {
         self.steps += 1;
         let leap = 1 + self.random.below(LEAP);

@@ -9,7 +9,8 @@ use crate::prepare::PreparedFaces;
 /// A component of a generated mesh.
 #[derive(Debug, Clone)]
 pub(super) enum MeshPart {
-    /// Quadrilaterals in rows. Bits select which are left out, and which are cut into two triangles.
+    /// Quadrilaterals in rows. Bits select which are left out, and which are cut into two
+    /// triangles.
     Grid { width: u32, height: u32, holes: u64, cut: u64 },
     /// Quadrilaterals, closed in both directions.
     Torus { around: u32, through: u32, cut: u64 },
@@ -58,7 +59,8 @@ impl MeshPart {
     }
 }
 
-/// Returns the cells of a lattice. One bit per cell, repeated after 64 cells, selects whether it is left out or cut into two triangles.
+/// Returns the cells of a lattice. One bit per cell, repeated after 64 cells, selects whether it is
+/// left out or cut into two triangles.
 fn cells(
     width: u32,
     height: u32,
@@ -93,7 +95,8 @@ fn part(all_cut: bool) -> impl Strategy<Value = MeshPart> {
     ]
 }
 
-/// Generates the polygons of several parts: some faces are duplicate, some reversed, and the order may be shuffled.
+/// Generates the polygons of several parts: some faces are duplicate, some reversed, and the order
+/// may be shuffled.
 pub(crate) fn polygons(all_cut: bool, parts: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Vec<u32>>> {
     let whole = prop::collection::vec(part(all_cut), parts).prop_map(|parts| {
         let mut first = 0;

@@ -1,8 +1,10 @@
-//! `input`: strips in the order of the input faces. A search that starts from them is never worse than the input.
+//! `input`: strips in the order of the input faces. A search that starts from them is never worse
+//! than the input.
 //!
 //! # Algorithm
-//! Triangles keep their order; polygons become fans. Each triangle is linked to the previous one if the two share an edge. A
-//! triangle list that was expanded from strips becomes these strips again, or longer ones.
+//! Triangles keep their order; polygons become fans. Each triangle is linked to the previous one if
+//! the two share an edge. A triangle list that was expanded from strips becomes these strips again,
+//! or longer ones.
 //!
 //! # Complexity
 //! O(n) time, 1 byte per triangle.

@@ -1,5 +1,5 @@
-//! Strips in one call: of a mesh, of an index buffer, for which no positions are needed, or of polygons over positions that stay where they
-//! are.
+//! Strips in one call: of a mesh, of an index buffer, for which no positions are needed, or of
+//! polygons over positions that stay where they are.
 
 use super::{StripifyOptions, Watch, plan_known};
 use crate::dual::DualGraph;
@@ -30,8 +30,9 @@ pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error>
     Ok(plan_known(&prepared, &graph, options, &())?.strips())
 }
 
-/// Computes triangle strips for the triangles of an index buffer, three indices of 8, 16 or 32 bits or `usize` each, with the default
-/// options. Triangles with a repeated vertex draw nothing and are left out.
+/// Computes triangle strips for the triangles of an index buffer, three indices of 8, 16 or 32 bits
+/// or `usize` each, with the default options. Triangles with a repeated vertex draw nothing and are
+/// left out.
 ///
 /// # Errors
 /// The number of indices is not a multiple of three, or an index is not less than `vertex_count`.
@@ -48,11 +49,13 @@ pub fn stripify_indices<I: Index>(indices: &[I], vertex_count: usize) -> Result<
     stripify_indices_with(indices, vertex_count, &StripifyOptions::default())
 }
 
-/// Computes triangle strips for the triangles of an index buffer as [`stripify_indices`] does, with options.
+/// Computes triangle strips for the triangles of an index buffer as [`stripify_indices`] does, with
+/// options.
 ///
 /// # Errors
-/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`; an option is invalid for the method;
-/// vertices are to be welded, for which there are no positions.
+/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`;
+/// an option is invalid for the method; vertices are to be welded, for which there are no
+/// positions.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions, stripify_indices_with};
@@ -70,12 +73,13 @@ pub fn stripify_indices_with<I: Index>(
     stripify_indices_watched(indices, vertex_count, options, &())
 }
 
-/// Computes triangle strips for the triangles of an index buffer as [`stripify_indices_with`] does, and reports the progress of the search,
-/// which may be stopped.
+/// Computes triangle strips for the triangles of an index buffer as [`stripify_indices_with`] does,
+/// and reports the progress of the search, which may be stopped.
 ///
 /// # Errors
-/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`; an option is invalid for the method;
-/// vertices are to be welded, for which there are no positions.
+/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`;
+/// an option is invalid for the method; vertices are to be welded, for which there are no
+/// positions.
 ///
 /// ```
 /// use tristrip::stripify::Progress;
@@ -98,18 +102,20 @@ pub fn stripify_indices_watched<I: Index>(
     if highest / SPARSE < faces.corner_count() {
         return strips_of(&PreparedFaces::of_triangles(&faces, highest + 1), options, watch);
     }
-    // Few of the vertices are used: methods that have arrays per vertex get new numbers, in the same order.
+    // Few of the vertices are used: methods that have arrays per vertex get new numbers, in the
+    // same order.
     let used = VertexSubset::of(faces.corners());
     let faces = faces.renamed(used.numbers(faces.corners()));
     let strips = strips_of(&PreparedFaces::of_triangles(&faces, used.len()), options, watch)?;
     Ok(strips.map_vertices(|v| used.vertices()[v as usize]))
 }
 
-/// Computes triangle strips for faces of any size over positions in the memory of the caller, which stay there.
+/// Computes triangle strips for faces of any size over positions in the memory of the caller, which
+/// stay there.
 ///
 /// # Errors
-/// A face has a vertex without a position, or with one that is not finite; an option is invalid for the method, or vertices are to be
-/// welded, for which all attributes are needed.
+/// A face has a vertex without a position, or with one that is not finite; an option is invalid for
+/// the method, or vertices are to be welded, for which all attributes are needed.
 ///
 /// ```
 /// use tristrip::{Faces, StripifyOptions, InterleavedPositions, stripify_faces};

@@ -21,13 +21,14 @@ pub(super) const QUAD_ROWS_CUTOFF: u32 = 5;
 pub enum Method {
     /// Our fast greedy method, followed by a local search at the ends of strips.
     Sequential,
-    /// Our simulated annealing of the cheapest fast method's strips, for a given cost and effort. The default effort takes less than a
-    /// second per million triangles.
+    /// Our simulated annealing of the cheapest fast method's strips, for a given cost and effort.
+    /// The default effort takes less than a second per million triangles.
     #[default]
     Best,
     /// Our search for the fewest strips, regardless of swaps.
     Fewest,
-    /// Our strips in an order that makes good use of a vertex cache, grown along the front of the drawn triangles.
+    /// Our strips in an order that makes good use of a vertex cache, grown along the front of the
+    /// drawn triangles.
     Cache,
     /// The order of the input faces.
     Input,
@@ -43,7 +44,8 @@ pub enum Method {
         /// How ties between neighbours of the lowest adjacency are broken.
         ties: Ties,
     },
-    /// STRIPE's global algorithms: patches of quadrilaterals first, the remaining faces by the local algorithm.
+    /// STRIPE's global algorithms: patches of quadrilaterals first, the remaining faces by the
+    /// local algorithm.
     StripeGlobal {
         /// How patches are turned into strips.
         patches: Patches,
@@ -52,7 +54,8 @@ pub enum Method {
         /// How ties between neighbours of the lowest adjacency are broken, outside the patches.
         ties: Ties,
     },
-    /// Our strips along the rows of patches of quadrilaterals, which grow at their ends and choose all their diagonals together.
+    /// Our strips along the rows of patches of quadrilaterals, which grow at their ends and choose
+    /// all their diagonals together.
     QuadRows {
         /// The minimum size of a patch, in quadrilaterals.
         cutoff: u32,
@@ -71,7 +74,8 @@ pub enum Method {
         /// How far identifiers are written. The strips are the same.
         localization: Localization,
     },
-    /// Our long tunnels, guided by the distance to the ends of strips, which move toward each other.
+    /// Our long tunnels, guided by the distance to the ends of strips, which move toward each
+    /// other.
     GuidedTunnels(TunnelOptions),
 }
 
@@ -92,7 +96,8 @@ impl Method {
         Self::GuidedTunnels(TunnelOptions::DEFAULT),
     ];
 
-    /// Returns the name of the method, without its parameters, as the command line and JSON have it.
+    /// Returns the name of the method, without its parameters, as the command line and JSON have
+    /// it.
     ///
     /// ```
     /// use tristrip::Method;
@@ -152,17 +157,21 @@ impl Method {
         }
     }
 
-    /// The tunnelling operator up to length 9: beyond it, every two more edges multiply the time several times.
+    /// The tunnelling operator up to length 9: beyond it, every two more edges multiply the time
+    /// several times.
     pub const TUNNEL: Self = Self::Tunnel { length: 9 };
-    /// The enhanced tunnelling algorithm depth first, with stars on demand. Its paper names no defaults; those are [`TunnelOptions::ETA`].
+    /// The enhanced tunnelling algorithm depth first, with stars on demand. Its paper names no
+    /// defaults; those are [`TunnelOptions::ETA`].
     pub(crate) const ETA: Self = Self::Eta {
         tunnels: TunnelOptions::ETA,
         acceptance: Acceptance::DepthFirst,
         localization: Localization::OnDemand,
     };
-    /// The SGI algorithm with the last of the neighbours that its look-ahead leaves: the first sends 1.5 % more vertices for power lines.
+    /// The SGI algorithm with the last of the neighbours that its look-ahead leaves: the first
+    /// sends 1.5 % more vertices for power lines.
     pub const SGI: Self = Self::Sgi { last_tie: LastTie::Last };
-    /// STRIPE with its authors' recommended settings: rows or columns of patches of at least 5 quadrilaterals, sequential ties.
+    /// STRIPE with its authors' recommended settings: rows or columns of patches of at least 5
+    /// quadrilaterals, sequential ties.
     pub const STRIPE: Self = Self::StripeGlobal { patches: Patches::Rows, cutoff: 5, ties: Ties::Sequential };
     /// Our rows of patches of at least 5 quadrilaterals, as in [`Self::STRIPE`].
     pub const QUAD_ROWS: Self = Self::QuadRows { cutoff: QUAD_ROWS_CUTOFF };
@@ -174,7 +183,8 @@ impl std::fmt::Display for Method {
     }
 }
 
-/// Parses a [name](Method::name) to the method with the default values of its parameters; `stripe` is [`Method::STRIPE`].
+/// Parses a [name](Method::name) to the method with the default values of its parameters; `stripe`
+/// is [`Method::STRIPE`].
 impl std::str::FromStr for Method {
     type Err = Error;
 
@@ -208,7 +218,8 @@ pub struct StripifyOptions {
     pub method: Method,
     /// The cost that searches minimize.
     pub cost: Cost,
-    /// The effort of searches; `None` for the default of the method, which [`StripifyOptions::effort_or_default`] returns.
+    /// The effort of searches; `None` for the default of the method, which
+    /// [`StripifyOptions::effort_or_default`] returns.
     pub effort: Option<Effort>,
     /// The vertex cache that [`Method::Cache`] optimizes for.
     pub vertex_cache: VertexCache,
@@ -220,7 +231,8 @@ pub struct StripifyOptions {
     pub seed: u64,
 }
 
-/// The default effort of [`Method::Best`] and [`Method::Cache`]: the highest level that takes less than a second per million triangles.
+/// The default effort of [`Method::Best`] and [`Method::Cache`]: the highest level that takes less
+/// than a second per million triangles.
 const FAST_EFFORT: Option<Effort> = Effort::new(2);
 
 impl StripifyOptions {
@@ -229,8 +241,9 @@ impl StripifyOptions {
         ///
         /// ```
         #[doc = include_str!("example.txt")]
-        /// let strips = |method| stripify_indices_with(&grid, 289, &StripifyOptions::default().with_method(method));
-        /// let indices = |method| strips(method).map(|strips| strips.index_count(Layout::Restart));
+        /// let strips = |method| stripify_indices_with(&grid, 289,
+        /// &StripifyOptions::default().with_method(method)); let indices = |method|
+        /// strips(method).map(|strips| strips.index_count(Layout::Restart));
         /// assert!(indices(Method::Best)? < indices(Method::Input)?);
         /// # Ok::<(), tristrip::Error>(())
         /// ```
@@ -240,7 +253,8 @@ impl StripifyOptions {
         ///
         /// ```
         /// use tristrip::{Faces, Mesh, StripifyOptions, stripify};
-        /// // Two triangles with an edge in common, but no vertex of the array: 3 is at the place of 1, 4 at that of 2.
+        /// // Two triangles with an edge in common, but no vertex of the array: 3 is at the place
+        /// // of 1, 4 at that of 2.
         /// let places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
         /// let positions = [0, 1, 2, 1, 2, 3].map(|place| places[place]).to_vec();
         /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 4, 3, 5])?)?;
@@ -254,11 +268,10 @@ impl StripifyOptions {
         ///
         /// ```
         #[doc = include_str!("example.txt")]
-        /// let method = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Random };
-        /// let options = StripifyOptions::default().with_method(method);
-        /// let strips = |seed| stripify_indices_with(&grid, 289, &options.with_seed(seed));
-        /// assert_ne!(strips(1)?, strips(2)?);
-        /// assert_eq!(strips(2)?, strips(2)?);
+        /// let method = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties:
+        /// Ties::Random }; let options = StripifyOptions::default().with_method(method); let strips
+        /// = |seed| stripify_indices_with(&grid, 289, &options.with_seed(seed));
+        /// assert_ne!(strips(1)?, strips(2)?); assert_eq!(strips(2)?, strips(2)?);
         /// # Ok::<(), tristrip::Error>(())
         /// ```
         with_seed(seed: u64);
@@ -310,12 +323,12 @@ impl StripifyOptions {
         ///
         /// ```
         #[doc = include_str!("example.txt")]
-        /// let options = StripifyOptions::default().with_method(Method::Cache);
-        /// let strips = |objective| stripify_indices_with(&grid, 289, &options.with_objective(objective));
-        /// let (indices, misses) = (strips(Objective::Indices)?, strips(Objective::Misses)?);
-        /// assert!(indices.vertices_sent() < misses.vertices_sent());
-        /// let count = |strips| VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::default()).misses;
-        /// assert!(count(&indices) > count(&misses));
+        /// let options = StripifyOptions::default().with_method(Method::Cache); let strips =
+        /// |objective| stripify_indices_with(&grid, 289, &options.with_objective(objective)); let
+        /// (indices, misses) = (strips(Objective::Indices)?, strips(Objective::Misses)?);
+        /// assert!(indices.vertices_sent() < misses.vertices_sent()); let count = |strips|
+        /// VertexCacheStatistics::of(strips, VertexCache::default(),
+        /// FlushPolicy::default()).misses; assert!(count(&indices) > count(&misses));
         /// # Ok::<(), tristrip::Error>(())
         /// ```
         with_objective(objective: Objective);

@@ -1,4 +1,5 @@
-//! The choice of a method: the diagonals of the polygons, and the edges over which triangles are linked to paths.
+//! The choice of a method: the diagonals of the polygons, and the edges over which triangles are
+//! linked to paths.
 
 use crate::cover::{CoverFault, PathCover};
 use crate::dual::Triangulation;
@@ -12,7 +13,8 @@ use crate::strip::{Metrics, Strips, cover_cost, emit, emit_in_order};
 pub struct StripPlan<'a> {
     pub(crate) triangulation: Triangulation<'a>,
     pub(crate) cover: PathCover,
-    /// The first triangle of each path, in drawing order; `None` leaves order and direction to the emitter.
+    /// The first triangle of each path, in drawing order; `None` leaves order and direction to the
+    /// emitter.
     pub(crate) order: Option<Vec<FaceId>>,
     /// The vertices that were welded before.
     pub(crate) welds: VertexWelds,
@@ -24,7 +26,8 @@ impl<'a> StripPlan<'a> {
         Self { triangulation, cover, order: None, welds: VertexWelds::default() }
     }
 
-    /// Creates a plan from a cover of the triangles of prepared faces, such as one of a method of your own.
+    /// Creates a plan from a cover of the triangles of prepared faces, such as one of a method of
+    /// your own.
     ///
     /// # Errors
     /// The cover violates an invariant: see [`PathCover::check`].
@@ -100,7 +103,8 @@ impl<'a> StripPlan<'a> {
         strips.with_welds(self.welds.clone())
     }
 
-    /// Returns the number of indices of [`StripPlan::strips`] with one restart index between strips.
+    /// Returns the number of indices of [`StripPlan::strips`] with one restart index between
+    /// strips.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};

@@ -1,11 +1,14 @@
-//! Meshes whose faces stand in random order: our own methods process the faces in another order, in which neighbours are near in memory.
+//! Meshes whose faces stand in random order: our own methods process the faces in another order, in
+//! which neighbours are near in memory.
 //!
-//! A method reads a face, then its neighbours. Scans, grids and stored strips have most neighbours a few faces away. Where files list their
-//! faces at random, each step waits for memory: a million triangles then take five to ten times as long. The published methods, and
-//! `input`, process the faces in the order of the mesh, which is part of their definition.
+//! A method reads a face, then its neighbours. Scans, grids and stored strips have most neighbours
+//! a few faces away. Where files list their faces at random, each step waits for memory: a million
+//! triangles then take five to ten times as long. The published methods, and `input`, process the
+//! faces in the order of the mesh, which is part of their definition.
 //!
 //! # Algorithm
-//! 1. Of faces at equal distances in the order, count those with a near neighbour. If they are few, the faces are scattered.
+//! 1. Of faces at equal distances in the order, count those with a near neighbour. If they are few,
+//!    the faces are scattered.
 //! 2. Breadth-first search over the dual graph from each face in turn gives the new order.
 //! 3. The faces and the dual graph are copied in that order; half-edges keep their twins.
 //!
@@ -25,7 +28,8 @@ const SAMPLES: usize = 1 << 12;
 /// Faces are scattered if at most one in so many has a near neighbour.
 const FEW: usize = 8;
 
-/// Returns faces and their graph in an order in which neighbours are near; `None` if they are already.
+/// Returns faces and their graph in an order in which neighbours are near; `None` if they are
+/// already.
 pub(super) fn gather<'a>(
     prepared: &PreparedFaces<'_>,
     graph: &DualGraph,
@@ -39,7 +43,8 @@ pub(super) fn gather<'a>(
     Some((gathered, graph))
 }
 
-/// Returns whether few faces have a neighbour that is near in the order. Faces without neighbours do not count.
+/// Returns whether few faces have a neighbour that is near in the order. Faces without neighbours
+/// do not count.
 fn is_scattered(graph: &DualGraph) -> bool {
     let step = (graph.face_count() / SAMPLES).max(1);
     let (mut connected, mut near) = (0, 0);
@@ -51,7 +56,8 @@ fn is_scattered(graph: &DualGraph) -> bool {
     connected > 0 && near * FEW <= connected
 }
 
-/// Returns the faces in the order of breadth-first searches, each from the first face that no search has reached.
+/// Returns the faces in the order of breadth-first searches, each from the first face that no
+/// search has reached.
 fn breadth_first(graph: &DualGraph) -> Vec<u32> {
     let mut is_reached = vec![false; graph.face_count()];
     let mut order: Vec<u32> = Vec::with_capacity(graph.face_count());
@@ -82,7 +88,8 @@ mod tests {
     use crate::verify::verify;
     use proptest::prelude::*;
 
-    /// Returns a grid of squares, each of two triangles or one polygon, in the order of the rows or at random.
+    /// Returns a grid of squares, each of two triangles or one polygon, in the order of the rows or
+    /// at random.
     fn grid(side: u32, are_triangles: bool, at_random: bool) -> Mesh {
         let corners = |i: u32| {
             let v = i / side * (side + 1) + i % side;

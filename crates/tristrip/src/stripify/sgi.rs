@@ -1,7 +1,8 @@
-//! `sgi`: the SGI algorithm, a greedy method that leaves few triangles isolated and to which later methods are compared.
+//! `sgi`: the SGI algorithm, a greedy method that leaves few triangles isolated and to which later
+//! methods are compared.
 //!
-//! A strip continues to the neighbour with the fewest free neighbours, so that no region is cut off. Swaps are not avoided: they
-//! cost one bit in the library that the algorithm was written for.
+//! A strip continues to the neighbour with the fewest free neighbours, so that no region is cut
+//! off. Swaps are not avoided: they cost one bit in the library that the algorithm was written for.
 //!
 //! ```text
 //!   ╲  1 ╱╲  2 ╱        The strip is at the triangle in the middle. The left neighbour has one free neighbour,
@@ -10,18 +11,20 @@
 //! ```
 //!
 //! # Algorithm
-//! 1. Polygons are triangulated first, by alternate left and right turns: the algorithm works on triangles only.
+//! 1. Polygons are triangulated first, by alternate left and right turns: the algorithm works on
+//!    triangles only.
 //! 2. A strip starts at a free triangle with the fewest free neighbours.
-//! 3. It continues to the free neighbour with the fewest free neighbours. Ties are broken by the fewest free neighbours of a
-//!    neighbour's neighbour (one level of look-ahead), then by the winding: the last tie, see [`LastTie`].
+//! 3. It continues to the free neighbour with the fewest free neighbours. Ties are broken by the
+//!    fewest free neighbours of a neighbour's neighbour (one level of look-ahead), then by the
+//!    winding: the last tie, see [`LastTie`].
 //! 4. At a dead end it continues from its start in the same way.
 //!
-//! The implementation follows section 3 of the paper. Where that says "arbitrary", the start is the triangle that lost a
-//! neighbour most recently.
+//! The implementation follows section 3 of the paper. Where that says "arbitrary", the start is the
+//! triangle that lost a neighbour most recently.
 //!
 //! # References
-//! Akeley, Haeberli, Burns: `tomesh.c`, SGI Developer's Toolbox CD, 1990; Evans, Skiena, Varshney: *Efficiently Generating
-//! Triangle Strips for Fast Rendering*, 1996, section 3 and figure 4.
+//! Akeley, Haeberli, Burns: `tomesh.c`, SGI Developer's Toolbox CD, 1990; Evans, Skiena, Varshney:
+//! *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 3 and figure 4.
 //!
 //! # Complexity
 //! O(n) time, by a bucket queue; 22 bytes per triangle.
@@ -51,7 +54,8 @@ mod tests {
     use proptest::prelude::*;
     use std::cmp::Reverse;
 
-    /// The algorithm without incremental counts: free neighbours are counted whenever they are needed.
+    /// The algorithm without incremental counts: free neighbours are counted whenever they are
+    /// needed.
     struct Naive<'a> {
         graph: &'a DualGraph,
         cover: PathCover,
@@ -178,14 +182,16 @@ mod tests {
 
     #[test]
     fn ignores_the_cost_of_swaps() {
-        // A closed fan of six triangles is one strip, although every turn except the first needs a swap.
+        // A closed fan of six triangles is one strip, although every turn except the first needs a
+        // swap.
         let fan: Vec<_> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
         assert_eq!(with_plan(&fan, LastTie::Last, |plan| plan.cover.path_count()), 1);
     }
 
     #[test]
     fn starts_at_the_fewest_neighbours() {
-        // Three arms of two triangles around one triangle: one strip covers two of the arms from end to end, another the third.
+        // Three arms of two triangles around one triangle: one strip covers two of the arms from
+        // end to end, another the third.
         let star = [[0, 1, 2], [1, 0, 3], [2, 1, 4], [0, 2, 5], [3, 0, 6], [4, 1, 7], [5, 2, 8]];
         assert_eq!(with_plan(&star, LastTie::Last, |plan| plan.cover.path_count()), 2);
     }

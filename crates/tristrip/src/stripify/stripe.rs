@@ -1,6 +1,8 @@
-//! STRIPE: strips that choose how polygons are cut, locally by adjacency and globally by patches of quadrilaterals.
+//! STRIPE: strips that choose how polygons are cut, locally by adjacency and globally by patches of
+//! quadrilaterals.
 //!
-//! It was the first published method that takes polygons, and gains from the freedom to choose their diagonals.
+//! It was the first published method that takes polygons, and gains from the freedom to choose
+//! their diagonals.
 //!
 //! ```text
 //!  static            whole face              partial face
@@ -12,28 +14,32 @@
 //! ```
 //!
 //! # Algorithm
-//! *Local* (section 3.1): from a face with the fewest neighbours to a neighbour with the fewest neighbours, and so on, in both
-//! directions; [`Ties`] chooses among several. Faces are cut beforehand, or when a strip passes: see [`FaceTriangulation`].
+//! *Local* (section 3.1): from a face with the fewest neighbours to a neighbour with the fewest
+//! neighbours, and so on, in both directions; [`Ties`] chooses among several. Faces are cut
+//! beforehand, or when a strip passes: see [`FaceTriangulation`].
 //!
 //! *Global* (section 3.2):
 //! 1. The largest rectangular patches of quadrilaterals are found, down to a cutoff.
-//! 2. Each row of a patch becomes a strip, or column, whichever is longer; or the whole patch becomes one strip ([`Patches`]).
+//! 2. Each row of a patch becomes a strip, or column, whichever is longer; or the whole patch
+//!    becomes one strip ([`Patches`]).
 //! 3. The local algorithm covers the rest.
 //!
-//! Where the paper is silent: of the faces with the fewest neighbours, strips start at the one that has had so few for the longest time;
-//! the first face of a strip is cut for the second. Step 3 takes whole faces, with the ties of the method; step 2 takes all patches
-//! before the strips of full patches grow.
+//! Where the paper is silent: of the faces with the fewest neighbours, strips start at the one that
+//! has had so few for the longest time; the first face of a strip is cut for the second. Step 3
+//! takes whole faces, with the ties of the method; step 2 takes all patches before the strips of
+//! full patches grow.
 //!
 //! Our own global method, with fewer vertices, is [`quad_rows`].
 //!
 //! # References
-//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering* (the journal report of *Optimizing
-//! Triangle Strips for Fast Rendering*, 1996); El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and
-//! Updating Triangle Strips for Real-Time Rendering*, 2000.
+//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering* (the
+//! journal report of *Optimizing Triangle Strips for Fast Rendering*, 1996); El-Sana, Evans,
+//! Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle Strips for
+//! Real-Time Rendering*, 2000.
 //!
 //! # Complexity
-//! O(n) time, O(n log n) at worst with partial faces; patches take a few rounds of O(n). About 40 bytes per triangle beside
-//! the triangulation.
+//! O(n) time, O(n log n) at worst with partial faces; patches take a few rounds of O(n). About 40
+//! bytes per triangle beside the triangulation.
 
 mod local;
 mod patch;

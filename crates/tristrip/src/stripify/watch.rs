@@ -1,7 +1,8 @@
 //! Progress reports of a long search, and a way to stop it and keep its best result.
 //!
-//! The library reads no clock and prints nothing: progress bars, interrupts and time budgets are up to the watcher. A search
-//! that is never stopped returns the same result every time. A stopped search returns its best result so far.
+//! The library reads no clock and prints nothing: progress bars, interrupts and time budgets are up
+//! to the watcher. A search that is never stopped returns the same result every time. A stopped
+//! search returns its best result so far.
 
 /// The state of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -17,7 +18,8 @@ pub struct Progress {
     pub cost: usize,
 }
 
-/// Receives the progress of a search and may stop it. A search calls it every few thousand steps, on the thread that it runs on.
+/// Receives the progress of a search and may stop it. A search calls it every few thousand steps,
+/// on the thread that it runs on.
 pub trait Watch: Sync {
     /// Receives the progress. Returns whether the search is to continue.
     ///
@@ -32,16 +34,16 @@ pub trait Watch: Sync {
     /// # let mesh = Mesh::new(vec![[0.0; 3]; 289], Faces::from_triangles(grid)?)?;
     /// # let prepared = PreparedFaces::new(&mesh, false);
     /// # let graph = DualGraph::new(prepared.faces());
-    /// let options = StripifyOptions::default().with_effort(Effort::default());
-    /// let indices = |steps| plan_watched(&prepared, &graph, &options, &Budget(steps)).map(|plan| plan.indices_restart());
-    /// // A stopped search returns the best strips that it has found.
+    /// let options = StripifyOptions::default().with_effort(Effort::default()); let indices =
+    /// |steps| plan_watched(&prepared, &graph, &options, &Budget(steps)).map(|plan|
+    /// plan.indices_restart()); // A stopped search returns the best strips that it has found.
     /// assert!(indices(0)? > indices(u64::MAX)?);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     fn go_on(&self, progress: Progress) -> bool;
 
-    /// Receives the end of each search of [`Method::Eta`](super::Method::Eta) from one end of a strip: the accesses to nodes that it took,
-    /// and whether it joined two strips.
+    /// Receives the end of each search of [`Method::Eta`](super::Method::Eta) from one end of a
+    /// strip: the accesses to nodes that it took, and whether it joined two strips.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

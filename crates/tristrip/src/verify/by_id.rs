@@ -1,22 +1,28 @@
-//! The proof by vertex id that strips draw every face of their mesh exactly once, with its original winding.
+//! Proof by vertex index that strips draw every face of their mesh exactly once, with its original
+//! winding.
 //!
 //! # Algorithm
-//! *Triangles*: the two multisets of oriented triangles are compared (see `triangle_sets`). If they differ, both are sorted to find the
-//! first difference.
+//! *Triangles*: the two multisets of oriented triangles are compared (see `triangle_sets`). If they
+//! differ, both are sorted to find the first difference.
 //!
-//! *Polygons*: a triangle belongs to a polygon whose corners include its own. Polygons to which the same triangle may belong
-//! form a group, usually of one polygon. A search for the polygons of a triangle passes over those whose group it has found already,
-//! so that polygons over almost the same corners, once united, count as one. A group is proven if it has the k − 2 triangles of each of
-//! its polygons, and its triangles' oriented edges add up to the polygons' oriented edges: diagonals cancel, boundaries remain. Any diagonals are therefore
-//! accepted, but nothing is missing, doubled, flipped or outside.
+//! *Polygons*: a triangle may belong to every polygon that has all its corners. Polygons to which
+//! the same triangle may belong form a group, usually of one polygon. The search for the polygons
+//! of a triangle skips polygons whose group it has already found, so polygons over almost the same
+//! corners count as one once they are united. A group is proven if it has the k − 2 triangles of
+//! each of its polygons and the oriented edges of its triangles add up to those of the polygons:
+//! diagonals cancel, boundaries remain. Any diagonals are therefore accepted, but no triangle may
+//! be missing, doubled, flipped or outside.
 //!
-//! Corners that repeat the one before, and faces with fewer than three corners after that, draw nothing on either side. For a polygon
-//! that contains a vertex twice, as a hole with a bridge to it makes it, some triangles may be degenerate: at most k − 2 triangles and the
-//! oriented edges are compared, which does not tell a triangle and its reverse from another such pair over the same corners.
+//! Corners that repeat the previous one, and faces with fewer than three remaining corners, draw
+//! nothing and are ignored. A polygon that contains a vertex twice, for example a hole with a
+//! bridge to it, may have degenerate triangles. At most k − 2 triangles and the oriented edges are
+//! then compared. This does not distinguish a triangle and its reverse from another such pair over
+//! the same corners.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 10 bytes per triangle, and 24 to describe a difference; for polygons
-//! O(n · groups per vertex) time and 80 bytes per triangle.
+//! O(n) time for meshes of bounded valence, O(n log n) in the worst case. 10 bytes per triangle,
+//! and 24 to describe a difference. Polygons take O(n · groups per vertex) time and 80 bytes per
+//! triangle.
 
 use std::ops::Range;
 
@@ -38,21 +44,22 @@ pub struct Proof {
     pub triangles: usize,
 }
 
-/// The reason why triangles do not draw the faces.
+/// Why triangles do not draw the faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unproven {
-    /// Triangles differ from the faces.
+    /// The triangles differ from the faces.
     #[error("triangles missing: {missing}, extra or flipped: {extra}; the first is {first:?}")]
     Triangles {
         /// Number of faces that no triangle draws.
         missing: usize,
         /// Number of triangles without a face.
         extra: usize,
-        /// The vertices of the first of them.
+        /// The vertices of the first such triangle.
         first: [u32; 3],
     },
-    /// The strips name a vertex by another one that the mesh does not have, or that differs in position or attributes.
+    /// The strips replace a vertex by one that the mesh does not have, or that differs in position
+    /// or attributes.
     #[error("vertex {vertex} is welded to {other}, which is not the same")]
     Weld {
         /// The vertex that was welded.
@@ -63,7 +70,7 @@ pub enum Unproven {
     /// A triangle is not part of any polygon.
     #[error("triangle {triangle:?} lies in no face")]
     Outside {
-        /// Its vertices.
+        /// The vertices of the triangle.
         triangle: [u32; 3],
     },
     /// A polygon has too few or too many triangles.
@@ -73,7 +80,7 @@ pub enum Unproven {
         face: u32,
         /// Number of triangles in the group.
         found: usize,
-        /// Number of triangles of its polygons.
+        /// Number of triangles that the polygons of the group need.
         expected: usize,
     },
     /// The edges of a polygon's triangles do not add up to those of the polygon.
@@ -86,8 +93,9 @@ pub enum Unproven {
     },
 }
 
-/// Proves that strips draw every face of a mesh exactly once, with its original winding. Of strips with [welds](Strips::welds) it proves that the welded vertices
-/// are equal bit for bit, and that the strips draw the faces after welding.
+/// Proves that strips draw every face of a mesh exactly once, with its original winding. If the
+/// strips have [welds](Strips::welds), also proves that the welded vertices are equal bit for bit,
+/// and compares the faces after welding.
 ///
 /// # Errors
 /// The first difference found.
@@ -120,7 +128,7 @@ pub fn verify(mesh: &Mesh, strips: &Strips) -> Result<Proof, Unproven> {
     verify_drawing(mesh.faces(), &strips.triangles().collect::<Vec<_>>())
 }
 
-/// Proves that triangles draw faces; both refer to the same vertices.
+/// Proves that triangles draw faces over the same vertices.
 ///
 /// # Errors
 /// The first difference found.
@@ -129,7 +137,7 @@ pub fn verify(mesh: &Mesh, strips: &Strips) -> Result<Proof, Unproven> {
 /// use tristrip::{Faces, verify::{Unproven, verify_drawing}};
 /// let square = Faces::from_polygons([[0, 1, 2, 3]])?;
 /// assert_eq!(verify_drawing(&square, &[[1, 2, 3], [3, 0, 1]]).map(|proof| proof.triangles), Ok(2));
-/// // The wrong winding.
+/// // Wrong winding.
 /// assert!(verify_drawing(&square, &[[3, 2, 1], [1, 0, 3]]).is_err());
 /// # Ok::<(), tristrip::Error>(())
 /// ```
@@ -154,7 +162,7 @@ pub fn verify_drawing(faces: &Faces, triangles: &[[u32; 3]]) -> Result<Proof, Un
     difference.map_or(Ok(proof), Err)
 }
 
-/// Compares sorted triangles; returns `None` if they are equal.
+/// Compares sorted triangles, or returns `None` if they are equal.
 fn first_difference(expected: &[[u32; 3]], drawn: &[[u32; 3]]) -> Option<Unproven> {
     let (mut i, mut j, mut missing, mut extra, mut first) = (0, 0, 0, 0, None);
     while i < expected.len() || j < drawn.len() {
@@ -173,12 +181,12 @@ fn first_difference(expected: &[[u32; 3]], drawn: &[[u32; 3]]) -> Option<Unprove
     first.map(|first| Unproven::Triangles { missing, extra, first })
 }
 
-/// Polygons without repeated corners.
+/// Polygons without corners that repeat the previous one.
 struct SimplePolygons {
     corners: Vec<u32>,
-    /// The first corner of each polygon, and the number of corners.
+    /// The first corner of each polygon, then the number of corners.
     offsets: Vec<u32>,
-    /// The number of each polygon's face in the input, and whether it contains a vertex twice.
+    /// The index of each polygon's face in the input, and whether it contains a vertex twice.
     origin: Vec<(u32, bool)>,
 }
 
@@ -210,7 +218,7 @@ impl SimplePolygons {
         self.offsets.windows(2).map(|range| &self.corners[range[0] as usize..range[1] as usize])
     }
 
-    /// Returns the polygons that have each vertex as a corner, ascending.
+    /// Returns the polygons at each vertex, in ascending order.
     fn by_vertex(&self) -> Csr {
         let vertex_count = vertex_bound(&self.corners);
         let sizes = (0_u32..).zip(self.iter().map(<[u32]>::len));
@@ -222,13 +230,14 @@ impl SimplePolygons {
     }
 }
 
-/// Polygons, united to groups by the triangles that may belong to several of them.
+/// Polygons, united to groups if the same triangle may belong to them.
 struct Groups {
     sets: UnionFind,
     /// Number of unions so far.
     unions: usize,
     by_vertex: Csr,
-    /// The same rows, in runs of polygons of one group, and the end of the run that begins at a slot.
+    /// The rows of `by_vertex`, sorted into runs of polygons of one group. `run_ends` has the end
+    /// of the run that starts at a slot.
     runs: Vec<u32>,
     run_ends: Vec<u32>,
     vertices: Vec<VertexRuns>,
@@ -237,7 +246,7 @@ struct Groups {
 /// The state of the runs at a vertex.
 #[derive(Clone, Copy, Default)]
 struct VertexRuns {
-    /// Polygons examined since the last regrouping, and the unions at that time.
+    /// Polygons examined since the last regrouping, and the number of unions at that time.
     examined: usize,
     unions: usize,
     /// The polygon that was found last.
@@ -258,12 +267,13 @@ impl Groups {
         }
     }
 
-    /// Returns whether a polygon has two vertices, which are corners of some polygon.
+    /// Returns whether a polygon has both vertices, each of which is a corner of some polygon.
     fn has(&self, polygon: u32, vertices: [u32; 2]) -> bool {
         vertices.iter().all(|&v| self.by_vertex.row(v).binary_search(&polygon).is_ok())
     }
 
-    /// Unites all polygons that have the three vertices of a triangle. Returns one of them, if there is any.
+    /// Unites all polygons that have the three vertices of a triangle. Returns one of them, or
+    /// `None` if there are none.
     fn unite_around(&mut self, triangle: [u32; 3]) -> Option<u32> {
         if triangle.iter().any(|&v| v as usize >= self.vertices.len()) {
             return None;
@@ -298,13 +308,13 @@ impl Groups {
         found
     }
 
-    /// Returns the vertices of a triangle, that of the fewest polygons first.
+    /// Returns the vertices of a triangle, starting with the one that has the fewest polygons.
     fn fewest_first(&self, mut triangle: [u32; 3]) -> [u32; 3] {
         triangle.sort_by_key(|&v| self.by_vertex.range(v).len());
         triangle
     }
 
-    /// Sorts a row by group, and notes where the runs end.
+    /// Sorts a row by group, and stores the ends of the runs.
     fn regroup(&mut self, row: Range<usize>) {
         let sets = &mut self.sets;
         self.runs[row.clone()].sort_unstable_by_key(|&polygon| (sets.find(polygon), polygon));
@@ -318,7 +328,8 @@ impl Groups {
     }
 }
 
-/// Compares sorted triangles with polygons that use few of the vertices up to the highest one, with vertices renumbered in their order.
+/// Compares sorted triangles with polygons that use few of the vertices up to the highest one,
+/// after renumbering the vertices in order.
 fn verify_sparse_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
     let used = VertexSubset::of(faces.corners());
     let mut renumbered = Vec::with_capacity(drawn.len());
@@ -341,7 +352,8 @@ fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
     let mut groups = Groups::new(&polygons);
     let mut owners: Vec<u32> = Vec::with_capacity(drawn.len());
     for (i, &triangle) in drawn.iter().enumerate() {
-        // A triangle that is repeated as often as its polygon is looked up once: otherwise the time would be quadratic.
+        // A triangle that is repeated like its polygon is looked up once; otherwise the time would
+        // be quadratic.
         if i > 0 && drawn[i - 1] == triangle {
             owners.push(owners[i - 1]);
             continue;
@@ -349,7 +361,8 @@ fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
         owners.push(groups.unite_around(triangle).ok_or(Unproven::Outside { triangle })?);
     }
     let Groups { sets: mut groups, .. } = groups;
-    // Triangles and oriented edges of every group: (group, low, high) counts +1 in one direction and −1 in the other.
+    // Triangles and oriented edges of every group: (group, low, high) counts +1 in one direction
+    // and −1 in the other.
     let mut count: Vec<(usize, usize, bool)> = vec![(0, 0, false); polygons.count()];
     let mut edges: Vec<(u32, u32, u32, i32)> = Vec::with_capacity(3 * drawn.len() + polygons.corners.len());
     let mut add = |group: u32, from: u32, to: u32, sign: i32| {

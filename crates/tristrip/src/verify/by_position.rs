@@ -1,18 +1,21 @@
-//! The proof by position that one model draws exactly the faces of another, for any numbering of their vertices.
+//! Proof by position that one model draws exactly the faces of another, for any vertex numbering.
 //!
 //! # Algorithm
-//! Most results have the source's vertices in their order. If the meshes of both pair up so that positions are equal vertex for vertex, and
-//! the triangles of each result draw the faces of its source by vertex number, the models are the same. Otherwise:
+//! Most results keep the vertex order of the source. The models are the same if their meshes pair
+//! up with equal positions, vertex for vertex, and the triangles of each result draw the faces of
+//! its source by vertex index. Otherwise:
 //!
-//! 1. The vertices of both are numbered by position ([`PositionIds`]), all meshes of a model one after the other.
+//! 1. The vertices of both models are numbered by position ([`PositionIds`]), over all meshes of a
+//!    model.
 //! 2. If the result has only triangles, [`verify_drawing`] compares it with the source.
-//! 3. If the result has polygons, faces that both models have cancel, as often as both have them. The rest is compared as a drawing:
-//!    of the source by the result's triangles or, if only the source consists of triangles by then, of the result by the source's.
+//! 3. If the result has polygons, faces that both models have cancel one for one. The rest is
+//!    compared as a drawing of the source by the result's triangles. If only the source consists of
+//!    triangles by then, it is compared as a drawing of the result by the source's triangles.
 //!    Polygons that remain on both sides differ; those of the result are then cut into fans.
 //!
 //! # Complexity
-//! O(n) time and 12 bytes per triangle for vertices in the same order; otherwise O(n log n) time, about 70 bytes per vertex and 60 bytes per
-//! triangle, both models together.
+//! O(n) time and 12 bytes per triangle if the vertices are in the same order. Otherwise O(n log n)
+//! time, about 70 bytes per vertex and 60 bytes per triangle, over both models.
 
 use std::borrow::Cow;
 use std::cmp::Ordering;
@@ -21,24 +24,24 @@ use super::by_id::{Proof, Unproven, verify_drawing};
 use crate::error::Error;
 use crate::mesh::{Faces, Mesh, PositionIds, canonical_triangles};
 
-/// A difference between the drawings of two models. Positions are in mesh units; faces are those of the source, counted over all its
-/// meshes.
+/// A difference between what two models draw. Positions are in mesh units. Face indices are those
+/// of the source, counted over all its meshes.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Difference {
-    /// Triangles differ.
+    /// The triangles differ.
     #[error(
         "triangles missing: {missing}, extra: {extra}, flipped: {flipped}; the first is at {}",
         at(first)
     )]
     Triangles {
-        /// Number of triangles of the source that the result lacks.
+        /// Number of triangles of the source that are missing in the result.
         missing: usize,
-        /// Number of triangles of the result that the source lacks.
+        /// Number of triangles of the result that are not in the source.
         extra: usize,
         /// Number of triangles that the result draws with the opposite winding.
         flipped: usize,
-        /// The corners of the first of them.
+        /// The corners of the first such triangle.
         first: [[f32; 3]; 3],
     },
     /// A triangle is not part of any polygon.
@@ -52,11 +55,11 @@ pub enum Difference {
     Count {
         /// A face of the source.
         face: u32,
-        /// Its first corner.
+        /// The first corner of the face.
         position: [f32; 3],
-        /// Number of triangles found in it and in faces over the same corners.
+        /// Number of triangles found in the face and in faces over the same corners.
         found: usize,
-        /// Number of triangles of it and of faces over the same corners.
+        /// Number of triangles that the face and the faces over the same corners need.
         expected: usize,
     },
     /// The edges of a polygon's triangles do not add up to those of the polygon.
@@ -67,7 +70,7 @@ pub enum Difference {
     Boundary {
         /// A face of the source.
         face: u32,
-        /// The ends of the first edge that differs.
+        /// The end points of the first edge that differs.
         edge: [[f32; 3]; 2],
     },
 }
@@ -77,11 +80,11 @@ fn at(positions: &[[f32; 3]]) -> String {
     positions.iter().map(point).collect::<Vec<_>>().join(" ")
 }
 
-/// Proves that the meshes of a result draw every face of a source's meshes exactly once, with its original winding. Vertices
-/// are compared by the bits of their positions; 0.0 and −0.0 are equal.
+/// Proves that the meshes of a result draw every face of a source's meshes exactly once, with its
+/// original winding. Vertices are compared by the bits of their positions; 0.0 equals −0.0.
 ///
 /// # Errors
-/// The models together are too large for 32-bit ids.
+/// The models are too large for 32-bit indices.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, verify::verify_models};
@@ -109,8 +112,9 @@ pub fn verify_models(source: &[&Mesh], result: &[&Mesh]) -> Result<Result<Proof,
     Ok(comparison.map(|()| proof))
 }
 
-/// Returns whether the meshes of two models have the same vertices in the same order, and the triangles of each mesh of the result draw the
-/// faces of the source's mesh by vertex number. This is sufficient, not necessary.
+/// Returns whether the meshes of two models have the same vertices in the same order, and the
+/// triangles of each result mesh draw the faces of the source mesh by vertex index. This is
+/// sufficient but not necessary.
 fn same_numbering(source: &[&Mesh], result: &[&Mesh]) -> bool {
     let draws = |(source, result): (&&Mesh, &&Mesh)| {
         let triangles = result.faces().as_triangles();
@@ -120,7 +124,7 @@ fn same_numbering(source: &[&Mesh], result: &[&Mesh]) -> bool {
     source.len() == result.len() && source.iter().zip(result).all(draws)
 }
 
-/// Compares models if the result has polygons.
+/// Compares models whose result has polygons.
 fn compare_polygons(
     source: &Faces,
     result: &Faces,
@@ -138,13 +142,13 @@ fn compare_polygons(
 }
 
 impl Difference {
-    /// Returns the same difference with source and result exchanged.
+    /// Returns the difference with source and result exchanged.
     fn exchanged(self) -> Self {
         match self {
             Self::Triangles { missing, extra, flipped, first } => {
                 Self::Triangles { missing: extra, extra: missing, flipped, first }
             }
-            // The faces are the result's here; only their positions are useful to the reader.
+            // The face is one of the result here, so only its position is reported.
             Self::Count { position, .. } => {
                 Self::Triangles { missing: 0, extra: 1, flipped: 0, first: [position; 3] }
             }
@@ -158,7 +162,7 @@ impl Difference {
     }
 }
 
-/// Returns the faces of each side that the other lacks; equal faces cancel one for one.
+/// Returns the faces that are missing on the other side. Equal faces cancel one for one.
 fn uncommon(a: &Faces, b: &Faces) -> (Vec<u32>, Vec<u32>) {
     let sorted = |faces: &Faces| {
         let mut all: Vec<(Vec<u32>, u32)> =
@@ -186,14 +190,15 @@ fn uncommon(a: &Faces, b: &Faces) -> (Vec<u32>, Vec<u32>) {
     left
 }
 
-/// Returns the lexicographically least rotation of a face.
+/// Returns the lexicographically smallest rotation of a face.
 fn rotated(face: &[u32]) -> Vec<u32> {
     let start = least_rotation(face, u32::cmp);
     [&face[start..], &face[..start]].concat()
 }
 
-/// Returns the start of the lexicographically least rotation, in O(n). Two candidates are compared at a time, and no start between
-/// one of them and their first difference can be better (Shiloach 1981).
+/// Returns the start of the lexicographically smallest rotation in O(n) time. Compares two
+/// candidates at a time. No start between a candidate and the first difference can be better
+/// (Shiloach 1981).
 fn least_rotation(face: &[u32], mut compare: impl FnMut(&u32, &u32) -> Ordering) -> usize {
     let n = face.len();
     let (mut best, mut other, mut same) = (0, 1, 0);
@@ -210,7 +215,8 @@ fn least_rotation(face: &[u32], mut compare: impl FnMut(&u32, &u32) -> Ordering)
     best.min(other)
 }
 
-/// Compares the triangles of one side, polygons cut into fans, with the faces of the other.
+/// Compares the triangles of one side, after cutting polygons into fans, with the faces of the
+/// other side.
 fn compare_drawing(
     faces: &Faces,
     drawing: &Faces,
@@ -229,7 +235,7 @@ fn compare_drawing(
         Unproven::Triangles { first, .. } => {
             triangle_difference(faces, &triangles, first.map(|v| ids.position_of(v)))
         }
-        // Only strips have welds, which faces have not.
+        // Only strips have welds; faces have none.
         Unproven::Weld { vertex, other } => {
             Difference::Outside { triangle: [vertex, other, other].map(|v| ids.position_of(v)) }
         }
@@ -246,7 +252,7 @@ fn compare_drawing(
     })
 }
 
-/// Counts the missing, extra and flipped triangles, of which the first is known.
+/// Counts the missing, extra and flipped triangles. The first difference is known.
 fn triangle_difference(faces: &Faces, drawn: &[[u32; 3]], first: [[f32; 3]; 3]) -> Difference {
     let expected = canonical_triangles(faces.iter().map(|f| [f[0], f[1], f[2]]));
     let drawn = canonical_triangles(drawn.iter().copied());
@@ -288,7 +294,7 @@ mod tests {
     use proptest::prelude::*;
     use std::collections::BTreeMap;
 
-    /// Points of a plane: vertex v is at (v, v², 0), so all positions differ.
+    /// Builds a mesh in a plane: vertex v is at (v, v², 0), so all positions differ.
     fn mesh(polygons: &[&[u32]]) -> Mesh {
         let positions: Vec<_> = (0..10).map(|v| [v as f32, (v * v) as f32, 0.0]).collect();
         Mesh::new(positions, Faces::from_polygons(polygons).unwrap()).unwrap()
@@ -331,7 +337,7 @@ mod tests {
         assert!(same_numbering(&[&mesh(a)], &[&mesh(b)]));
         assert!(!same_numbering(&[&mesh(a)], &[&mesh(&b[1..])]));
         assert!(!same_numbering(&[&mesh(a)], &[&mesh(a)]), "polygons are compared otherwise");
-        // Faces that moved to another mesh draw the same model, but not by this shortcut.
+        // Faces moved to another mesh draw the same model, but the shortcut does not detect it.
         let [first, second] = [&b[..1], &b[1..]];
         let exchanged = [&mesh(second), &mesh(first)];
         assert!(!same_numbering(&[&mesh(first), &mesh(second)], &exchanged));
@@ -357,7 +363,7 @@ mod tests {
         assert!(verify_models(&[&source], &[&result]).unwrap().is_ok());
     }
 
-    /// The number of times that each oriented triangle is drawn.
+    /// Counts how often each oriented triangle is drawn.
     fn multiset(triangles: &[[u32; 3]]) -> BTreeMap<[u32; 3], usize> {
         let mut all = BTreeMap::new();
         canonical_triangles(triangles.iter().copied())

@@ -1,38 +1,44 @@
-//! Whether two lists of triangles draw the same: each oriented triangle as often, in any order and from any corner.
+//! Compares two lists of triangles: each oriented triangle must occur equally often, in any order
+//! and from any corner.
 //!
 //! # Algorithm
-//! 1. A counting sort groups the triangles of one list by their lowest vertex, mostly two per vertex, each as the pair of the two
-//!    other vertices in winding order. Degenerate triangles draw nothing and are left out.
-//! 2. Each triangle of the other list takes its pair out of the row of its lowest vertex. The lists are the same if every triangle
-//!    finds its pair and both have equally many.
-//! 3. Long rows, of vertices with many triangles, are not searched: their pairs and those of the other list are sorted.
+//! 1. A counting sort groups the triangles of one list by their lowest vertex, on average two per
+//!    vertex. Each is stored as the pair of its other two vertices in winding order. Degenerate
+//!    triangles draw nothing and are ignored.
+//! 2. Each triangle of the other list removes its pair from the row of its lowest vertex. The lists
+//!    are equal if every triangle finds its pair and the counts match.
+//! 3. Long rows, at vertices with many triangles, are not searched: their pairs and those of the
+//!    other list are sorted and compared.
 //!
-//! The other list is read once, in its order, and never stored. Large lists are divided by blocks of vertices, and the parts are compared in
-//! parallel.
+//! The other list is read once, in order, and never stored. Large lists are divided by blocks of
+//! vertices, and the parts are compared in parallel.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 8 bytes per triangle and 4 per vertex up to the highest one, and 32 per
-//! triangle of a long row. Lists that use few of the vertices up to the highest one are sorted as a whole, in 24 bytes per triangle.
+//! O(n) time for meshes of bounded valence, O(n log n) in the worst case. 8 bytes per triangle, 4
+//! per vertex up to the highest one, and 32 per triangle in a long row. Lists that use few of the
+//! vertices up to the highest one are sorted completely, in 24 bytes per triangle.
 
 use crate::csr::Csr;
 use crate::ids::MAX_COUNT;
 use crate::mesh::{SPARSE, canonical_triangles, is_degenerate, vertex_bound};
 
-/// Rows of more triangles are sorted; shorter ones are searched, which takes a few nanoseconds.
+/// Rows with more triangles are sorted. Shorter rows are searched, which takes a few nanoseconds.
 const LONG_ROW: usize = 32;
 
-/// The binary logarithm of the number of vertices in a block.
+/// The binary logarithm of the number of vertices per block.
 const BLOCK_BITS: u32 = 12;
 
-/// Lists of fewer triangles are compared by one thread: they take about a millisecond.
+/// Lists with fewer triangles are compared by one thread, in about a millisecond.
 #[cfg(feature = "rayon")]
 const SMALL: usize = 1 << 16;
 
-/// The binary logarithm of the highest number of parts that are compared in parallel; each part reads both lists.
+/// The binary logarithm of the maximum number of parts compared in parallel. Each part reads both
+/// lists.
 #[cfg(feature = "rayon")]
 const PART_BITS: u32 = 3;
 
-/// Returns the number of triangles that two lists draw, if they draw the same. `b` lists the other triangles each time it is called.
+/// Returns the number of triangles that two lists draw, or `None` if they draw different ones. `b`
+/// returns the other list each time it is called.
 pub(super) fn same_triangles<I>(a: &[[u32; 3]], b: impl Fn() -> I + Sync) -> Option<usize>
 where
     I: Iterator<Item = [u32; 3]>,
@@ -60,19 +66,20 @@ where
     (0..1_u32 << bits).into_par_iter().map(|number| part(number).count_same(a, b())).sum()
 }
 
-/// Every so many blocks of vertices, from one of the first on, and the triangles whose lowest vertices are in them.
+/// A part of the vertices: every `1 << bits`-th block from block `number` on, and the triangles
+/// whose lowest vertices are in it.
 #[derive(Debug, Clone, Copy)]
 struct TrianglePart {
     number: u32,
     /// The binary logarithm of the number of parts.
     bits: u32,
-    /// The vertices of all parts.
+    /// The number of vertices of all parts.
     vertex_count: u32,
 }
 
 impl TrianglePart {
-    /// Returns the lowest vertex of a triangle, counted within this part, and the pair of the two others; `None` for triangles of
-    /// other parts and for degenerate ones.
+    /// Returns the lowest vertex of a triangle, counted within this part, and the pair of the other
+    /// two. Returns `None` for triangles of other parts and for degenerate ones.
     #[inline]
     fn keyed(self, [a, b, c]: [u32; 3]) -> Option<(u32, u64)> {
         let lowest = a.min(b).min(c);
@@ -85,13 +92,13 @@ impl TrianglePart {
         (is_here && !is_degenerate([a, b, c])).then_some((key, others))
     }
 
-    /// Returns a bound of the keys.
+    /// Returns an upper bound of the keys.
     fn key_count(self) -> usize {
         let blocks = self.vertex_count.div_ceil(1 << BLOCK_BITS).div_ceil(1 << self.bits);
         ((blocks as usize) << BLOCK_BITS).min(self.vertex_count as usize)
     }
 
-    /// Returns the number of triangles of this part, if both lists have the same.
+    /// Returns the number of triangles of this part, or `None` if the lists differ.
     fn count_same(self, a: &[[u32; 3]], mut b: impl Iterator<Item = [u32; 3]>) -> Option<usize> {
         let keyed = a.iter().filter_map(move |&triangle| self.keyed(triangle));
         let mut rows: Csr<u64> = Csr::group_items(keyed, self.key_count());
@@ -114,7 +121,7 @@ impl TrianglePart {
     }
 }
 
-/// The value of a pair that was taken; no triangle has it, as its two vertices are equal.
+/// Marks a pair that was removed. No triangle has it, because its two vertices are equal.
 const TAKEN: u64 = u64::MAX;
 
 /// Returns whether all long rows together have the given pairs.

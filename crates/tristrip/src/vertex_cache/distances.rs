@@ -1,8 +1,9 @@
 //! LRU caches of all sizes at once: one pass finds the cache size that each index needs for a hit.
 //!
-//! An LRU cache of k entries holds the k distinct vertices sent last. A vertex is therefore a hit for k entries if fewer than k others
-//! were sent since its last use: that is its *stack distance*, and the number of misses for every k is a sum over a histogram
-//! of distances. FIFO caches have no such property: a larger cache may miss more.
+//! An LRU cache of k entries holds the k distinct vertices sent last. A vertex is therefore a hit
+//! for k entries if fewer than k others were sent since its last use: that is its *stack distance*,
+//! and the number of misses for every k is a sum over a histogram of distances. FIFO caches have no
+//! such property: a larger cache may miss more.
 //!
 //! ```text
 //! log    4  7  4  9  7  2  9
@@ -10,8 +11,9 @@
 //! ```
 //!
 //! # Algorithm
-//! The live slots of the log are bits, 64 per word; a Fenwick tree counts the bits of the preceding words. When the log is full, it is
-//! rewritten with the live slots only, and of these only the last ones that can still be hits.
+//! The live slots of the log are bits, 64 per word; a Fenwick tree counts the bits of the preceding
+//! words. When the log is full, it is rewritten with the live slots only, and of these only the
+//! last ones that can still be hits.
 //!
 //! # Complexity
 //! O(log k) per index for the largest k; 4 bytes per vertex and up to 17 per entry.
@@ -146,7 +148,8 @@ impl Distances {
 #[derive(Debug)]
 struct Bits {
     words: Vec<u64>,
-    /// A Fenwick tree: item i counts the bits of as many words as the lowest set bit of i, the last of them word i − 1.
+    /// A Fenwick tree: item i counts the bits of as many words as the lowest set bit of i, the last
+    /// of them word i − 1.
     tree: Vec<u32>,
     set: u32,
 }

@@ -1,9 +1,10 @@
 //! First-in, first-out caches, one or several side by side.
 //!
-//! The speculative simulation of the method `cache` has the same stamps but is separate: it logs every send to undo it later, without
-//! lanes, and a rewound clock would invalidate its log.
+//! The speculative simulation of the method `cache` has the same stamps but is separate: it logs
+//! every send to undo it later, without lanes, and a rewound clock would invalidate its log.
 
-/// The largest number of entries of a simulated cache: clocks of 31 bits can count several times as far.
+/// The largest number of entries of a simulated cache: clocks of 31 bits can count several times as
+/// far.
 pub(super) const LARGEST_CACHE: u32 = 1 << 28;
 
 /// Number of vertices between two checks for the overflow of clocks.
@@ -11,8 +12,9 @@ const BLOCK: usize = 1 << 16;
 
 /// Several caches that receive the same vertices.
 ///
-/// The misses of each are counted by a clock that starts at its `entries`, so that a stamp of 0, which means never, is too old from
-/// the start. Clocks and stamps are signed, as vector instructions compare signed integers.
+/// The misses of each are counted by a clock that starts at its `entries`, so that a stamp of 0,
+/// which means never, is too old from the start. Clocks and stamps are signed, as vector
+/// instructions compare signed integers.
 ///
 /// Invariant: a vertex is in a cache if `clock - entered < entries`; `clock >= entries`.
 #[derive(Debug, Clone)]
@@ -26,7 +28,8 @@ pub(super) struct Fifo<const LANES: usize> {
 
 impl<const LANES: usize> Fifo<LANES> {
     pub(super) fn new(entries: [u32; LANES], vertex_count: usize) -> Self {
-        // No vertex is evicted from a cache with an entry for each vertex; with a smaller one flushes advance the clocks less.
+        // No vertex is evicted from a cache with an entry for each vertex; with a smaller one
+        // flushes advance the clocks less.
         let largest = vertex_count.min(LARGEST_CACHE as usize) as u32;
         let entries = entries.map(|entries| entries.min(largest).cast_signed());
         Self { entries, clocks: entries, misses: [0; LANES], entered: vec![[0; LANES]; vertex_count] }
@@ -65,7 +68,8 @@ impl<const LANES: usize> Fifo<LANES> {
         self.misses
     }
 
-    /// Rewinds clocks before they overflow: stamps of vertices in the cache move with them, those of evicted vertices become 1.
+    /// Rewinds clocks before they overflow: stamps of vertices in the cache move with them, those
+    /// of evicted vertices become 1.
     fn rewind_clocks(&mut self, more: [i32; LANES]) {
         for lane in 0..LANES {
             if self.clocks[lane] <= i32::MAX - more[lane] {

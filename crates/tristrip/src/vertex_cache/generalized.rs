@@ -1,8 +1,10 @@
-//! Generalized triangle meshes: a machine that receives vertices, and references to the last vertices that it received.
+//! Generalized triangle meshes: a machine that receives vertices, and references to the last
+//! vertices that it received.
 //!
-//! Its cache holds k vertices. A strip names one vertex per triangle (and two more at its start): one that is in the cache by a
-//! reference of ⌈lg k⌉ bits, any other one by transmitting it; it then enters the cache. The cost is the number of vertices
-//! transmitted; the bits of references and swaps are counted separately.
+//! Its cache holds k vertices. A strip names one vertex per triangle (and two more at its start):
+//! one that is in the cache by a reference of ⌈lg k⌉ bits, any other one by transmitting it; it
+//! then enters the cache. The cost is the number of vertices transmitted; the bits of references
+//! and swaps are counted separately.
 //!
 //! ```text
 //!     3───4         strip     0 1 2   3     swap 1…        named: 0 1 2 3 4; swaps name nothing
@@ -11,27 +13,33 @@
 //! ```
 //!
 //! # What the study specifies, and what it leaves open
-//! Section 6 of the reference specifies: the cache holds k ≥ 2 vertices; a reference costs ⌈lg k⌉ bits, which its results do not
-//! include; FIFO never rearranges the cache except for swaps, which exchange the two latest vertices; LRU makes a vertex that is used
-//! the most recent one; the cache is flushed between two meshes. It leaves the following open, which this module decides so:
+//! Section 6 of the reference specifies: the cache holds k ≥ 2 vertices; a reference costs ⌈lg k⌉
+//! bits, which its results do not include; FIFO never rearranges the cache except for swaps, which
+//! exchange the two latest vertices; LRU makes a vertex that is used the most recent one; the cache
+//! is flushed between two meshes. It leaves the following open, which this module decides so:
 //!
-//! - A mesh of the study is a strip: [`FlushPolicy::Flush`] flushes the cache between strips. [`FlushPolicy::Keep`] does not.
-//! - The two vertices of the edge over which a strip continues are at hand, whether or not they are still in the cache, and need
-//!   no reference. In a cache of two entries they are its contents.
-//! - Naming a vertex is its only use: LRU does not make the vertices at hand more recent when triangles are drawn over them.
-//! - A swap costs one bit. It exchanges the two vertices at hand in the order of eviction, with FIFO if both are still in the cache;
-//!   with LRU the older one becomes the most recent. With two entries, or as long as nothing was named by reference, these are the
-//!   two latest vertices. A vertex repeated immediately, as for the winding of a first triangle, changes nothing and costs nothing.
+//! - A mesh of the study is a strip: [`FlushPolicy::Flush`] flushes the cache between strips.
+//!   [`FlushPolicy::Keep`] does not.
+//! - The two vertices of the edge over which a strip continues are at hand, whether or not they are
+//!   still in the cache, and need no reference. In a cache of two entries they are its contents.
+//! - Naming a vertex is its only use: LRU does not make the vertices at hand more recent when
+//!   triangles are drawn over them.
+//! - A swap costs one bit. It exchanges the two vertices at hand in the order of eviction, with
+//!   FIFO if both are still in the cache; with LRU the older one becomes the most recent. With two
+//!   entries, or as long as nothing was named by reference, these are the two latest vertices. A
+//!   vertex repeated immediately, as for the winding of a first triangle, changes nothing and costs
+//!   nothing.
 //!
 //! # Relation to the GL cost
-//! With two entries, FIFO or LRU, flushed, the number of vertices transmitted is [`Metrics::gl_cost`](crate::strip::Metrics::gl_cost)
-//! for every strip of two vertices or more in which no vertex except the first is repeated immediately: the cache and the vertices at
-//! hand are then the same, and each real triangle names a third one. Strips that the library emits are of this kind. A larger LRU
-//! cache never transmits more; a larger FIFO cache may.
+//! With two entries, FIFO or LRU, flushed, the number of vertices transmitted is
+//! [`Metrics::gl_cost`](crate::strip::Metrics::gl_cost) for every strip of two vertices or more in
+//! which no vertex except the first is repeated immediately: the cache and the vertices at hand are
+//! then the same, and each real triangle names a third one. Strips that the library emits are of
+//! this kind. A larger LRU cache never transmits more; a larger FIFO cache may.
 //!
 //! # References
-//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, sections 1 and 6; Deering: *Geometry
-//! compression*, SIGGRAPH 1995 (generalized triangle meshes).
+//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996,
+//! sections 1 and 6; Deering: *Geometry compression*, SIGGRAPH 1995 (generalized triangle meshes).
 //!
 //! # Complexity
 //! O(1) per index, with the memory of one simulated vertex cache.

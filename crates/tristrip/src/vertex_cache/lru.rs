@@ -13,7 +13,8 @@ const LOG: usize = 1 << 12;
 
 /// The slot of the log in which a vertex was sent last is `last - base - 1`.
 ///
-/// Invariant: the vertices whose `last` is after `base + tail` are in the cache; their number is `inside`, at most `entries`.
+/// Invariant: the vertices whose `last` is after `base + tail` are in the cache; their number is
+/// `inside`, at most `entries`.
 #[derive(Debug, Clone)]
 pub(super) struct Lru {
     entries: usize,
@@ -119,7 +120,8 @@ impl Lru {
         self.log.truncate(kept);
     }
 
-    /// Rewinds times before they overflow: those of vertices in the cache move, those of evicted vertices become 1.
+    /// Rewinds times before they overflow: those of vertices in the cache move, those of evicted
+    /// vertices become 1.
     fn rewind_times(&mut self) {
         if self.base < u32::MAX - 3 * self.longest_log() as u32 {
             return;

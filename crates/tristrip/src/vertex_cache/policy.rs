@@ -19,7 +19,8 @@ names! {
     Lru => "lru", "Evicts the vertex that was not used for the longest time";
 }
 
-/// A vertex cache: its replacement policy and its number of entries. Written and parsed as `fifo:16`.
+/// A vertex cache: its replacement policy and its number of entries. Written and parsed as
+/// `fifo:16`.
 ///
 /// ```
 /// use tristrip::vertex_cache::{Replacement, VertexCache};

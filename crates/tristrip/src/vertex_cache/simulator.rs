@@ -34,7 +34,8 @@ enum Entries {
 }
 
 impl VertexCacheSimulator {
-    /// Creates an empty cache for vertices 0 to `vertex_count` − 1, in 4 bytes per vertex. More than 2²⁸ entries count as 2²⁸.
+    /// Creates an empty cache for vertices 0 to `vertex_count` − 1, in 4 bytes per vertex. More
+    /// than 2²⁸ entries count as 2²⁸.
     ///
     /// # Errors
     /// There are too many vertices for 32-bit ids, or for the memory.
@@ -108,7 +109,8 @@ impl VertexCacheSimulator {
         }
     }
 
-    /// Sends a vertex that is less than the number of vertices. Returns whether it was in the cache.
+    /// Sends a vertex that is less than the number of vertices. Returns whether it was in the
+    /// cache.
     pub(super) fn receive(&mut self, vertex: u32) -> bool {
         match &mut self.entries {
             Entries::Fifo(fifo) => fifo.send(vertex),
@@ -141,8 +143,8 @@ impl VertexCacheSimulator {
         }
     }
 
-    /// Swaps the two vertices of the edge over which a strip continues: the older one takes the place of the newer one in the order of
-    /// eviction.
+    /// Swaps the two vertices of the edge over which a strip continues: the older one takes the
+    /// place of the newer one in the order of eviction.
     pub(super) fn swap(&mut self, older: u32, newer: u32) {
         match &mut self.entries {
             Entries::Fifo(fifo) => fifo.exchange(older, newer),

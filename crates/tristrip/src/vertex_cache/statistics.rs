@@ -1,4 +1,5 @@
-//! Vertex-cache statistics: of strips or a list with one cache or many, and for all sizes of an LRU cache.
+//! Vertex-cache statistics: of strips or a list with one cache or many, and for all sizes of an LRU
+//! cache.
 
 use super::distances::Distances;
 use super::fifo::Fifo;
@@ -8,11 +9,12 @@ use super::stream::VertexStream;
 use crate::error::Error;
 use crate::strip::Strips;
 
-/// FIFO caches that are simulated side by side: one vector register of stamps. Eight are not faster on bunny, and slower on dragon,
-/// whose stamps no longer fit in the processor's caches then.
+/// FIFO caches that are simulated side by side: one vector register of stamps. Eight are not faster
+/// on bunny, and slower on dragon, whose stamps no longer fit in the processor's caches then.
 const LANES: usize = 4;
 
-/// The number of LRU sizes from which on one pass by stack distances is faster than one pass per size, on bunny and dragon.
+/// The number of LRU sizes from which on one pass by stack distances is faster than one pass per
+/// size, on bunny and dragon.
 const SIZES: usize = 4;
 
 /// Vertex-cache statistics of strips or of a triangle list.
@@ -43,7 +45,8 @@ impl VertexCacheStatistics {
         Self::of_stream(&VertexStream::strips(strips), cache, flush)
     }
 
-    /// Simulates a triangle list with an initially empty cache. All indices are sent; triangles with two equal ones do not count as real.
+    /// Simulates a triangle list with an initially empty cache. All indices are sent; triangles
+    /// with two equal ones do not count as real.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheStatistics};
@@ -85,10 +88,11 @@ impl VertexCacheStatistics {
         if self.vertices == 0 { 0.0 } else { self.misses as f64 / self.vertices as f64 }
     }
 
-    /// Simulates strips with each of several caches, like [`VertexCacheStatistics::of`] but faster. Returns the statistics in the order
-    /// of the caches.
+    /// Simulates strips with each of several caches, like [`VertexCacheStatistics::of`] but faster.
+    /// Returns the statistics in the order of the caches.
     ///
-    /// All LRU sizes come from one pass by stack distances. FIFO caches are simulated four at a time.
+    /// All LRU sizes come from one pass by stack distances. FIFO caches are simulated four at a
+    /// time.
     ///
     /// ```
     /// use tristrip::{Strips, vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics}};
@@ -102,8 +106,9 @@ impl VertexCacheStatistics {
         Self::of_stream_each(&VertexStream::strips(strips), caches, flush)
     }
 
-    /// Simulates a triangle list with each of several caches, like [`VertexCacheStatistics::of_list`] but faster. Returns the statistics
-    /// in the order of the caches.
+    /// Simulates a triangle list with each of several caches, like
+    /// [`VertexCacheStatistics::of_list`] but faster. Returns the statistics in the order of the
+    /// caches.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheStatistics};
@@ -191,8 +196,8 @@ impl std::iter::Sum for VertexCacheStatistics {
     }
 }
 
-/// Counts the misses of LRU caches of 1 to `largest` entries in one pass; item i is for i + 1 entries. Misses never
-/// increase with the size.
+/// Counts the misses of LRU caches of 1 to `largest` entries in one pass; item i is for i + 1
+/// entries. Misses never increase with the size.
 ///
 /// # Errors
 /// `largest` is above [`VertexCache::MAX_ENTRIES`].

@@ -1,10 +1,11 @@
-//! Insertion and removal of triangles and edges while the paths elsewhere stay: for meshes whose detail changes.
+//! Insertion and removal of triangles and edges while the other paths are kept, for meshes whose
+//! detail changes.
 //!
-//! The caller that changes the mesh cuts the links that lose their edge, sets the new twins of half-edges, and adds links as it
-//! chooses.
+//! The caller changes the mesh: it cuts the links whose edges disappear, sets the new twins of
+//! half-edges, and chooses the new links.
 //!
 //! # Complexity
-//! O(1) each.
+//! O(1) per operation.
 
 use super::{NO_TWIN, PathNode, PricedPaths, StripPrices};
 use crate::cover::diagonals::Diagonals;
@@ -12,7 +13,7 @@ use crate::cover::diagonals::Diagonals;
 const UNLINKED: PathNode = PathNode { twins: [NO_TWIN; 3], state: 0 };
 
 impl PricedPaths {
-    /// Allocates slots for triangles, all of them empty.
+    /// Allocates empty slots for triangles.
     pub(crate) fn empty(triangle_count: usize, prices: StripPrices) -> Self {
         Self {
             nodes: vec![UNLINKED; triangle_count],
@@ -25,13 +26,13 @@ impl PricedPaths {
         }
     }
 
-    /// Allocates slots up to a number of triangles; the new ones are empty.
+    /// Allocates slots up to a number of triangles. The new slots are empty.
     pub(crate) fn grow(&mut self, triangle_count: usize) {
         self.nodes.resize(triangle_count, UNLINKED);
         self.ends.resize(triangle_count / 64 + 1, 0);
     }
 
-    /// Inserts a triangle into an empty slot, as a strip by itself without neighbours.
+    /// Inserts a triangle into an empty slot, as a strip of its own without neighbours.
     pub(crate) fn insert_triangle(&mut self, t: u32) {
         self.nodes[t as usize] = UNLINKED;
         self.set_partner(t, t);
@@ -40,11 +41,13 @@ impl PricedPaths {
         self.cost += i64::from(self.prices.strip);
     }
 
-    /// Puts a triangle without links between the two triangles of a link: its half-edge `sides[0]` becomes the twin of the link, `sides[1]` that of the link's twin.
+    /// Inserts a triangle without links between the two triangles of a link. Its half-edge
+    /// `sides[0]` becomes the twin of the link, and `sides[1]` the twin of the link's twin.
     pub(crate) fn insert_into_link(&mut self, link: u32, sides: [u32; 2]) {
         let twin = self.across(link);
         debug_assert_eq!(self.mask(sides[0] / 4), 0, "it has links");
-        // Only the turn in the triangle itself is new. The start of the path changes only if the link is next to an end.
+        // Only the turn in the inserted triangle is new. The start of the path changes only if the
+        // link is next to an end.
         let ends = match [link, twin].map(|h| self.degree(h / 4) < 2) {
             [true, _] => Some([link / 4, self.partner(link / 4)]),
             [false, true] => Some([self.partner(twin / 4), twin / 4]),
@@ -64,7 +67,8 @@ impl PricedPaths {
         self.cost += i64::from((after - before) * self.prices.swap - self.prices.strip);
     }
 
-    /// Joins a triangle to the ends beside it, over the edge that lowers the cost the most, until none does not raise it.
+    /// Joins a triangle to adjacent ends, each time over the edge that lowers the cost most, until
+    /// every join would raise it.
     pub(crate) fn join_ends(&mut self, t: u32) {
         while self.degree(t) < 2 {
             let best = (4 * t..4 * t + 3).filter_map(|h| self.join_rise(h).map(|rise| (rise, h))).min();
@@ -75,7 +79,8 @@ impl PricedPaths {
         }
     }
 
-    /// Returns by how much a join over a half-edge of an end would raise the cost, if it is possible.
+    /// Returns the rise of the cost by a join over a half-edge of an end, or `None` if the join is
+    /// impossible.
     fn join_rise(&mut self, h: u32) -> Option<i32> {
         let twin = self.twin(h)?;
         if self.is_linked(h) || self.degree(twin / 4) == 2 {
@@ -96,7 +101,7 @@ impl PricedPaths {
         self.cost -= i64::from(self.prices.strip);
     }
 
-    /// Sets the twin of a half-edge that is not linked; the caller sets the twin's twin as well.
+    /// Sets the twin of a half-edge that is not linked. The caller sets the other side as well.
     pub(crate) fn set_twin(&mut self, half_edge: u32, twin: Option<u32>) {
         debug_assert_eq!(self.mask(half_edge / 4) >> (half_edge % 4) & 1, 0, "its link was not cut");
         self.nodes[half_edge as usize / 4].twins[half_edge as usize % 4] = twin.unwrap_or(NO_TWIN);

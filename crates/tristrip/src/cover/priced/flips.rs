@@ -1,4 +1,4 @@
-//! Flips of the diagonals that cut polygons into triangles.
+//! Flips of the diagonals of polygons.
 
 use super::PricedPaths;
 use crate::cover::diagonals::to_graph_half_edge;
@@ -15,8 +15,8 @@ impl PricedPaths {
         !self.diagonals.edges.is_empty()
     }
 
-    /// Returns the edges around the two triangles at a diagonal, in their winding: two of the triangle that the half-edge belongs to,
-    /// then two of the other.
+    /// Returns the four edges around the two triangles at a diagonal, in winding order: two of the
+    /// triangle of the half-edge, then two of the other one.
     #[inline]
     pub(crate) fn around(&self, diagonal: u32) -> [u32; 4] {
         let twin = self.across(diagonal);
@@ -24,7 +24,7 @@ impl PricedPaths {
         [a, next_in_triangle(a), c, next_in_triangle(c)]
     }
 
-    /// Flips a diagonal to the other two corners; the triangles at its sides must not be linked.
+    /// Flips a diagonal to the other two corners. The triangles on its sides must not be linked.
     pub(crate) fn flip_diagonal(&mut self, diagonal: u32) {
         let around = self.around(diagonal);
         let outside = around.map(|h| self.twin(h));
@@ -50,7 +50,7 @@ impl PricedPaths {
     }
 }
 
-/// Returns the half-edge after one in its triangle.
+/// Returns the next half-edge of the triangle.
 #[inline]
 fn next_in_triangle(h: u32) -> u32 {
     if h % 4 == 2 { h - 2 } else { h + 1 }

@@ -7,18 +7,20 @@
 //!                      *flip*: if v and a belong to one polygon, the diagonal between them is flipped
 //! ```
 //! # Algorithm
-//! A sweep visits the triangles in order, so that memory access is sequential. At each end it tries a join or a rotation over a
-//! random free edge; after a rotation, the new end is tried in its place. Then it tries to cut links, one per triangle, and to flip
-//! diagonals. A move that raises the cost by r is accepted with probability e^(−r/T); the temperature T falls from sweep to sweep.
-//! The highest acceptable rise is drawn first, so that most moves are rejected from the swaps around them alone, before anything
-//! changes.
+//! A sweep visits the triangles in order, so that memory access is sequential. At each end it tries
+//! a join or a rotation over a random free edge; after a rotation, the new end is tried in its
+//! place. Then it tries to cut links, one per triangle, and to flip diagonals. A move that raises
+//! the cost by r is accepted with probability e^(−r/T); the temperature T falls from sweep to
+//! sweep. The highest acceptable rise is drawn first, so that most moves are rejected from the
+//! swaps around them alone, before anything changes.
 //!
-//! Two rotations in a row are a tunnel through two paths, and a rotation followed by a join is Stewart's tunnel; the annealing finds
-//! longer ones without further moves.
+//! Two rotations in a row are a tunnel through two paths, and a rotation followed by a join is
+//! Stewart's tunnel; the annealing finds longer ones without further moves.
 //!
 //! # Complexity
-//! A sweep takes O(n). A rotation or a cut takes as many steps as there are to the nearer end of the path that it cuts; the steps of a
-//! phase are limited, and when they are used up only cuts near an end are tried.
+//! A sweep takes O(n). A rotation or a cut takes as many steps as there are to the nearer end of
+//! the path that it cuts; the steps of a phase are limited, and when they are used up only cuts
+//! near an end are tried.
 
 use crate::cover::moves::{EndMove, cut, flip_diagonal, move_end};
 use crate::cover::priced::PricedPaths;
@@ -27,17 +29,18 @@ use crate::stripify::{Progress, Watch};
 
 /// Triangles of a block: one word has a bit for each.
 const BLOCK: u32 = 64;
-/// Moves tried at an end before the sweep continues. Tuned on the bunny and the cow: 1 gives worse covers, 4 takes longer for the
-/// same covers.
+/// Moves tried at an end before the sweep continues. Tuned on the bunny and the cow: 1 gives worse
+/// covers, 4 takes longer for the same covers.
 const MOVES_PER_END: u32 = 2;
-/// Flips tried per block, at random triangles. Tuned on skyscraper and triceratops: 4 gives worse covers, 64 takes twice the time for
-/// the same covers.
+/// Flips tried per block, at random triangles. Tuned on skyscraper and triceratops: 4 gives worse
+/// covers, 64 takes twice the time for the same covers.
 const FLIPS: u32 = 16;
 /// The number of blocks between two calls of the watcher.
 const WATCH_PERIOD: u64 = 1 << 10;
-/// Steps per triangle and sweep of the walks to the ends of paths: at least, and at most in meshes whose sweep takes less than
-/// [`WALK_STEPS`] in all. The test models need up to 16, those of more than 50,000 triangles up to 2; meshes of a few long strips would
-/// need as many as a strip has triangles.
+/// Steps per triangle and sweep of the walks to the ends of paths: at least, and at most in meshes
+/// whose sweep takes less than [`WALK_STEPS`] in all. The test models need up to 16, those of more
+/// than 50,000 triangles up to 2; meshes of a few long strips would need as many as a strip has
+/// triangles.
 const WALK_STEPS_PER_TRIANGLE: (u64, u64) = (4, 64);
 const WALK_STEPS: u64 = 1 << 20;
 /// The highest rise that is ever accepted.
@@ -52,7 +55,8 @@ pub(super) struct AnnealingPhase {
 }
 
 impl AnnealingPhase {
-    /// Returns the number of final sweeps, which accept no rise of the cost. A phase of a single sweep needs none.
+    /// Returns the number of final sweeps, which accept no rise of the cost. A phase of a single
+    /// sweep needs none.
     fn final_sweeps(&self) -> u32 {
         u32::from(self.sweeps > 1)
     }
@@ -73,7 +77,8 @@ pub(super) struct Annealer<'a> {
 }
 
 impl<'a> Annealer<'a> {
-    /// Creates an annealer. `index_count` is the number of indices that the cost of the paths does not include.
+    /// Creates an annealer. `index_count` is the number of indices that the cost of the paths does
+    /// not include.
     pub(super) fn new(
         seed: u64,
         watch: &'a dyn Watch,
@@ -101,7 +106,8 @@ impl<'a> Annealer<'a> {
         WALK_STEPS.clamp(least, most) * u64::from(phase.sweeps + phase.final_sweeps())
     }
 
-    /// Runs one phase. Returns whether the watcher lets the search continue; if not, only the final sweeps of the phase are run.
+    /// Runs one phase. Returns whether the watcher lets the search continue; if not, only the final
+    /// sweeps of the phase are run.
     pub(super) fn run(&mut self, paths: &mut PricedPaths, phase: AnnealingPhase) -> bool {
         self.lowest = self.lowest.min(paths.cost());
         paths.allow_walks(Self::walk_steps(paths.len(), phase));

@@ -1,4 +1,5 @@
-//! Tests on generated meshes of many kinds: prices compared with those of whole paths, and the method compared with its starts.
+//! Tests on generated meshes of many kinds: prices compared with those of whole paths, and the
+//! method compared with its starts.
 
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};

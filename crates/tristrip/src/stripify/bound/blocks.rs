@@ -1,13 +1,15 @@
-//! The blocks of a dual graph: what remains of its components without the bridges, and the tree that the bridges make of them.
+//! The blocks of a dual graph: what remains of its components without the bridges, and the tree
+//! that the bridges make of them.
 //!
 //! ```text
 //!   ●─●        ○ ── ○ ── ● ─ ●      Two blocks of several triangles (●), two of one (○), three bridges. A triangle has
 //!   │ │ ────── ╱          ╲ ╱       at most three edges, so that no triangle is a cut vertex of its block, and a triangle
 //!   ●─●                    ●        with a bridge has at most two edges within its block.
 //! ```
-//! Triangles are renumbered in the order of a depth-first search: every block is then identified by its lowest triangle, from which
-//! the bridge toward the root leads, and the blocks behind a block have higher numbers. Two triangles that share two or
-//! three edges are neighbours once, since a path takes only one of the edges.
+//! Triangles are renumbered in the order of a depth-first search: every block is then identified by
+//! its lowest triangle, from which the bridge toward the root leads, and the blocks behind a block
+//! have higher numbers. Two triangles that share two or three edges are neighbours once, since a
+//! path takes only one of the edges.
 //!
 //! # References
 //! Tarjan: *A note on finding the bridges of a graph*, 1974.
@@ -71,7 +73,8 @@ impl BlockTree {
         self.root[node as usize]
     }
 
-    /// Returns the node at the other end of the bridge from a block's lowest node; `None` for the first block of a component.
+    /// Returns the node at the other end of the bridge from a block's lowest node; `None` for the
+    /// first block of a component.
     pub(super) fn above(&self, root: u32) -> Option<u32> {
         self.parent[root as usize].get()
     }
@@ -93,7 +96,8 @@ impl BlockTree {
     }
 }
 
-/// Returns the faces in the order of a depth-first search, the parent of each as its number in that order, and the number of each face.
+/// Returns the faces in the order of a depth-first search, the parent of each as its number in that
+/// order, and the number of each face.
 fn depth_first_order(graph: &DualGraph) -> (Vec<u32>, Vec<OptionalId>, Vec<OptionalId>) {
     let n = graph.face_count();
     let mut number = vec![OptionalId::NONE; n];
@@ -124,7 +128,8 @@ fn depth_first_order(graph: &DualGraph) -> (Vec<u32>, Vec<OptionalId>, Vec<Optio
     (faces, parent, number)
 }
 
-/// Returns the lowest node of each block: a node behind which only the search's own edge leads up again.
+/// Returns the lowest node of each block: a node behind which only the search's own edge leads up
+/// again.
 fn block_roots(neighbours: &[Neighbours], parent: &[OptionalId]) -> Vec<u32> {
     let mut low: Vec<u32> = (0..neighbours.len() as u32).collect();
     for node in (0..neighbours.len()).rev() {

@@ -1,10 +1,11 @@
-//! The least number of path ends in a small subproblem of a graph, exactly: over all path covers of it, where paths may leave the
-//! subproblem over any edge.
+//! The least number of path ends in a small subproblem of a graph, exactly: over all path covers of
+//! it, where paths may leave the subproblem over any edge.
 //!
 //! # Algorithm
-//! Triangles are added one by one, in an order that keeps the *frontier* short: those added that still have a neighbour to come.
-//! The rest depends on the paths so far only by this: for each triangle of the frontier, whether it can take another link,
-//! and where the other end of the path is that ends there. For each such state the least number of ends so far is kept.
+//! Triangles are added one by one, in an order that keeps the *frontier* short: those added that
+//! still have a neighbour to come. The rest depends on the paths so far only by this: for each
+//! triangle of the frontier, whether it can take another link, and where the other end of the path
+//! is that ends there. For each such state the least number of ends so far is kept.
 //!
 //! ```text
 //!   ● ━ ●│○           frontier: a, c, e; a and e are the two ends of one path and must not be linked to each other,
@@ -16,12 +17,13 @@
 //! ```
 //!
 //! # References
-//! Held, Karp: *A dynamic programming approach to sequencing problems*, 1962; Sekine, Imai, Tani: *Computing the Tutte
-//! polynomial of a graph of moderate size*, 1995 (frontiers); Knuth: *The Art of Computer Programming* 4A, 2011, section 7.1.4, exercise 225
-//! (simple paths).
+//! Held, Karp: *A dynamic programming approach to sequencing problems*, 1962; Sekine, Imai, Tani:
+//! *Computing the Tutte polynomial of a graph of moderate size*, 1995 (frontiers); Knuth: *The Art
+//! of Computer Programming* 4A, 2011, section 7.1.4, exercise 225 (simple paths).
 //!
 //! # Complexity
-//! O(n · states) time and 32 bytes per state; the states are limited, and grow about as 4 to the power of the frontier.
+//! O(n · states) time and 32 bytes per state; the states are limited, and grow about as 4 to the
+//! power of the frontier.
 
 use super::neighbours::Neighbours;
 
@@ -40,7 +42,8 @@ pub(super) struct FrontierNode {
 const BITS: u32 = 5;
 /// Slots of a state.
 const SLOTS: usize = WIDEST + 1;
-/// The longest frontier that is tried; one more slot is in use for a moment. Few longer ones have less than a million states.
+/// The longest frontier that is tried; one more slot is in use for a moment. Few longer ones have
+/// less than a million states.
 const WIDEST: usize = 16;
 /// A triangle that can take no more link. Lower values are the slot of the path's other end.
 const FULL: u8 = 31;
@@ -99,8 +102,9 @@ impl FrontierState {
     }
 }
 
-/// Returns the least number of path ends in a subproblem, without those at links from outside and those beyond edges that leave it;
-/// `None` if that takes more than `states_at_once` states at once, or more in all than are left.
+/// Returns the least number of path ends in a subproblem, without those at links from outside and
+/// those beyond edges that leave it; `None` if that takes more than `states_at_once` states at
+/// once, or more in all than are left.
 pub(super) fn least_ends(
     nodes: &[FrontierNode],
     states_at_once: usize,
@@ -158,8 +162,8 @@ pub(super) fn least_ends(
     states.first().map(|&(_, ends)| usize::from(ends))
 }
 
-/// Orders the nodes so that few wait for a neighbour at any time: from a peripheral node on, always the node that adds least.
-/// `None` if more than [`WIDEST`] wait.
+/// Orders the nodes so that few wait for a neighbour at any time: from a peripheral node on, always
+/// the node that adds least. `None` if more than [`WIDEST`] wait.
 fn order(nodes: &[FrontierNode]) -> Option<Vec<u32>> {
     let around = |node: u32| nodes[node as usize].neighbours.iter();
     let mut order: Vec<u32> = Vec::with_capacity(nodes.len());

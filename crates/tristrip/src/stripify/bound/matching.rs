@@ -1,21 +1,25 @@
 //! Maximum matching in a subgraph of a graph of at most three neighbours per node, block by block.
 //!
 //! # Algorithm
-//! 1. *Greedy*: each node in order is matched with the free neighbour that has the fewest free neighbours itself. In the order of a
-//!    depth-first search this leaves less than one node in a hundred free.
-//! 2. *Augment* (Edmonds): from each free node a breadth-first search along alternating paths; odd cycles are shrunk by union–find
-//!    (Gabow). A search that finds no other free node keeps its labels: its nodes cannot help any later search.
+//! 1. *Greedy*: each node in order is matched with the free neighbour that has the fewest free
+//!    neighbours itself. In the order of a depth-first search this leaves less than one node in a
+//!    hundred free.
+//! 2. *Augment* (Edmonds): from each free node a breadth-first search along alternating paths; odd
+//!    cycles are shrunk by union–find (Gabow). A search that finds no other free node keeps its
+//!    labels: its nodes cannot help any later search.
 //!
-//! The nodes labelled even by the failed searches are then the nodes that some maximum matching leaves free (Gallai, Edmonds), so that
-//! it is known without a search whether one more node would be matched: see [`Matching::would_match`].
+//! The nodes labelled even by the failed searches are then the nodes that some maximum matching
+//! leaves free (Gallai, Edmonds), so that it is known without a search whether one more node would
+//! be matched: see [`Matching::would_match`].
 //!
 //! # References
-//! Edmonds: *Paths, trees, and flowers*, 1965; Gabow: *An efficient implementation of Edmonds' algorithm for maximum matching on
-//! graphs*, 1976; Karp, Sipser: *Maximum matchings in sparse random graphs*, 1981.
+//! Edmonds: *Paths, trees, and flowers*, 1965; Gabow: *An efficient implementation of Edmonds'
+//! algorithm for maximum matching on graphs*, 1976; Karp, Sipser: *Maximum matchings in sparse
+//! random graphs*, 1981.
 //!
 //! # Complexity
-//! Usually O(n) for a search, and O(n) for all that fail; limited to a number of steps. 17 bytes per node and 8 for each
-//! that the largest search reaches.
+//! Usually O(n) for a search, and O(n) for all that fail; limited to a number of steps. 17 bytes
+//! per node and 8 for each that the largest search reaches.
 
 use super::blocks::BlockTree;
 use crate::ids::OptionalId;
@@ -28,7 +32,8 @@ enum NodeLabel {
     Outside,
     /// Not reached.
     Unseen,
-    /// Reached by an alternating path of even length, so that some maximum matching may leave it free.
+    /// Reached by an alternating path of even length, so that some maximum matching may leave it
+    /// free.
     Even,
     /// Reached by paths of odd length only.
     Odd,
@@ -40,7 +45,8 @@ pub(super) struct Matching {
     mate: Vec<OptionalId>,
     /// The even node from which an odd one was reached; within a shrunk cycle also across it.
     from: Vec<u32>,
-    /// Shrunk cycles; the root of a set is the base, the node by which the cycle is attached to its tree.
+    /// Shrunk cycles; the root of a set is the base, the node by which the cycle is attached to its
+    /// tree.
     bases: UnionFind,
     label: Vec<NodeLabel>,
     /// The last search for a common ancestor that passed.
@@ -89,13 +95,14 @@ impl Matching {
         self.label[node as usize] != NodeLabel::Outside
     }
 
-    /// Checks whether a node outside the subgraph would be matched, too, if it were admitted; for a block whose pairs are exact.
+    /// Checks whether a node outside the subgraph would be matched, too, if it were admitted; for a
+    /// block whose pairs are exact.
     pub(super) fn would_match(&self, blocks: &BlockTree, node: u32) -> bool {
         blocks.inside(node).any(|other| self.label[other as usize] == NodeLabel::Even)
     }
 
-    /// Matches as many nodes of a block as possible, and counts the pairs. If there are no steps left, the free nodes without a
-    /// failed search count as matched.
+    /// Matches as many nodes of a block as possible, and counts the pairs. If there are no steps
+    /// left, the free nodes without a failed search count as matched.
     pub(super) fn match_block(&mut self, blocks: &BlockTree, root: u32) -> PairCount {
         let mut pairs = self.greedy(blocks, root);
         let mut unsearched = 0;
@@ -143,8 +150,8 @@ impl Matching {
         self.mate[b as usize] = OptionalId::some(a);
     }
 
-    /// Searches an alternating path from a free node to another and augments the matching along it. Returns whether it
-    /// found one before the steps ran out.
+    /// Searches an alternating path from a free node to another and augments the matching along it.
+    /// Returns whether it found one before the steps ran out.
     fn augment(&mut self, blocks: &BlockTree, start: u32) -> bool {
         self.reached.clear();
         self.queue.clear();
@@ -207,13 +214,15 @@ impl Matching {
         }
     }
 
-    /// Returns the base of the even node from which an even node's mate was reached; `None` at the root of the tree.
+    /// Returns the base of the even node from which an even node's mate was reached; `None` at the
+    /// root of the tree.
     fn base_above(&mut self, node: u32) -> Option<u32> {
         let mate = self.mate[node as usize].get()?;
         Some(self.bases.find(self.from[mate as usize]))
     }
 
-    /// Finds the node where the paths of two even nodes to the root meet, by going up from both in turn.
+    /// Finds the node where the paths of two even nodes to the root meet, by going up from both in
+    /// turn.
     fn common_ancestor(&mut self, a: u32, b: u32) -> u32 {
         self.marks += 1;
         let (mut here, mut there) = (Some(self.bases.find(a)), Some(self.bases.find(b)));

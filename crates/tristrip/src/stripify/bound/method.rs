@@ -10,7 +10,8 @@ pub enum BoundMethod {
     Leaves,
     /// A maximum matching in each block, and the best use of the bridges between blocks.
     Matching,
-    /// The same, and subproblems of a block that were solved exactly and show that the block needs more strips.
+    /// The same, and subproblems of a block that were solved exactly and show that the block needs
+    /// more strips.
     Subproblems,
     /// Every block was solved exactly: a cover with this number of strips exists.
     Exact,

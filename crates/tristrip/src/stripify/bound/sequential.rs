@@ -1,7 +1,8 @@
-//! Checks in linear time whether a triangulation is *sequential*: whether one strip passes through all triangles without a swap.
+//! Checks in linear time whether a triangulation is *sequential*: whether one strip passes through
+//! all triangles without a swap.
 //!
-//! Without swaps the turns alternate, so that an entry and the side of the next turn determine everything after and
-//! before it. These *states*, six per triangle, form chains, open or closed:
+//! Without swaps the turns alternate, so that an entry and the side of the next turn determine
+//! everything after and before it. These *states*, six per triangle, form chains, open or closed:
 //!
 //! ```text
 //!        ╱╲            h ──▶  entered across h at an even position, the strip leaves across the next edge of the
@@ -11,21 +12,26 @@
 //!        ▲ h
 //! ```
 //! # Algorithm
-//! 1. Follow each open chain from the state without a predecessor, then each closed one, twice around.
-//! 2. Find for each state the longest *run* up to there that contains no triangle twice. If one has as many triangles as the mesh,
-//!    it is the strip. The first triangle's entry is not crossed, nor the last one's exit, so that both may be boundaries.
+//! 1. Follow each open chain from the state without a predecessor, then each closed one, twice
+//!    around.
+//! 2. Find for each state the longest *run* up to there that contains no triangle twice. If one has
+//!    as many triangles as the mesh, it is the strip. The first triangle's entry is not crossed,
+//!    nor the last one's exit, so that both may be boundaries.
 //!
-//! The runs also bound the strips that have swaps. At each swap one run ends and the next begins, and each triangle is at least one part
-//! in m of a run if the longest run that contains it has m triangles: the sum of these parts is a lower bound of the number of runs.
+//! The runs also bound the strips that have swaps. At each swap one run ends and the next begins,
+//! and each triangle is at least one part in m of a run if the longest run that contains it has m
+//! triangles: the sum of these parts is a lower bound of the number of runs.
 //!
-//! A strip begins with the winding of its first triangle, so that its second one is at an odd position; otherwise
-//! the strip has to repeat its first vertex. In the opposite direction the parity changes if the number of triangles is odd,
-//! and stays if it is even. Both directions are chains here.
+//! A strip begins with the winding of its first triangle, so that its second one is at an odd
+//! position; otherwise the strip has to repeat its first vertex. In the opposite direction the
+//! parity changes if the number of triangles is odd, and stays if it is even. Both directions are
+//! chains here.
 //!
 //! # References
-//! Arkin, Held, Mitchell, Skiena: *Hamiltonian triangulations for fast rendering*, 1994; Evans, Skiena, Varshney:
-//! *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 2. They require a cycle of the dual graph; a strip needs
-//! only a path, and [`SequentialStrip::is_closed`] tells whether it is a cycle.
+//! Arkin, Held, Mitchell, Skiena: *Hamiltonian triangulations for fast rendering*, 1994; Evans,
+//! Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 2.
+//! They require a cycle of the dual graph; a strip needs only a path, and
+//! [`SequentialStrip::is_closed`] tells whether it is a cycle.
 //!
 //! # Complexity
 //! O(n) time; 13 bytes per triangle, and 16 per state of the longest chain.
@@ -48,8 +54,8 @@ pub struct SequentialStrip {
     pub is_closed: bool,
 }
 
-/// Finds one strip through all triangles of a graph without a swap, if there is any: in T + 2 vertices if possible, otherwise in
-/// T + 3. Returns `None` for a graph of polygons.
+/// Finds one strip through all triangles of a graph without a swap, if there is any: in T + 2
+/// vertices if possible, otherwise in T + 3. Returns `None` for a graph of polygons.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, stripify::bound::sequential_strip};
@@ -105,7 +111,8 @@ pub(super) struct ComponentRuns {
     pub(super) least: usize,
 }
 
-/// Examines the runs of each component. `component` has the component of each triangle, `sizes` the triangles of each component.
+/// Examines the runs of each component. `component` has the component of each triangle, `sizes` the
+/// triangles of each component.
 pub(super) fn runs(graph: &DualGraph, component: &[u32], sizes: &[usize]) -> Vec<ComponentRuns> {
     let mut runs = vec![ComponentRuns::default(); sizes.len()];
     let mut last = vec![0; component.len()];
@@ -135,11 +142,13 @@ pub(super) fn runs(graph: &DualGraph, component: &[u32], sizes: &[usize]) -> Vec
     runs
 }
 
-/// The number of units of a run. The parts of a run are rounded down, by less than one run for all triangles.
+/// The number of units of a run. The parts of a run are rounded down, by less than one run for all
+/// triangles.
 const WHOLE: u64 = 1 << 32;
 
-/// Finds for each state of a chain the start of the longest run that ends there. `last` has the position after the last occurrence of
-/// each triangle, counted over all chains, and `position` is the position of this chain.
+/// Finds for each state of a chain the start of the longest run that ends there. `last` has the
+/// position after the last occurrence of each triangle, counted over all chains, and `position` is
+/// the position of this chain.
 fn run_starts(chain: &[u32], last: &mut [u64], position: &mut u64, from: &mut Vec<u32>) {
     let begin = *position;
     let mut start = 0;
@@ -155,7 +164,8 @@ fn run_starts(chain: &[u32], last: &mut [u64], position: &mut u64, from: &mut Ve
 
 /// Updates for each triangle the length of the longest run that contains it.
 fn update_longest(chain: &[u32], from: &[u32], longest: &mut [u32]) {
-    // The maximal runs that have begun and not ended, the longest first; one that ends before a longer one is left out.
+    // The maximal runs that have begun and not ended, the longest first; one that ends before a
+    // longer one is left out.
     let mut open: VecDeque<(u32, u32)> = VecDeque::new();
     let is_last = |end: usize| from.get(end + 1).is_none_or(|&start| start > from[end]);
     let mut ends = (0..chain.len()).filter(|&end| is_last(end)).map(|end| (from[end], end as u32)).peekable();
@@ -176,7 +186,8 @@ fn update_longest(chain: &[u32], from: &[u32], longest: &mut [u32]) {
     }
 }
 
-/// Passes all chains to `go`: the entries of the states, for a closed chain twice around, and whether the first is at an odd position.
+/// Passes all chains to `go`: the entries of the states, for a closed chain twice around, and
+/// whether the first is at an odd position.
 fn for_each_chain(graph: &DualGraph, mut go: impl FnMut(&[u32], bool)) {
     let mut visited = vec![0_u8; graph.face_count()];
     let mut visit = |(entry, is_odd): EntryState| {

@@ -1,15 +1,17 @@
 //! The bound on strips: block by block, from the leaves of the bridge tree to its root.
 //!
 //! # Algorithm
-//! When the blocks behind a block are done, what remains of it is a graph in which some triangles have an edge taken by a used
-//! bridge. Using a bridge saves a strip, and costs the blocks at its two ends at most one strip each, since it takes one end
-//! of a path there. So a bridge is used exactly if the block behind it does not need more strips for it; that is the best choice
+//! When the blocks behind a block are done, what remains of it is a graph in which some triangles
+//! have an edge taken by a used bridge. Using a bridge saves a strip, and costs the blocks at its
+//! two ends at most one strip each, since it takes one end of a path there. So a bridge is used
+//! exactly if the block behind it does not need more strips for it; that is the best choice
 //! whatever follows above it.
 //!
-//! A block of n triangles and E edges needs at least n − E + r strips, where r is the least number of edges to leave out so
-//! that each triangle keeps at most two, or one where a bridge is used: the number of triangles with an edge too many, minus
-//! a maximum matching among them. Closed paths may be necessary to reach that number, so that one strip is still the least, and
-//! subproblems of the block that are solved exactly may show that it needs more.
+//! A block of n triangles and E edges needs at least n − E + r strips, where r is the least number
+//! of edges to leave out so that each triangle keeps at most two, or one where a bridge is used:
+//! the number of triangles with an edge too many, minus a maximum matching among them. Closed paths
+//! may be necessary to reach that number, so that one strip is still the least, and subproblems of
+//! the block that are solved exactly may show that it needs more.
 
 use super::blocks::BlockTree;
 use super::matching::Matching;
@@ -31,8 +33,9 @@ pub(super) struct BoundLimits {
 }
 
 impl BoundLimits {
-    /// Returns the limits of a graph: 200 steps per triangle, of which scans and machine parts take two, and 8 states per triangle, that
-    /// is a second per million triangles; and a tenth of a second for a small graph.
+    /// Returns the limits of a graph: 200 steps per triangle, of which scans and machine parts take
+    /// two, and 8 states per triangle, that is a second per million triangles; and a tenth of a
+    /// second for a small graph.
     fn of(triangle_count: usize) -> Self {
         let count = triangle_count as u64;
         Self {
@@ -118,7 +121,8 @@ impl<'a> BlockSolver<'a> {
     /// Bounds the block with this lowest node.
     fn bound(&mut self, root: u32) -> BlockBound {
         if self.blocks.is_single(root) {
-            // Two bridges are part of one strip; a third ends there, which is as good as not to use it.
+            // Two bridges are part of one strip; a third ends there, which is as good as not to use
+            // it.
             let used = self.bridges_used[root as usize];
             let strips = if used == 3 { 2 } else { 1 };
             return BlockBound { triangles: 1, strips, allows_bridge: used < 2, method: BoundMethod::Exact };
@@ -127,7 +131,8 @@ impl<'a> BlockSolver<'a> {
         self.solve_whole(root, &members).unwrap_or_else(|| self.bound_in_parts(root, &members))
     }
 
-    /// Solves a small block exactly. If every triangle has three neighbours, the result is hardly ever better than the matching.
+    /// Solves a small block exactly. If every triangle has three neighbours, the result is hardly
+    /// ever better than the matching.
     fn solve_whole(&mut self, root: u32, members: &[u32]) -> Option<BlockBound> {
         let has_boundary = members.iter().any(|&node| self.blocks.inside(node).count() == 2);
         if members.len() > self.whole || !has_boundary {

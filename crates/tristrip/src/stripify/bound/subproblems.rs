@@ -1,14 +1,17 @@
 //! Improves the bound on a block by subproblems that are solved exactly.
 //!
 //! # Algorithm
-//! A small block is solved as a whole. In a large one disjoint subproblems are solved, and the path ends that they need are added up:
-//! paths may leave a subproblem over any edge, so that no end is counted twice. Among triangles of three neighbours
-//! paths find their way; ends are forced where a matching failed, and perhaps along the boundary. So:
-//! 1. The triangles that the failed searches reached, and those around them, make subproblems: as far around as can be solved. Where
-//!    none can, it is known that they contain an end for each triangle left unmatched, together with their neighbours: the
-//!    searches' even nodes make components of odd size, more of them by that number than there are odd nodes to match them with.
-//! 2. So do the triangles of two neighbours, with those around them that are not in a subproblem yet. One that is too wide to be
-//!    solved is halved, and its halves again.
+//! A small block is solved as a whole. In a large one disjoint subproblems are solved, and the path
+//! ends that they need are added up: paths may leave a subproblem over any edge, so that no end is
+//! counted twice. Among triangles of three neighbours paths find their way; ends are forced where a
+//! matching failed, and perhaps along the boundary. So:
+//! 1. The triangles that the failed searches reached, and those around them, make subproblems: as
+//!    far around as can be solved. Where none can, it is known that they contain an end for each
+//!    triangle left unmatched, together with their neighbours: the searches' even nodes make
+//!    components of odd size, more of them by that number than there are odd nodes to match them
+//!    with.
+//! 2. So do the triangles of two neighbours, with those around them that are not in a subproblem
+//!    yet. One that is too wide to be solved is halved, and its halves again.
 //!
 //! # Complexity
 //! Limited by a number of states for the whole graph; 5 bytes per triangle.
@@ -19,7 +22,8 @@ use super::matching::Matching;
 use super::neighbours::Neighbours;
 use crate::ids::OptionalId;
 
-/// Most triangles from a seed to the rim of a subproblem: for the dragon's boundaries, 3 and 4 give the same result.
+/// Most triangles from a seed to the rim of a subproblem: for the dragon's boundaries, 3 and 4 give
+/// the same result.
 const RADIUS: u8 = 3;
 /// Subproblems of more triangles are not tried.
 const LARGEST: usize = 2048;
@@ -53,7 +57,8 @@ impl SubproblemSolver {
         }
     }
 
-    /// Returns the least number of path ends of a whole block, if it can be solved; `is_taken` returns whether a bridge is used at a node.
+    /// Returns the least number of path ends of a whole block, if it can be solved; `is_taken`
+    /// returns whether a bridge is used at a node.
     pub(super) fn solve_block(
         &mut self,
         blocks: &BlockTree,
@@ -63,7 +68,8 @@ impl SubproblemSolver {
         self.solve(blocks, members, &is_taken)
     }
 
-    /// Adds up the least ends of subproblems of a block around the nodes that a matching left over, and then along the boundary.
+    /// Adds up the least ends of subproblems of a block around the nodes that a matching left over,
+    /// and then along the boundary.
     pub(super) fn least_ends_in_parts(
         &mut self,
         blocks: &BlockTree,
@@ -83,7 +89,8 @@ impl SubproblemSolver {
         around_failed + along_boundary
     }
 
-    /// Adds up the least ends of subproblems around seeds; `known` bounds those that cannot be solved.
+    /// Adds up the least ends of subproblems around seeds; `known` bounds those that cannot be
+    /// solved.
     fn around_seeds(
         &mut self,
         blocks: &BlockTree,

@@ -1,20 +1,22 @@
-//! The active front: the drawn triangles, the edges around them, and the cost so far. Strips grow on this state, speculatively or
-//! for good.
+//! The active front: the drawn triangles, the edges around them, and the cost so far. Strips grow
+//! on this state, speculatively or for good.
 
 use super::policy::{MAX_HORIZON, PolicyWeights};
 use super::speculative::SpeculativeCache;
 use crate::dual::{DualGraph, Triangulation};
 
-/// Marks a drawn triangle. Below it, a state is the number of a triangle's neighbours that are not drawn.
+/// Marks a drawn triangle. Below it, a state is the number of a triangle's neighbours that are not
+/// drawn.
 const DRAWN: u8 = 4;
 
-/// Anticipated costs of triangles with one open neighbour and with none, in indices: strips will end in the former, and the latter
-/// will be a strip.
+/// Anticipated costs of triangles with one open neighbour and with none, in indices: strips will
+/// end in the former, and the latter will be a strip.
 const LEAF: i64 = 1;
 const ISOLATED: i64 = 3;
 /// The change of the anticipated cost when a triangle is drawn, by its number of open neighbours.
 const DRAWING: [i64; 8] = [-ISOLATED, -LEAF, 0, 0, 0, 0, 0, 0];
-/// The change when a triangle loses an open neighbour, by the number before; from [`DRAWN`] on it is drawn itself.
+/// The change when a triangle loses an open neighbour, by the number before; from [`DRAWN`] on it
+/// is drawn itself.
 const LOSING: [i64; 8] = [0, ISOLATED - LEAF, LEAF, 0, 0, 0, 0, 0];
 
 /// Wraps a corner number that may exceed 2.
@@ -23,16 +25,19 @@ fn wrapped(corner: u32) -> usize {
     (if corner >= 3 { corner - 3 } else { corner }) as usize
 }
 
-/// The current end of a strip: the last triangle, the edge over which it was entered, and the parity of the strip.
+/// The current end of a strip: the last triangle, the edge over which it was entered, and the
+/// parity of the strip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct StripHead {
     pub(super) triangle: u32,
     pub(super) entry: u32,
-    /// Whether the triangle has an even position, where leaving over the edge after `entry` takes no swap.
+    /// Whether the triangle has an even position, where leaving over the edge after `entry` takes
+    /// no swap.
     pub(super) is_even: bool,
 }
 
-/// A step to the next triangle: the half-edge over which the strip leaves, and its twin in the next triangle.
+/// A step to the next triangle: the half-edge over which the strip leaves, and its twin in the next
+/// triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct EdgeCrossing {
     pub(super) exit: u32,
@@ -56,7 +61,8 @@ pub(super) struct ActiveFront<'a, C> {
     triangles: &'a [[u32; 3]],
     /// The number of open neighbours of each triangle, plus [`DRAWN`] if it is drawn.
     state: Vec<u8>,
-    /// Half-edges of open triangles next to drawn ones, in the order in which they became so; those of drawn triangles are skipped.
+    /// Half-edges of open triangles next to drawn ones, in the order in which they became so; those
+    /// of drawn triangles are skipped.
     edges: Vec<u32>,
     edge_count: usize,
     /// No vertices of `edges` before this position are in the cache.
@@ -152,7 +158,8 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
             let before = *state;
             *state -= 1;
             anticipated += LOSING[usize::from(before & 7)];
-            // Without a branch, which would be unpredictable: what is not an edge of the front is overwritten.
+            // Without a branch, which would be unpredictable: what is not an edge of the front is
+            // overwritten.
             self.edges[self.edge_count] = twin;
             self.edge_count += usize::from(before < DRAWN);
         }
@@ -185,7 +192,8 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         StripHead { triangle, entry, is_even }
     }
 
-    /// Returns the oldest edge of the front whose vertices are in the cache, and not among its `slack` oldest entries.
+    /// Returns the oldest edge of the front whose vertices are in the cache, and not among its
+    /// `slack` oldest entries.
     #[inline]
     pub(super) fn oldest_edge(&mut self, slack: u32) -> Option<u32> {
         while self.oldest < self.edge_count {
@@ -202,7 +210,8 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         None
     }
 
-    /// Returns the newest edge of the front, otherwise an edge of the lowest open triangle. This cannot be rolled back.
+    /// Returns the newest edge of the front, otherwise an edge of the lowest open triangle. This
+    /// cannot be rolled back.
     pub(super) fn newest_edge(&mut self) -> Option<u32> {
         while self.edge_count > 0 {
             let half_edge = self.edges[self.edge_count - 1];

@@ -1,7 +1,9 @@
-//! Order annealing: a search over strips in drawing order. Each move is priced exactly in indices and in misses of a FIFO cache.
+//! Order annealing: a search over strips in drawing order. Each move is priced exactly in indices
+//! and in misses of a FIFO cache.
 //!
 //! # Algorithm
-//! Simulated annealing. A move replaces the strips at one or two positions of the order by none, one or two others:
+//! Simulated annealing. A move replaces the strips at one or two positions of the order by none,
+//! one or two others:
 //! ```text
 //!   transfer  A ━━t  ┄u━━ B        an end t of A takes u from B, and what follows u on one side
 //!   join      A ━━t  ┄ u━━B        the same if nothing of B remains
@@ -9,13 +11,14 @@
 //!   reverse   A from its other end
 //!   reorder   A drawn before or after the strip of a neighbour, from either end
 //! ```
-//! Indices change at these positions only. Misses change until a strip starts with the same cache contents as before, since
-//! everything after it stays the same; the contents at the start of each strip are stored. This takes a few strips. A move
-//! whose effect lasts longer than [`WINDOW`] strips is rejected.
+//! Indices change at these positions only. Misses change until a strip starts with the same cache
+//! contents as before, since everything after it stays the same; the contents at the start of each
+//! strip are stored. This takes a few strips. A move whose effect lasts longer than [`WINDOW`]
+//! strips is rejected.
 //!
 //! # Complexity
-//! O(entries + vertices of the strips in between) time per move, which is what the effort counts; 60 bytes per triangle, and 4 bytes
-//! per strip and entry.
+//! O(entries + vertices of the strips in between) time per move, which is what the effort counts;
+//! 60 bytes per triangle, and 4 bytes per strip and entry.
 
 use super::policy::PolicyWeights;
 use super::resettable_fifo::ResettableFifo;
@@ -55,7 +58,8 @@ pub(super) struct StripSequence<'a> {
     sent: u64,
     /// The cost saved so far.
     saved: i64,
-    /// The result of the last simulation: strips with their misses, and the cache contents before each.
+    /// The result of the last simulation: strips with their misses, and the cache contents before
+    /// each.
     simulated: Vec<(StripPart, u32)>,
     simulated_before: Vec<u32>,
 }
@@ -87,7 +91,8 @@ struct StripEdit {
 }
 
 impl<'a> StripSequence<'a> {
-    /// Creates the sequence of the paths of a cover, given the first triangle of each path in drawing order.
+    /// Creates the sequence of the paths of a cover, given the first triangle of each path in
+    /// drawing order.
     pub(super) fn new(
         triangulation: &'a Triangulation<'_>,
         cover: &PathCover,
@@ -132,9 +137,10 @@ impl<'a> StripSequence<'a> {
         sequence
     }
 
-    /// Tries moves at temperatures from `hottest` to `coldest`, in units of an index, until simulations have sent `limit` vertices:
-    /// the time of a move is proportional to the lengths of its strips. Before each of the [`STAGES`], `go_on` gets the vertices
-    /// sent, the number of strips and the cost saved, and returns whether to continue.
+    /// Tries moves at temperatures from `hottest` to `coldest`, in units of an index, until
+    /// simulations have sent `limit` vertices: the time of a move is proportional to the lengths of
+    /// its strips. Before each of the [`STAGES`], `go_on` gets the vertices sent, the number of
+    /// strips and the cost saved, and returns whether to continue.
     pub(super) fn anneal(
         &mut self,
         random: &mut Random,
@@ -273,8 +279,8 @@ impl<'a> StripSequence<'a> {
         if key(&a) < key(&b) { vec![a, b] } else { vec![b, a] }
     }
 
-    /// Returns the increase of the cost by a move; `None` if its effect on the cache lasts too long. The simulation is kept for
-    /// [`StripSequence::commit`].
+    /// Returns the increase of the cost by a move; `None` if its effect on the cache lasts too
+    /// long. The simulation is kept for [`StripSequence::commit`].
     fn price(&mut self, edits: &[StripEdit]) -> Option<i64> {
         self.simulated.clear();
         self.simulated_before.clear();

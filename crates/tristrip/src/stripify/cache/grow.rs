@@ -1,4 +1,5 @@
-//! Strip growth with speculative simulation: how many more triangles before a restart, and where the next strip starts.
+//! Strip growth with speculative simulation: how many more triangles before a restart, and where
+//! the next strip starts.
 
 use super::active_front::{ActiveFront, EdgeCrossing, StripHead};
 use super::policy::GrowthPolicy;
@@ -6,8 +7,8 @@ use super::speculative::SpeculativeCache;
 use crate::cover::PathCover;
 use crate::ids::{FaceId, HalfEdge};
 
-/// The numbers of triangles after which a restart is simulated, besides the horizon: closely spaced at first, where it matters
-/// most.
+/// The numbers of triangles after which a restart is simulated, besides the horizon: closely spaced
+/// at first, where it matters most.
 const LENGTHS: [u32; 15] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 52];
 
 /// Grows strips over a whole triangulation.
@@ -45,7 +46,8 @@ impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
         Self { front, horizon: policy.horizon(entry_count), slack: policy.slack(entry_count), seed_strips }
     }
 
-    /// Covers all triangles. Returns the cover, and the first triangle of each path in drawing order.
+    /// Covers all triangles. Returns the cover, and the first triangle of each path in drawing
+    /// order.
     pub(super) fn run(&mut self) -> (PathCover, Vec<FaceId>) {
         let graph = self.front.graph();
         let mut cover = PathCover::isolated(graph.face_count());
@@ -54,7 +56,8 @@ impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
         loop {
             let mut more = self.best_length(head);
             if more == 0 {
-                // One more triangle if possible: the vertices sent for the first triangle depend on it.
+                // One more triangle if possible: the vertices sent for the first triangle depend on
+                // it.
                 more = 1;
                 let edge = self.front.oldest_edge(self.slack);
                 let Some(edge) = edge.or_else(|| self.front.newest_edge()) else { break };
@@ -77,7 +80,8 @@ impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
         &self.front
     }
 
-    /// Returns the next step of a strip: that of the seed strips, otherwise around the vertex of the front on its side.
+    /// Returns the next step of a strip: that of the seed strips, otherwise around the vertex of
+    /// the front on its side.
     #[inline]
     fn crossing(&self, head: StripHead) -> Option<EdgeCrossing> {
         let [next, previous] = self.front.crossings(head);
@@ -138,7 +142,8 @@ impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
         best.0
     }
 
-    /// Restarts and continues to the horizon. Returns the cost of everything since `paid`, or `None` if nothing could be drawn.
+    /// Restarts and continues to the horizon. Returns the cost of everything since `paid`, or
+    /// `None` if nothing could be drawn.
     fn simulate_restart(&mut self, length: u32, paid: i64) -> Option<SimulatedCost> {
         let mut drawn = length;
         let mut head = None;

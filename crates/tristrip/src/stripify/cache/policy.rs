@@ -1,4 +1,5 @@
-//! The policies of strip growth: weights of indices and misses, seed strips, horizons, and which policies an effort tries.
+//! The policies of strip growth: weights of indices and misses, seed strips, horizons, and which
+//! policies an effort tries.
 
 use crate::stripify::Objective;
 
@@ -24,7 +25,8 @@ pub(super) struct GrowthPolicy {
     pub(super) weights: PolicyWeights,
     /// Triangles of a speculative simulation, in sixteenths of the cache entries.
     horizon: u32,
-    /// Number of oldest cache entries whose vertices are not worth a restart, in sixteenths of all entries.
+    /// Number of oldest cache entries whose vertices are not worth a restart, in sixteenths of all
+    /// entries.
     slack: u32,
 }
 
@@ -36,8 +38,9 @@ const fn policy(seeds: SeedStrips, index: i64, miss: i64, horizon: u32, slack: u
     GrowthPolicy { seeds, weights: PolicyWeights { index, miss }, horizon, slack }
 }
 
-/// The policies for balanced costs, the first for every effort. They were selected on bunny, fandisk, horse and armadillo with a
-/// FIFO cache of 16 entries. The weights of growth differ from those of the objective, since seed strips alone save indices.
+/// The policies for balanced costs, the first for every effort. They were selected on bunny,
+/// fandisk, horse and armadillo with a FIFO cache of 16 entries. The weights of growth differ from
+/// those of the objective, since seed strips alone save indices.
 const BALANCED: [GrowthPolicy; 8] = [
     policy(SeedStrips::None, 8, 1, 32, 2),
     policy(SeedStrips::Sequential, 1, 1, 24, 2),
@@ -62,8 +65,8 @@ const FEW_MISSES: [GrowthPolicy; 8] = [
 ];
 
 impl GrowthPolicy {
-    /// Returns the policies of an objective, in the order in which they are tried. [`Objective::Indices`] grows no strips and has
-    /// none.
+    /// Returns the policies of an objective, in the order in which they are tried.
+    /// [`Objective::Indices`] grows no strips and has none.
     pub(super) const fn all(objective: Objective) -> &'static [Self] {
         match objective {
             Objective::Indices => &[],

@@ -9,7 +9,8 @@ const EMPTY: u32 = u32::MAX;
 #[derive(Debug)]
 pub(super) struct ResettableFifo {
     entry_count: u64,
-    /// The clock at the miss that loaded each vertex. The clock never goes back, so that nothing needs to be cleared.
+    /// The clock at the miss that loaded each vertex. The clock never goes back, so that nothing
+    /// needs to be cleared.
     loaded_at: Vec<u64>,
     clock: u64,
     /// The loaded vertices, the newest last.

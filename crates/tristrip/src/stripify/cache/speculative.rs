@@ -1,20 +1,24 @@
 //! Vertex caches whose accesses can be undone, for speculative simulation.
 //!
-//! The FIFO cache of the module `resettable_fifo` and the simulators of `vertex_cache` are separate, since one mechanism would cost
-//! speed. Here, an access logs the old stamp so that it can be undone in O(1), and the stamps are 32-bit, which halves the memory
-//! traffic. There, a simulation starts from stored contents and needs the contents after it, so that only misses are logged;
-//! the clock advances at every start and needs 64 bits. The simulators of `vertex_cache` count misses of several caches in vector
-//! lanes and log nothing. The only common part is the comparison of a stamp with the clock.
+//! The FIFO cache of the module `resettable_fifo` and the simulators of `vertex_cache` are
+//! separate, since one mechanism would cost speed. Here, an access logs the old stamp so that it
+//! can be undone in O(1), and the stamps are 32-bit, which halves the memory traffic. There, a
+//! simulation starts from stored contents and needs the contents after it, so that only misses are
+//! logged; the clock advances at every start and needs 64 bits. The simulators of `vertex_cache`
+//! count misses of several caches in vector lanes and log nothing. The only common part is the
+//! comparison of a stamp with the clock.
 
 /// A vertex cache in which accesses after a checkpoint can be undone.
 pub(super) trait SpeculativeCache {
-    /// A state to return to. Checkpoints are rolled back in reverse order, each any number of times.
+    /// A state to return to. Checkpoints are rolled back in reverse order, each any number of
+    /// times.
     type Checkpoint: Copy;
 
     /// Looks up a vertex and loads it on a miss. Returns whether it was a miss.
     fn access(&mut self, vertex: u32) -> bool;
 
-    /// Returns the age of a vertex: 0 for the newest, at least [`SpeculativeCache::entry_count`] if it is not in the cache.
+    /// Returns the age of a vertex: 0 for the newest, at least [`SpeculativeCache::entry_count`] if
+    /// it is not in the cache.
     fn age(&self, vertex: u32) -> u32;
 
     /// Returns the number of entries.
@@ -30,7 +34,8 @@ pub(super) trait SpeculativeCache {
     fn commit(&mut self);
 }
 
-/// The largest number of entries of a cache whose misses are numbered from it on: the misses of the largest mesh do not overflow.
+/// The largest number of entries of a cache whose misses are numbered from it on: the misses of the
+/// largest mesh do not overflow.
 const MAX_ENTRIES: u32 = 1 << 30;
 
 /// A FIFO cache. Each vertex has the number of the miss that loaded it.
@@ -39,7 +44,8 @@ pub(super) struct SpeculativeFifo {
     entry_count: u32,
     misses: u32,
     loaded_at: Vec<u32>,
-    /// The vertices accessed since the last [`SpeculativeCache::commit`], with their previous `loaded_at`.
+    /// The vertices accessed since the last [`SpeculativeCache::commit`], with their previous
+    /// `loaded_at`.
     log: Vec<(u32, u32)>,
 }
 
@@ -93,8 +99,8 @@ impl SpeculativeCache for SpeculativeFifo {
     }
 }
 
-/// An LRU cache: the vertices in one list, the newest last. Caches are small, so that a linear search is faster than maintaining an
-/// index.
+/// An LRU cache: the vertices in one list, the newest last. Caches are small, so that a linear
+/// search is faster than maintaining an index.
 #[derive(Debug)]
 pub(super) struct SpeculativeLru {
     entry_count: u32,

@@ -1,4 +1,5 @@
-//! A search of `eta` from one terminal: alternating paths, depth first, none of which closes a loop.
+//! A search of `eta` from one terminal: alternating paths, depth first, none of which closes a
+//! loop.
 
 use super::tagged_strips::{TagLink, TaggedStrips, UndoStep};
 use crate::cover::PathCover;
@@ -39,8 +40,9 @@ impl EtaSearch {
         &self.steps
     }
 
-    /// Searches for a tunnel. If none is found, the strips are as before; otherwise they are complemented. Returns `None`, with the strips as
-    /// before, if it takes more accesses than the limit.
+    /// Searches for a tunnel. If none is found, the strips are as before; otherwise they are
+    /// complemented. Returns `None`, with the strips as before, if it takes more accesses than the
+    /// limit.
     pub(super) fn find(
         &mut self,
         (graph, cover): (&DualGraph, &PathCover),
@@ -98,7 +100,8 @@ impl EtaSearch {
         }
     }
 
-    /// Adds the steps from the tip: an end of the tunnel is tried first, the others in random order.
+    /// Adds the steps from the tip: an end of the tunnel is tried first, the others in random
+    /// order.
     fn add_candidates(
         &mut self,
         (graph, cover): (&DualGraph, &PathCover),

@@ -1,4 +1,5 @@
-//! The k-star of a terminal: the triangles at most k steps away, and the strips within it, bridged where they leave it and come back.
+//! The k-star of a terminal: the triangles at most k steps away, and the strips within it, bridged
+//! where they leave it and come back.
 //!
 //! ```text
 //!      star │ outside            Between two crossings of the same strip, one temporary edge replaces
@@ -40,7 +41,8 @@ struct StarCrossing {
 }
 
 impl EtaStar {
-    /// Finds the star of a terminal, and replaces the links that cross its boundary. Returns the number of accesses to nodes.
+    /// Finds the star of a terminal, and replaces the links that cross its boundary. Returns the
+    /// number of accesses to nodes.
     pub(super) fn build(
         &mut self,
         (graph, cover, tags): (&DualGraph, &PathCover, &PathTags),
@@ -87,7 +89,8 @@ impl EtaStar {
         }
     }
 
-    /// Finds the triangles at most `length` steps away, breadth first. Returns the range of those that are exactly as far.
+    /// Finds the triangles at most `length` steps away, breadth first. Returns the range of those
+    /// that are exactly as far.
     fn find(
         &mut self,
         graph: &DualGraph,

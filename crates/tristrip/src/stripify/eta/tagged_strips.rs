@@ -1,4 +1,5 @@
-//! Strips as a search of `eta` sees them: the links of each triangle, and its identifier, rewritten node by node.
+//! Strips as a search of `eta` sees them: the links of each triangle, and its identifier, rewritten
+//! node by node.
 //!
 //! ```text
 //!   ┄┄ v ━━ b        the step to b cuts v from b, and writes the tip's identifier on v and on what is beyond it
@@ -30,7 +31,8 @@ pub(super) enum TagLink {
 pub(super) struct TaggedStrips {
     links: Vec<[TagLink; 2]>,
     tags: Vec<u32>,
-    /// Triangles accessed by writing identifiers and by following strips, since the last call of [`Self::take_accesses`].
+    /// Triangles accessed by writing identifiers and by following strips, since the last call of
+    /// [`Self::take_accesses`].
     accesses: u64,
 }
 
@@ -68,7 +70,8 @@ impl TaggedStrips {
         self.links[triangle as usize]
     }
 
-    /// Returns whether a tunnel may end with a red edge between these: whether the second is the end of another strip.
+    /// Returns whether a tunnel may end with a red edge between these: whether the second is the
+    /// end of another strip.
     #[inline]
     pub(super) fn may_end(&self, tip: u32, x: u32) -> bool {
         self.links(x).contains(&TagLink::Free) && self.tags[x as usize] != self.tags[tip as usize]
@@ -79,8 +82,8 @@ impl TaggedStrips {
         std::mem::take(&mut self.accesses)
     }
 
-    /// Cuts `v` from `b`, its neighbour on its strip, links it with the tip, and writes identifiers. Returns `None`, and changes nothing, if
-    /// that would close a loop.
+    /// Cuts `v` from `b`, its neighbour on its strip, links it with the tip, and writes
+    /// identifiers. Returns `None`, and changes nothing, if that would close a loop.
     pub(super) fn step(&mut self, graph: &DualGraph, step: TunnelStep) -> Option<UndoStep> {
         let (tip, v) = (step.red / 3, graph.twin_of(step.red)? / 3);
         let black = step.black.get()?;

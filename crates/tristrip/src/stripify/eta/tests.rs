@@ -1,4 +1,5 @@
-//! Tests of `eta`: a search that really cuts and links, the star against distances, and runs with and without localization.
+//! Tests of `eta`: a search that really cuts and links, the star against distances, and runs with
+//! and without localization.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -33,7 +34,8 @@ fn joined(graph: &DualGraph, cover: &PathCover, options: EtaOptions, seed: u64) 
     cover
 }
 
-/// Returns whether a terminal has a tunnel of at most `length` edges no step of which closes a loop, by cutting and linking on the cover itself.
+/// Returns whether a terminal has a tunnel of at most `length` edges no step of which closes a
+/// loop, by cutting and linking on the cover itself.
 fn has_tunnel(graph: &DualGraph, cover: &PathCover, length: usize) -> bool {
     fn follow(
         graph: &DualGraph,
@@ -135,7 +137,8 @@ proptest! {
         }
     }
 
-    /// Within the star every strip keeps the order of its triangles, and continues where it comes back.
+    /// Within the star every strip keeps the order of its triangles, and continues where it comes
+    /// back.
     #[test]
     fn temporary_edges_bridge_what_lies_outside((graph, cover) in graph_and_cover(), length in 0..6_u32, at in any::<prop::sample::Index>()) {
         prop_assume!(!cover.is_empty());

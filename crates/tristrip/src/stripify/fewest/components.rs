@@ -1,12 +1,13 @@
-//! The components of a dual graph that are above their lower bound, each with a graph and a cover of its own, so that they can be
-//! searched in parallel.
+//! The components of a dual graph that are above their lower bound, each with a graph and a cover
+//! of its own, so that they can be searched in parallel.
 
 use crate::cover::PathCover;
 use crate::csr::Csr;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge};
 
-/// A component whose triangles are numbered from 0, in the order of their numbers in the whole graph.
+/// A component whose triangles are numbered from 0, in the order of their numbers in the whole
+/// graph.
 #[derive(Debug)]
 pub(super) struct UnfinishedComponent {
     triangles: Vec<u32>,
@@ -15,7 +16,8 @@ pub(super) struct UnfinishedComponent {
     lower_bound: usize,
 }
 
-/// Lists the components that have more paths than their lower bound; `lower_bounds` are in the order of [`DualGraph::components`].
+/// Lists the components that have more paths than their lower bound; `lower_bounds` are in the
+/// order of [`DualGraph::components`].
 pub(super) fn unfinished(
     graph: &DualGraph,
     cover: &PathCover,
@@ -59,7 +61,8 @@ impl UnfinishedComponent {
         self.triangles.len()
     }
 
-    /// Returns the first triangle in the whole graph, which identifies the component whatever the other components are.
+    /// Returns the first triangle in the whole graph, which identifies the component whatever the
+    /// other components are.
     pub(super) fn first_triangle(&self) -> u32 {
         self.triangles[0]
     }

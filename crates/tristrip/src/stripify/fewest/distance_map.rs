@@ -1,4 +1,5 @@
-//! Distances over shared edges to a goal nearby, by breadth-first search: they guide an end to another one.
+//! Distances over shared edges to a goal nearby, by breadth-first search: they guide an end to
+//! another one.
 
 use crate::dual::DualGraph;
 use crate::random::Random;
@@ -30,7 +31,8 @@ impl<'a> DistanceMap<'a> {
         self.reached.len()
     }
 
-    /// Searches from `goal` until a triangle is reached for which `stop` holds, and returns that one.
+    /// Searches from `goal` until a triangle is reached for which `stop` holds, and returns that
+    /// one.
     pub(super) fn search_from(&mut self, goal: u32, mut stop: impl FnMut(u32) -> bool) -> Option<u32> {
         for &t in &self.reached {
             self.distances[t as usize] = UNREACHED;
@@ -56,7 +58,8 @@ impl<'a> DistanceMap<'a> {
         None
     }
 
-    /// Goes at most `steps` steps toward the goal, but not into it. Among equally short ways it chooses at random.
+    /// Goes at most `steps` steps toward the goal, but not into it. Among equally short ways it
+    /// chooses at random.
     pub(super) fn toward_goal(&self, mut t: u32, steps: usize, random: &mut Random) -> u32 {
         for _ in 0..steps {
             let distance = self.distances[t as usize];

@@ -1,21 +1,25 @@
-//! Paths as lists of segments: many rotations, joins and cuts between two numberings, each without visiting the triangles.
+//! Paths as lists of segments: many rotations, joins and cuts between two numberings, each without
+//! visiting the triangles.
 //!
 //! ```text
 //!   as numbered    path 0  ●━●━●━●━●━●━●━●      path 1  ○━○━○━○
 //!   as they are    path    [0: 0–2] [0: 7–5] [1: 1–3]      path    [1: 0–0] [0: 4–3]
 //! ```
 //! # Algorithm
-//! Each triangle has the path and the position that it had at the last numbering. A path as it is now is a list of *segments*, each
-//! a range of positions of one numbered path, forward or backward. A rotation at an end splits one segment and reverses those
-//! after it; no triangle is visited. The segment of a triangle is found by its numbered position among the segments of all changed
-//! paths. When there are many segments, [`SegmentedPaths::renumber_touched`] numbers the changed paths; each path keeps the
-//! positions of its first segment if that begins a numbered path.
+//! Each triangle has the path and the position that it had at the last numbering. A path as it is
+//! now is a list of *segments*, each a range of positions of one numbered path, forward or
+//! backward. A rotation at an end splits one segment and reverses those after it; no triangle is
+//! visited. The segment of a triangle is found by its numbered position among the segments of all
+//! changed paths. When there are many segments, [`SegmentedPaths::renumber_touched`] numbers the
+//! changed paths; each path keeps the positions of its first segment if that begins a numbered
+//! path.
 //!
-//! The links of the cover are changed along with the segments, so that the cover is correct at any time.
+//! The links of the cover are changed along with the segments, so that the cover is correct at any
+//! time.
 //!
 //! # Complexity
-//! A change takes O(segments); renumbering takes O(triangles of the paths that were touched). 12 bytes per triangle, and up to 8 more
-//! while paths grow; 24 bytes per path.
+//! A change takes O(segments); renumbering takes O(triangles of the paths that were touched). 12
+//! bytes per triangle, and up to 8 more while paths grow; 24 bytes per path.
 
 mod segment;
 mod steps;
@@ -195,7 +199,8 @@ impl<'a> SegmentedPaths<'a> {
         (self.changed[end.path].tail, end.back)
     }
 
-    /// Prepares a walk from the end of a path, whose first step must not link the half-edge `back`; `None` if the triangle is no end.
+    /// Prepares a walk from the end of a path, whose first step must not link the half-edge `back`;
+    /// `None` if the triangle is no end.
     pub(super) fn walk_end(&mut self, end: u32, back: Option<u32>) -> Option<WalkEnd> {
         if !self.is_end(end) {
             return None;
@@ -244,7 +249,8 @@ impl<'a> SegmentedPaths<'a> {
         (self.touch(at.path), 0)
     }
 
-    /// Returns the half-edge from a triangle of two links toward the tail of its path, or toward its head.
+    /// Returns the half-edge from a triangle of two links toward the tail of its path, or toward
+    /// its head.
     fn half_edge_toward(&self, (path, i): (usize, usize), t: u32, tail: bool) -> u32 {
         let segments = &self.changed[path].segments;
         let (segment, position) = (segments[i], self.positions[t as usize].position);
@@ -316,7 +322,8 @@ impl<'a> SegmentedPaths<'a> {
     /// Numbers the paths that were touched since the last numbering.
     pub(super) fn renumber_touched(&mut self) {
         let mut changed = std::mem::take(&mut self.changed);
-        // For each path: the numbered path whose beginning it keeps, the number of triangles kept, and the triangles after them.
+        // For each path: the numbered path whose beginning it keeps, the number of triangles kept,
+        // and the triangles after them.
         let mut moved: Vec<(Option<u32>, usize, Vec<u32>)> = Vec::new();
         for path in changed[..self.changed_count].iter_mut().filter(|path| !path.segments.is_empty()) {
             let starts = |s: &Segment| s.low == 0 && !s.reversed;

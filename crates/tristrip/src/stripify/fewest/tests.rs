@@ -1,4 +1,5 @@
-//! The search over whole meshes. Where a heuristic has to find the optimum, the inputs are the same in every run.
+//! The search over whole meshes. Where a heuristic has to find the optimum, the inputs are the same
+//! in every run.
 
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};

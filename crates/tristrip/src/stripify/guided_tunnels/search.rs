@@ -1,4 +1,5 @@
-//! A search of `eta` from one terminal: depth first within its star, the path nearest to another terminal first.
+//! A search of `eta` from one terminal: depth first within its star, the path nearest to another
+//! terminal first.
 
 use super::star::GuidedStar;
 use crate::random::Random;
@@ -78,7 +79,8 @@ impl GuidedSearch {
         self.tunnel.steps()
     }
 
-    /// Returns the part of a tunnel that came nearest to another terminal, for a search that found none.
+    /// Returns the part of a tunnel that came nearest to another terminal, for a search that found
+    /// none.
     pub(super) fn nearest(&self) -> &[TunnelStep] {
         &self.nearest
     }

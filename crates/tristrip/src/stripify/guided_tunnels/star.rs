@@ -1,4 +1,5 @@
-//! The star of a terminal: the triangles that alternating paths reach, and how far it is from there to a terminal of another strip.
+//! The star of a terminal: the triangles that alternating paths reach, and how far it is from there
+//! to a terminal of another strip.
 //!
 //! ```text
 //!          11 ╲                  The tip of a tunnel has a distance: that of the shortest alternating path on from it, if there were
@@ -11,17 +12,19 @@
 use crate::stripify::tunnel::accesses::AccessCounter;
 use crate::stripify::tunnel::context::{DualArc, SearchContext};
 
-/// Edges that the star extends beyond the nearest terminal. Tuned on fandisk, cessna and bunny: 0 leaves half as many strips again,
-/// 20 takes a third more time and gains nothing.
+/// Edges that the star extends beyond the nearest terminal. Tuned on fandisk, cessna and bunny: 0
+/// leaves half as many strips again, 20 takes a third more time and gains nothing.
 const MARGIN: u32 = 6;
 
 /// The k-star of a terminal. Entries of an earlier star have an older stamp.
 #[derive(Debug, Default)]
 pub(super) struct GuidedStar {
     stamp: u32,
-    /// The stamp of the star in which each triangle was last reached, over a black edge or as the terminal.
+    /// The stamp of the star in which each triangle was last reached, over a black edge or as the
+    /// terminal.
     reached: Vec<u32>,
-    /// The stamp of the star in which each triangle last had a distance to a terminal, and the distance in edges.
+    /// The stamp of the star in which each triangle last had a distance to a terminal, and the
+    /// distance in edges.
     distance: Vec<(u32, u32)>,
     queue: Vec<u32>,
     terminals: Vec<u32>,
@@ -54,7 +57,8 @@ impl GuidedStar {
         !self.terminals.is_empty()
     }
 
-    /// Follows alternating paths from the terminal, breadth first, and collects the terminals of other strips that they reach.
+    /// Follows alternating paths from the terminal, breadth first, and collects the terminals of
+    /// other strips that they reach.
     fn expand(&mut self, context: &SearchContext<'_>, terminal: u32, mut max_length: u32) {
         self.queue.clear();
         self.terminals.clear();
@@ -109,7 +113,8 @@ impl GuidedStar {
         }
     }
 
-    /// Returns the length of the shortest alternating path on from a triangle that has just been cut off, if there were no loops.
+    /// Returns the length of the shortest alternating path on from a triangle that has just been
+    /// cut off, if there were no loops.
     pub(super) fn distance(&self, triangle: u32) -> Option<u32> {
         let (stamp, distance) = self.distance[triangle as usize];
         (stamp == self.stamp).then_some(distance)
@@ -124,8 +129,9 @@ mod tests {
     use crate::stripify::tunnel::tests::graph_and_cover;
     use proptest::prelude::*;
 
-    /// Computes, by repeated relaxation over all triangles, the edges from the terminal to each triangle over a black edge at last, and from
-    /// each such triangle to a terminal that a path of at most `limit` edges reaches.
+    /// Computes, by repeated relaxation over all triangles, the edges from the terminal to each
+    /// triangle over a black edge at last, and from each such triangle to a terminal that a path of
+    /// at most `limit` edges reaches.
     fn naive_star(
         context: &SearchContext<'_>,
         terminal: u32,

@@ -12,11 +12,13 @@ pub enum FaceTriangulation {
     Whole,
     /// Only as far as the strip needs to leave the face over the chosen edge.
     Partial,
-    /// As [`Self::Partial`], but a rest that would keep fewer than two free neighbours goes into the strip. This is ours.
+    /// As [`Self::Partial`], but a rest that would keep fewer than two free neighbours goes into
+    /// the strip. This is ours.
     Absorbing,
 }
 
-/// How STRIPE breaks ties between neighbours of the lowest adjacency (Evans et al. 1996, section 3.1).
+/// How STRIPE breaks ties between neighbours of the lowest adjacency (Evans et al. 1996, section
+/// 3.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Ties {
     /// The first found.

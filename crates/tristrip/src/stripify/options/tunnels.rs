@@ -2,7 +2,8 @@
 
 use crate::names::names;
 
-/// The tunnels of [`Method::GuidedTunnels`](super::Method::GuidedTunnels) and [`Method::Eta`](super::Method::Eta). The default is that of the first.
+/// The tunnels of [`Method::GuidedTunnels`](super::Method::GuidedTunnels) and
+/// [`Method::Eta`](super::Method::Eta). The default is that of the first.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, Method, StripifyOptions, stripify};
@@ -26,18 +27,21 @@ pub struct TunnelOptions {
     pub start: Start,
 }
 
-/// The initial strips of [`Method::Eta`](super::Method::Eta) and [`Method::GuidedTunnels`](super::Method::GuidedTunnels).
+/// The initial strips of [`Method::Eta`](super::Method::Eta) and
+/// [`Method::GuidedTunnels`](super::Method::GuidedTunnels).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Start {
     /// Isolated triangles.
     Isolated,
-    /// The strips of [`Method::Input`](super::Method::Input), with which [`Method::Eta`](super::Method::Eta) starts by default: its paper does not name
-    /// its first phase, and from these strips the misses per triangle are nearest to the paper's.
+    /// The strips of [`Method::Input`](super::Method::Input), with which
+    /// [`Method::Eta`](super::Method::Eta) starts by default: its paper does not name its first
+    /// phase, and from these strips the misses per triangle are nearest to the paper's.
     Input,
     /// The strips of [`Method::Sgi`](super::Method::Sgi).
     Sgi,
-    /// The strips of [`Method::Sequential`](super::Method::Sequential), which lead guided tunnels to the fewest strips and swaps in the shortest time:
-    /// 446 strips for dragon, compared with 461 from isolated triangles.
+    /// The strips of [`Method::Sequential`](super::Method::Sequential), which lead guided tunnels
+    /// to the fewest strips and swaps in the shortest time: 446 strips for dragon, compared with
+    /// 461 from isolated triangles.
     #[default]
     Sequential,
 }
@@ -48,19 +52,21 @@ pub enum Acceptance {
     /// Every tunnel up to the maximum length, as it is found.
     #[default]
     DepthFirst,
-    /// The same for one maximum length after the other, each about twice the last: 49, 99, 199 … up to the one given: section 6.1 suggests
-    /// longer tunnels where strips are left.
+    /// The same for one maximum length after the other, each about twice the last: 49, 99, 199 … up
+    /// to the one given: section 6.1 suggests longer tunnels where strips are left.
     Repeated,
     /// Tunnels of length 1, 3, 5 …: the next length when no terminal has a tunnel of the last.
     BreadthFirst,
 }
 
-/// How far [`Method::Eta`](super::Method::Eta) writes identifiers (Porcu and Scateni 2006, section 4.1).
+/// How far [`Method::Eta`](super::Method::Eta) writes identifiers (Porcu and Scateni 2006, section
+/// 4.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Localization {
     /// Within the star of the terminal; to the ends of the strips when a tunnel is found.
     Star,
-    /// The same, but a star is found only when a search without it has become long. The strips are the same, in less time.
+    /// The same, but a star is found only when a search without it has become long. The strips are
+    /// the same, in less time.
     #[default]
     OnDemand,
     /// To the ends of the strips, at every step of a search.
@@ -89,7 +95,8 @@ names! {
     Sequential => "sequential", "The strips of sequential";
 }
 
-/// Tunnels of up to 1000 edges, 512 triangles stepped on per search, starting from the strips of `sequential`.
+/// Tunnels of up to 1000 edges, 512 triangles stepped on per search, starting from the strips of
+/// `sequential`.
 impl Default for TunnelOptions {
     fn default() -> Self {
         Self::DEFAULT
@@ -97,8 +104,9 @@ impl Default for TunnelOptions {
 }
 
 impl TunnelOptions {
-    /// The default of [`Method::Eta`](super::Method::Eta): up to 199 edges, 1000 triangles stepped on per search, from the strips of `input`. The paper
-    /// names no defaults; 200 is the only length in its text (section 6.1).
+    /// The default of [`Method::Eta`](super::Method::Eta): up to 199 edges, 1000 triangles stepped
+    /// on per search, from the strips of `input`. The paper names no defaults; 200 is the only
+    /// length in its text (section 6.1).
     pub const ETA: Self = Self { length: 199, threshold: 1000, start: Start::Input };
 
     pub(super) const DEFAULT: Self = Self { length: 1000, threshold: 512, start: Start::Sequential };
@@ -120,7 +128,8 @@ impl TunnelOptions {
         self
     }
 
-    /// Sets the maximum number of triangles that the paths of a search from one end of a strip step on.
+    /// Sets the maximum number of triangles that the paths of a search from one end of a strip step
+    /// on.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

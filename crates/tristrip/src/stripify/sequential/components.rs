@@ -1,4 +1,5 @@
-//! Strips the connected components of a large mesh in parallel, with exactly the cover that one thread finds.
+//! Strips the connected components of a large mesh in parallel, with exactly the cover that one
+//! thread finds.
 //!
 //! ```text
 //!   triangle    0 1 2 3 4 5 6 7 8         group 0: components a, b    group 1: component c
@@ -7,34 +8,41 @@
 //!                        no shared edge leads across this boundary
 //! ```
 //! # Algorithm
-//! 1. *Split* the triangles, in the order of the input, at boundaries that no shared edge leads across, so that each group has
-//!    whole components and at least a minimum number of triangles. If one group holds nearly all triangles, nothing is gained, and
-//!    the mesh is left to one thread.
+//! 1. *Split* the triangles, in the order of the input, at boundaries that no shared edge leads
+//!    across, so that each group has whole components and at least a minimum number of triangles.
+//!    If one group holds nearly all triangles, nothing is gained, and the mesh is left to one
+//!    thread.
 //! 2. *Strip* each group, with a dual graph of its own, the groups in parallel.
-//! 3. *Copy back* the links, which name a triangle's own edges and need no renumbering, and add up the costs.
+//! 3. *Copy back* the links, which name a triangle's own edges and need no renumbering, and add up
+//!    the costs.
 //!
-//! Files of many parts store them one after the other; components that are interleaved usually are so with their neighbours. To
-//! collect components from all over the mesh, a search would have to number them first, which takes a fifth of the time of the
-//! whole method. This is too much for meshes of one component, which most large meshes are.
+//! Files of many parts store them one after the other; components that are interleaved usually are
+//! so with their neighbours. To collect components from all over the mesh, a search would have to
+//! number them first, which takes a fifth of the time of the whole method. This is too much for
+//! meshes of one component, which most large meshes are.
 //!
-//! The cover depends neither on the groups nor on the number of threads, because no step lets one component affect another:
-//! - The next seed is the valid candidate with the fewest free neighbours, the last added. The top of the candidate lists for all
-//!   components is also the top of the lists of its own component. An entry is dropped if its triangle has been taken or has lost
-//!   a neighbour since; triangles never gain neighbours, so that the time of dropping does not matter.
-//! - If there are no candidates, the first free triangle is taken. It is the first free one of its component, as the order
-//!   is kept. The triangles before it are taken, or belong to components without candidates.
-//! - Tentative runs mark triangles with a number that is new each time; marks are only compared with the newest number.
-//! - The local search processes ends in the order of the triangles and reaches only along links and shared edges. Numbers of strips
-//!   are only compared with those of the same component.
-//! - The random choice between equal moves would couple components, but is only used in plateau passes, which run on the whole
-//!   mesh.
+//! The cover depends neither on the groups nor on the number of threads, because no step lets one
+//! component affect another:
+//! - The next seed is the valid candidate with the fewest free neighbours, the last added. The top
+//!   of the candidate lists for all components is also the top of the lists of its own component.
+//!   An entry is dropped if its triangle has been taken or has lost a neighbour since; triangles
+//!   never gain neighbours, so that the time of dropping does not matter.
+//! - If there are no candidates, the first free triangle is taken. It is the first free one of its
+//!   component, as the order is kept. The triangles before it are taken, or belong to components
+//!   without candidates.
+//! - Tentative runs mark triangles with a number that is new each time; marks are only compared
+//!   with the newest number.
+//! - The local search processes ends in the order of the triangles and reaches only along links and
+//!   shared edges. Numbers of strips are only compared with those of the same component.
+//! - The random choice between equal moves would couple components, but is only used in plateau
+//!   passes, which run on the whole mesh.
 //!
-//! Polygons are not grouped: whether a polygon is triangulated again on entry depends on the marks of the last tentative run, which
-//! may have been in another component.
+//! Polygons are not grouped: whether a polygon is triangulated again on entry depends on the marks
+//! of the last tentative run, which may have been in another component.
 //!
 //! # Complexity
-//! O(n) time, of which splitting is sequential: one pass over the twins. 12 bytes per triangle of the groups in progress, beyond
-//! the memory of [`super`].
+//! O(n) time, of which splitting is sequential: one pass over the twins. 12 bytes per triangle of
+//! the groups in progress, beyond the memory of [`super`].
 
 use std::ops::Range;
 
@@ -47,14 +55,15 @@ use crate::dual::DualGraph;
 
 /// Meshes of at most this many triangles are left to one thread: they take a few milliseconds.
 const SMALL: usize = 65_536;
-/// Minimum number of triangles of a group: about a millisecond of work, long compared with the overhead of a task, and still many
-/// tasks for a large mesh.
+/// Minimum number of triangles of a group: about a millisecond of work, long compared with the
+/// overhead of a task, and still many tasks for a large mesh.
 const GROUP: usize = 16_384;
-/// If one group holds more than this many percent of the triangles, the others take little time beside it.
+/// If one group holds more than this many percent of the triangles, the others take little time
+/// beside it.
 const NEARLY_ALL_PERCENT: usize = 80;
 
-/// Covers a large mesh of several components with the default policy, on the threads of the current pool. Returns the cover and
-/// its cost as [`strip`] does; `None` if one thread is as fast.
+/// Covers a large mesh of several components with the default policy, on the threads of the current
+/// pool. Returns the cover and its cost as [`strip`] does; `None` if one thread is as fast.
 pub(super) fn cover(graph: &DualGraph) -> Option<(PathCover, i64)> {
     if graph.face_count() <= SMALL || rayon::current_num_threads() == 1 {
         return None;
@@ -86,7 +95,8 @@ fn cover_in_groups(graph: &DualGraph, group_size: usize) -> Option<(PathCover, i
     Some((whole, total))
 }
 
-/// Splits the triangles at boundaries that no shared edge crosses, into groups of at least `group_size` except for the last.
+/// Splits the triangles at boundaries that no shared edge crosses, into groups of at least
+/// `group_size` except for the last.
 fn split(graph: &DualGraph, group_size: usize) -> Vec<Range<usize>> {
     let mut groups = Vec::new();
     let (mut start, mut reach) = (0, 0); // `reach` is the half-edge after the last twin so far.

@@ -1,4 +1,5 @@
-//! The greedy stripper: takes strips off the free triangles, one after the other. These are steps 1 and 2 of [`super`].
+//! The greedy stripper: takes strips off the free triangles, one after the other. These are steps 1
+//! and 2 of [`super`].
 
 use super::edge::{next, previous};
 use super::mutable_triangulation::MutableTriangulation;
@@ -20,7 +21,8 @@ pub(super) struct GreedyStripper<T> {
     tentative_count: u32,
     strip_count: u32,
     swap_count: u64,
-    /// Triangles that had 0, 1 and 2 free neighbours when they were added; for each list, the position of its first unused entry.
+    /// Triangles that had 0, 1 and 2 free neighbours when they were added; for each list, the
+    /// position of its first unused entry.
     candidates: [(Vec<u32>, usize); 3],
     /// All triangles before this one are taken or are candidates.
     first_untouched: usize,
@@ -128,7 +130,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         Some(self.first_untouched as u32 - 1)
     }
 
-    /// Returns the exit of a free triangle whose run has the lowest cost per triangle, of equal ones the first.
+    /// Returns the exit of a free triangle whose run has the lowest cost per triangle, of equal
+    /// ones the first.
     fn best_exit(&mut self, seed: u32) -> Option<u32> {
         let mut best: Option<(u32, RunCost)> = None;
         for exit in 3 * seed..3 * seed + 3 {
@@ -146,7 +149,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         best.map(|(exit, _)| exit)
     }
 
-    /// Takes a triangle for the strip; `next_entry` is the half-edge by which the strip will enter the next triangle.
+    /// Takes a triangle for the strip; `next_entry` is the half-edge by which the strip will enter
+    /// the next triangle.
     #[inline]
     fn take(&mut self, t: u32, next_entry: Option<u32>) {
         self.free[t as usize] = TAKEN;
@@ -163,7 +167,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         }
     }
 
-    /// Extends a strip from a taken triangle over its half-edge `exit`: takes and links triangles until none is free.
+    /// Extends a strip from a taken triangle over its half-edge `exit`: takes and links triangles
+    /// until none is free.
     fn grow(&mut self, mut exit: u32, mut even: bool) {
         while let Some(entry) = self.enter(exit, even) {
             self.cover.link_unchecked(exit, entry);
@@ -189,7 +194,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         }
     }
 
-    /// Computes the cost of the run that [`GreedyStripper::run`] would take from a seed, without taking triangles.
+    /// Computes the cost of the run that [`GreedyStripper::run`] would take from a seed, without
+    /// taking triangles.
     fn try_both_directions(&mut self, seed: u32, exit: u32) -> RunCost {
         self.tentative_count += 1;
         self.visited_by[seed as usize] = self.tentative_count;
@@ -233,8 +239,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         self.triangulation.graph().twin_of(half_edge)
     }
 
-    /// Crosses a half-edge. Returns the half-edge by which the next triangle is entered, after a polygon is triangulated for the
-    /// run.
+    /// Crosses a half-edge. Returns the half-edge by which the next triangle is entered, after a
+    /// polygon is triangulated for the run.
     #[inline]
     fn enter(&mut self, exit: u32, even: bool) -> Option<u32> {
         if self.policy.cuts == PolygonCuts::Before {
@@ -254,7 +260,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         self.twin(exit)
     }
 
-    /// Checks whether to swap although going straight is possible, from the free neighbours that both next triangles keep.
+    /// Checks whether to swap although going straight is possible, from the free neighbours that
+    /// both next triangles keep.
     #[inline]
     fn saves_an_end(&self, straight: u8, swap: u8) -> bool {
         self.policy.swaps == SwapPolicy::Lookahead && swap == 1 && straight == 2
@@ -266,7 +273,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         self.twin(half_edge).filter(|&twin| self.free[twin as usize / 3] != TAKEN)
     }
 
-    /// Returns the twin of a half-edge if its triangle is free and not visited by the tentative run.
+    /// Returns the twin of a half-edge if its triangle is free and not visited by the tentative
+    /// run.
     #[inline]
     fn unvisited_across(&self, half_edge: u32) -> Option<u32> {
         self.free_across(half_edge).filter(|&twin| self.visited_by[twin as usize / 3] != self.tentative_count)

@@ -8,11 +8,13 @@
 //!                         *tunnel*: a has a neighbour x that is an end: one strip fewer
 //! ```
 //! # Algorithm
-//! The ends w are processed in the order of their triangles. All joins, rotations and tunnels of length three that begin at w are
-//! priced by the swaps on the links around them and the strips that they save. The cheapest one that leaves all paths open is
-//! applied if it lowers the cost; then the new end is processed. A path stays open if the end that its part leads to is not the
-//! end that it is linked to. This is certain if the two were on strips that no move has mixed since. Otherwise the search walks
-//! to the end; beyond a limit the end counts as unknown, and the move is rejected.
+//! The ends w are processed in the order of their triangles. All joins, rotations and tunnels of
+//! length three that begin at w are priced by the swaps on the links around them and the strips
+//! that they save. The cheapest one that leaves all paths open is applied if it lowers the cost;
+//! then the new end is processed. A path stays open if the end that its part leads to is not the
+//! end that it is linked to. This is certain if the two were on strips that no move has mixed
+//! since. Otherwise the search walks to the end; beyond a limit the end counts as unknown, and the
+//! move is rejected.
 //!
 //! The tunnel is that of Stewart (2001); a rotation is that of Pósa (1976), extended to two paths.
 //!
@@ -31,17 +33,18 @@ use crate::random::Random;
 use crate::strip::OPEN;
 use crate::union_find::UnionFind;
 
-/// Maximum number of steps of a walk to the end of a path, after which a move is rejected. Tuned on bunny, horse and armadillo:
-/// 64 costs 0.2 % more indices, 1024 saves less than 0.1 %.
+/// Maximum number of steps of a walk to the end of a path, after which a move is rejected. Tuned on
+/// bunny, horse and armadillo: 64 costs 0.2 % more indices, 1024 saves less than 0.1 %.
 const WALK_LIMIT: u32 = 256;
 
 /// The seed of the choices between equal moves.
 const SEED: u64 = 0;
 
-/// Applies moves until none at any end lowers the cost; `strip_of` is the path of each triangle. Then runs plateau passes, which
-/// also apply moves of zero gain, one at random of equal ones. Returns by how much the cost fell according to the prices of the
-/// moves: where the two parts that a tunnel links are neighbours, one link is priced as before the move, and the tunnel
-/// may save one less.
+/// Applies moves until none at any end lowers the cost; `strip_of` is the path of each triangle.
+/// Then runs plateau passes, which also apply moves of zero gain, one at random of equal ones.
+/// Returns by how much the cost fell according to the prices of the moves: where the two parts that
+/// a tunnel links are neighbours, one link is priced as before the move, and the tunnel may save
+/// one less.
 pub(super) fn improve(
     graph: &DualGraph,
     cover: &mut PathCover,
@@ -85,7 +88,8 @@ struct EndSearch<'a> {
     cover: &'a mut PathCover,
     /// The initial strip of each triangle.
     strip_of: Vec<u32>,
-    /// Strips that moves have mixed: triangles whose strips are in different sets are on different paths.
+    /// Strips that moves have mixed: triangles whose strips are in different sets are on different
+    /// paths.
     mixed: UnionFind,
     random: Random,
 }
@@ -117,13 +121,15 @@ impl EndSearch<'_> {
         if a == edge { b } else { a }
     }
 
-    /// Returns the twin of a half-edge that is known to have one, because a link or a move crosses it.
+    /// Returns the twin of a half-edge that is known to have one, because a link or a move crosses
+    /// it.
     #[inline]
     fn across(&self, half_edge: u32) -> u32 {
         self.graph.twins()[half_edge as usize]
     }
 
-    /// Returns the swap on a link: 1 where the two triangles turn to the same side, each given its edge other than the link.
+    /// Returns the swap on a link: 1 where the two triangles turn to the same side, each given its
+    /// edge other than the link.
     #[inline]
     fn swap(&self, link: u32, here: u32, there: u32) -> i32 {
         if here == OPEN || there == OPEN {
@@ -144,7 +150,8 @@ impl EndSearch<'_> {
         self.swap(link, other, self.other(twin / 3, twin % 3))
     }
 
-    /// Returns the end of the path that leaves `t` over `edge`; `t` itself if `edge` is `OPEN`, `None` beyond the walk limit.
+    /// Returns the end of the path that leaves `t` over `edge`; `t` itself if `edge` is `OPEN`,
+    /// `None` beyond the walk limit.
     #[inline]
     fn end_beyond(&self, mut t: u32, mut edge: u32) -> Option<u32> {
         for _ in 0..WALK_LIMIT {
@@ -164,7 +171,8 @@ impl EndSearch<'_> {
         self.mixed.find(self.strip_of[t as usize])
     }
 
-    /// Returns the cheapest move at an end, of those that cost at most `highest_price` and leave every path open.
+    /// Returns the cheapest move at an end, of those that cost at most `highest_price` and leave
+    /// every path open.
     fn best_move(&mut self, w: u32, highest_price: i32) -> Option<StripMove> {
         let inner_w = self.linked_edge(w);
         let root_w = self.root(w);
@@ -234,7 +242,8 @@ impl EndSearch<'_> {
         best
     }
 
-    /// Checks whether a price is lower than the best, or, where equal prices are allowed, equal to it and chosen at random.
+    /// Checks whether a price is lower than the best, or, where equal prices are allowed, equal to
+    /// it and chosen at random.
     #[inline]
     fn beats(&mut self, price: i32, best: i32, highest: i32, equals: &mut usize) -> bool {
         if price < best || highest < 0 {
@@ -248,7 +257,8 @@ impl EndSearch<'_> {
         self.random.below(*equals) == 0
     }
 
-    /// Checks whether a tunnel closes no path. The cut between v and a leaves two parts of a path, one with v and one with a.
+    /// Checks whether a tunnel closes no path. The cut between v and a leaves two parts of a path,
+    /// one with v and one with a.
     fn tunnel_is_open(&mut self, w: u32, v: (u32, u32), a: (u32, u32), x: u32) -> bool {
         let root_v = self.root(v.0);
         if self.root(w) != root_v && self.root(x) != root_v {
@@ -257,7 +267,8 @@ impl EndSearch<'_> {
         let (Some(end_v), Some(end_a)) = (self.end_beyond(v.0, v.1), self.end_beyond(a.0, a.1)) else {
             return false;
         };
-        // w–v closes the part of v, a–x closes the part of a, or both together close what was one path.
+        // w–v closes the part of v, a–x closes the part of a, or both together close what was one
+        // path.
         end_v != w && end_a != x && !(end_a == w && end_v == x)
     }
 

@@ -1,4 +1,5 @@
-//! Triangulations that the strips may change: fixed triangles, or polygons that are triangulated as a strip enters them.
+//! Triangulations that the strips may change: fixed triangles, or polygons that are triangulated as
+//! a strip enters them.
 //!
 //! ```text
 //!   d ─── c      A strip enters over a–b; its next free turn is to the left or to the right. One of the diagonals
@@ -6,15 +7,16 @@
 //!   a ─── b
 //! ```
 //! # Algorithm
-//! *Entry*: a polygon of at most 64 corners without taken triangles is triangulated by alternate turns from the edge where a
-//! run enters it. The first turn is the one that is free there.
+//! *Entry*: a polygon of at most 64 corners without taken triangles is triangulated by alternate
+//! turns from the edge where a run enters it. The first turn is the one that is free there.
 //!
-//! *Choice of diagonals*: once the paths are known, each quadrilateral that a path crosses from one edge to the opposite one may
-//! still have either diagonal. Dynamic programming over the last turn finds the best choice for all of them along a path.
+//! *Choice of diagonals*: once the paths are known, each quadrilateral that a path crosses from one
+//! edge to the opposite one may still have either diagonal. Dynamic programming over the last turn
+//! finds the best choice for all of them along a path.
 //!
 //! # References
-//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 3.1 (dynamic
-//! whole-face triangulation).
+//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996,
+//! section 3.1 (dynamic whole-face triangulation).
 //!
 //! # Complexity
 //! O(corners) time; 28 bytes per triangle and 4 per corner.
@@ -25,21 +27,23 @@ use crate::ids::{HalfEdge, OptionalId};
 use crate::mesh::Faces;
 use crate::strip::Step;
 
-/// Polygons of more corners keep their first triangulation: every tentative run that enters one would triangulate it again.
+/// Polygons of more corners keep their first triangulation: every tentative run that enters one
+/// would triangulate it again.
 const RETRIANGULATION_LIMIT: usize = 64;
 
 /// The triangulation that a greedy stripper works on.
 pub(super) trait MutableTriangulation {
     /// Whether faces may be larger than triangles.
     const HAS_POLYGONS: bool;
-    /// Up to this number of triangles every policy is run. Polygon meshes are modelled by hand and worth more time.
+    /// Up to this number of triangles every policy is run. Polygon meshes are modelled by hand and
+    /// worth more time.
     const SMALL: usize = if Self::HAS_POLYGONS { 32_768 } else { 8192 };
 
     /// Returns the dual graph of the current triangles.
     fn graph(&self) -> &DualGraph;
 
-    /// Triangulates the polygon that a run enters over `exit` so that its first turn is free, if none of its triangles is
-    /// touched. Returns its new triangles.
+    /// Triangulates the polygon that a run enters over `exit` so that its first turn is free, if
+    /// none of its triangles is touched. Returns its new triangles.
     fn enter(
         &mut self,
         exit: u32,
@@ -47,7 +51,8 @@ pub(super) trait MutableTriangulation {
         is_touched: impl Fn(u32) -> bool,
     ) -> Option<std::ops::Range<u32>>;
 
-    /// Chooses the best diagonals for known paths. The paths stay the same, but their triangles may be renumbered.
+    /// Chooses the best diagonals for known paths. The paths stay the same, but their triangles may
+    /// be renumbered.
     fn optimize_diagonals(&mut self, cover: &mut PathCover);
 }
 
@@ -75,7 +80,8 @@ pub(super) struct PolygonTriangulation<'a> {
     graph: DualGraph,
     triangles: Vec<u32>,
     face_of: Vec<u32>,
-    /// The half-edge of a triangle on each edge of a face, indexed by the corner where the edge begins.
+    /// The half-edge of a triangle on each edge of a face, indexed by the corner where the edge
+    /// begins.
     at_corner: Vec<OptionalId>,
 }
 
@@ -104,15 +110,17 @@ impl<'a> PolygonTriangulation<'a> {
         Triangulation::from_parts(self.triangles, self.graph)
     }
 
-    /// Triangulates a face by alternate turns from the edge that begins at one of its corners; `even` selects the first turn.
-    /// The triangles are numbered in the order of a strip from that edge, which enters each of them over its edge 0.
+    /// Triangulates a face by alternate turns from the edge that begins at one of its corners;
+    /// `even` selects the first turn. The triangles are numbered in the order of a strip from that
+    /// edge, which enters each of them over its edge 0.
     fn triangulate(&mut self, face: usize, from: u32, even: bool) {
         let range = self.faces.range(face);
         let (start, size) = (range.start as u32, range.len() as u32);
         let before = |corner: u32| if corner == 0 { size - 1 } else { corner - 1 };
         let after = |corner: u32| if corner + 1 == size { 0 } else { corner + 1 };
         let first = self.first_triangle(face);
-        // The entry and the side of the first triangle's other boundary edge tell all triangulations apart.
+        // The entry and the side of the first triangle's other boundary edge tell all
+        // triangulations apart.
         let (second, second_edge) = if even { (before(from), 2) } else { (after(from), 1) };
         let at = |corner: u32| self.at_corner[(start + corner) as usize];
         if [at(from), at(second)] == [3 * first, 3 * first + second_edge].map(OptionalId::some) {
@@ -132,7 +140,8 @@ impl<'a> PolygonTriangulation<'a> {
             if let Some(diagonal) = diagonal {
                 self.pair(diagonal, Some(base));
             }
-            // Of the other two edges, one is on the boundary of the face; of the last triangle, both are.
+            // Of the other two edges, one is on the boundary of the face; of the last triangle,
+            // both are.
             let mut corners =
                 [entry_corner.take(), (after(q) == r).then_some(q), (after(r) == p).then_some(r)];
             for (half_edge, corner) in (base..).zip(&mut corners) {
@@ -153,12 +162,14 @@ impl<'a> PolygonTriangulation<'a> {
         }
     }
 
-    /// Returns the first triangle of a face: each previous face has two triangles fewer than corners.
+    /// Returns the first triangle of a face: each previous face has two triangles fewer than
+    /// corners.
     fn first_triangle(&self, face: usize) -> u32 {
         (self.faces.range(face).start - 2 * face) as u32
     }
 
-    /// Returns the edge of the face that a half-edge lies on, counted within the face; `None` for a diagonal.
+    /// Returns the edge of the face that a half-edge lies on, counted within the face; `None` for a
+    /// diagonal.
     fn face_edge(&self, face: usize, half_edge: u32) -> Option<u32> {
         self.at_corner[self.faces.range(face)]
             .iter()
@@ -174,8 +185,8 @@ impl<'a> PolygonTriangulation<'a> {
         }
     }
 
-    /// Returns the edges of a quadrilateral over which a path enters and leaves two neighbouring triangles of it, if these edges
-    /// are opposite.
+    /// Returns the edges of a quadrilateral over which a path enters and leaves two neighbouring
+    /// triangles of it, if these edges are opposite.
     fn crossing(&self, step: Step, then: Step) -> Option<QuadCrossing> {
         let face = self.face_of[step.triangle as usize];
         let range = self.faces.range(face as usize);
@@ -187,7 +198,8 @@ impl<'a> PolygonTriangulation<'a> {
         (entry ^ exit == 2).then_some(QuadCrossing { face, entry, exit })
     }
 
-    /// Sets the diagonal of a crossed quadrilateral so that the path first turns as given, then the other way.
+    /// Sets the diagonal of a crossed quadrilateral so that the path first turns as given, then the
+    /// other way.
     fn set_diagonal(&mut self, cover: &mut PathCover, crossing: QuadCrossing, first_turn: bool) {
         let first = self.first_triangle(crossing.face as usize);
         self.triangulate(crossing.face as usize, crossing.entry, first_turn);
@@ -207,7 +219,8 @@ struct QuadCrossing {
     exit: u32,
 }
 
-/// A section of a path: a triangle with a fixed turn, or a quadrilateral with a free choice of the first turn.
+/// A section of a path: a triangle with a fixed turn, or a quadrilateral with a free choice of the
+/// first turn.
 #[derive(Debug, Clone, Copy)]
 enum Passage {
     Fixed(bool),
@@ -267,7 +280,8 @@ impl MutableTriangulation for PolygonTriangulation<'_> {
     }
 }
 
-/// Chooses the first turn of each passage so that a strip along the path takes the fewest swaps, in the better direction.
+/// Chooses the first turn of each passage so that a strip along the path takes the fewest swaps, in
+/// the better direction.
 fn choose_turns(passages: &[Passage], chosen: &mut Vec<bool>) {
     let forward = cheapest_turns(passages, true);
     let backward = cheapest_turns(passages, false);
@@ -275,9 +289,11 @@ fn choose_turns(passages: &[Passage], chosen: &mut Vec<bool>) {
     *chosen = turns;
 }
 
-/// Finds the cheapest turns by dynamic programming over the last turn, for a strip from the start or the end of the path.
+/// Finds the cheapest turns by dynamic programming over the last turn, for a strip from the start
+/// or the end of the path.
 fn cheapest_turns(passages: &[Passage], from_start: bool) -> (u32, Vec<bool>) {
-    // The turn that is free right after the first triangle of a strip, in the direction of the path.
+    // The turn that is free right after the first triangle of a strip, in the direction of the
+    // path.
     let free_first = !from_start;
     let mut cost = [0_u32; 2]; // by the last turn
     let mut came_from: Vec<[bool; 2]> = Vec::with_capacity(passages.len());
@@ -326,7 +342,8 @@ mod tests {
         // From the end, the turns are in the opposite order, each to the other side.
         let sent: Vec<bool> =
             if from_start { turns.to_vec() } else { turns.iter().rev().map(|turn| !turn).collect() };
-        // The first turn is free to the previous edge, each later one to the side opposite to the turn before.
+        // The first turn is free to the previous edge, each later one to the side opposite to the
+        // turn before.
         let free = std::iter::once(false).chain(sent.iter().map(|turn| !turn));
         sent.iter().zip(free).filter(|&(&turn, free)| turn != free).count()
     }

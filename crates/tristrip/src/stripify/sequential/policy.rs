@@ -45,7 +45,8 @@ pub(super) struct Policy {
 }
 
 impl Policy {
-    /// The policy that is best on irregular meshes. A longer look-ahead gains nothing there and takes more time.
+    /// The policy that is best on irregular meshes. A longer look-ahead gains nothing there and
+    /// takes more time.
     pub(super) const DEFAULT: Self = Self {
         seeds: SeedOrder::LastAdded,
         swaps: SwapPolicy::Lookahead,
@@ -62,7 +63,8 @@ impl Policy {
         Self { seeds: SeedOrder::FirstAdded, swaps: SwapPolicy::Never, ..Self::LONG },
         Self { seeds: SeedOrder::Input, swaps: SwapPolicy::Never, ..Self::LONG },
     ];
-    /// The other policies for polygons: some quadrilateral grids align better when triangulated in advance.
+    /// The other policies for polygons: some quadrilateral grids align better when triangulated in
+    /// advance.
     pub(super) const POLYGON_ALTERNATIVES: [Self; 2] = [
         Self { cuts: PolygonCuts::Before, ..Self::LONG },
         Self { seeds: SeedOrder::Input, cuts: PolygonCuts::Before, ..Self::LONG },

@@ -1,4 +1,5 @@
-//! The stages for one policy: greedy stripping, local search at the ends of strips, and the choice of diagonals.
+//! The stages for one policy: greedy stripping, local search at the ends of strips, and the choice
+//! of diagonals.
 
 use super::greedy::{GreedyStripper, GreedyStrips};
 use super::local_search;

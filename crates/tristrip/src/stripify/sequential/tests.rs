@@ -17,7 +17,8 @@ use crate::stripify::generated_meshes::MeshPart;
 pub(in crate::stripify) use crate::stripify::generated_meshes::{mesh, polygons, triangle_graph};
 use crate::verify::verify;
 
-/// Returns the cost of a cover beyond one index per triangle, without swaps at the starts of strips.
+/// Returns the cost of a cover beyond one index per triangle, without swaps at the starts of
+/// strips.
 fn cost_inside(graph: &DualGraph, cover: &PathCover) -> u64 {
     let with_starts: usize = cover
         .path_starts(graph)
@@ -32,14 +33,16 @@ fn start_swap(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
         .walk(graph, start)
         .filter_map(|(_, entry, exit)| Some((exit?.0 + 3 - entry?.0) % 3 == 1))
         .collect();
-    // The first turn of a strip is to the previous edge; from the other end every turn is to the other side.
+    // The first turn of a strip is to the previous edge; from the other end every turn is to the
+    // other side.
     let forward = turns.first().is_some_and(|&to_next| to_next);
     let backward = turns.last().is_some_and(|&to_next| !to_next);
     usize::from(forward && backward)
 }
 
-/// Runs the local search, and checks that it keeps the cover valid and lowers the cost by the returned amount. A tunnel between two
-/// adjacent parts of a path may be priced one too low, but saves a strip.
+/// Runs the local search, and checks that it keeps the cover valid and lowers the cost by the
+/// returned amount. A tunnel between two adjacent parts of a path may be priced one too low, but
+/// saves a strip.
 fn check_local_search(
     graph: &DualGraph,
     cover: &mut PathCover,
@@ -60,8 +63,8 @@ fn check_local_search(
     Ok(())
 }
 
-/// Checks greedy stripping and local search on a triangulation, and that the choice of diagonals keeps the number of paths and
-/// does not raise the cost. Returns the final cost.
+/// Checks greedy stripping and local search on a triangulation, and that the choice of diagonals
+/// keeps the number of paths and does not raise the cost. Returns the final cost.
 fn check_steps<T: MutableTriangulation>(triangulation: T) -> Result<usize, TestCaseError> {
     let strips = GreedyStripper::new(triangulation, Policy::DEFAULT).run();
     let GreedyStrips { mut triangulation, mut cover, strip_of, cost } = strips;
@@ -91,7 +94,8 @@ fn check_steps<T: MutableTriangulation>(triangulation: T) -> Result<usize, TestC
     Ok(optimized)
 }
 
-/// Checks the steps, that the strips of the whole method are proven, and that they cost no more than those of the default policy.
+/// Checks the steps, that the strips of the whole method are proven, and that they cost no more
+/// than those of the default policy.
 fn check_whole(polygons: &[Vec<u32>]) -> Result<(), TestCaseError> {
     let mesh = mesh(polygons);
     let prepared = PreparedFaces::new(&mesh, false);
@@ -179,7 +183,8 @@ fn any_number_of_threads_finds_the_same_strips() {
     use crate::stripify::{Method, StripifyOptions, stripify};
     let quads = MeshPart::Torus { around: 40, through: 30, cut: 0x00ff_00f0_1111_2222 };
     let meshes = [
-        // Large and irregular: components in parallel. Small, regular, or of polygons: policies in parallel.
+        // Large and irregular: components in parallel. Small, regular, or of polygons: policies in
+        // parallel.
         mesh(&grids(40, 32)),
         mesh(&grids(3, 25)),
         mesh(&MeshPart::Torus { around: 90, through: 60, cut: u64::MAX }.polygons()),

@@ -1,18 +1,21 @@
-//! The local algorithms: a strip continues with the neighbour that has the fewest neighbours itself.
+//! The local algorithms: a strip continues with the neighbour that has the fewest neighbours
+//! itself.
 //!
 //! # Algorithm
 //! 1. A strip starts at a free face with the fewest free neighbours.
-//! 2. It continues with a free neighbour of the strip's end that has the fewest free neighbours; the rule for
-//!    ties chooses among several. Where polygons are not cut beforehand, all edges of the polygon are candidates.
+//! 2. It continues with a free neighbour of the strip's end that has the fewest free neighbours;
+//!    the rule for ties chooses among several. Where polygons are not cut beforehand, all edges of
+//!    the polygon are candidates.
 //! 3. When it is stuck it is reversed, and grows from its start.
 //!
 //! [`StripRules::PUBLISHED`] is this algorithm. Our own rules, which send fewer vertices:
-//! - [`StripRules::absorbs_rests`]: a part of a polygon that would keep fewer than two free neighbours goes into the strip. A triangle
-//!   with one neighbour left ends a strip, one with none is a strip, and costs three vertices where a swap costs one.
+//! - [`StripRules::absorbs_rests`]: a part of a polygon that would keep fewer than two free
+//!   neighbours goes into the strip. A triangle with one neighbour left ends a strip, one with none
+//!   is a strip, and costs three vertices where a swap costs one.
 //! - [`Ties::FewestSwaps`]: of several exits that all need a swap, one of those with the fewest.
 //! - [`ExitRule::FewSwaps`]: swaps weigh in the choice.
-//! - [`Diagonals::Together`]: whether an exit needs a swap depends on the best order of turns in all polygons passed so far,
-//!   not on one that was fixed at each of them.
+//! - [`Diagonals::Together`]: whether an exit needs a swap depends on the best order of turns in
+//!   all polygons passed so far, not on one that was fixed at each of them.
 //!
 //! # References
 //! Section 3.1 of the paper; see [`super`].
@@ -27,8 +30,8 @@ use super::turn_sequence::{A, B, LeastSwaps, TurnCounts, TurnDiagonals};
 use crate::random::Random;
 use crate::stripify::{LastTie, Ties};
 
-/// How many more neighbours an exit may lead to before a swap is preferred, under [`ExitRule::FewSwaps`]. Over eight
-/// polygon models 2 and 3 send 0.4 % fewer vertices than 1.
+/// How many more neighbours an exit may lead to before a swap is preferred, under
+/// [`ExitRule::FewSwaps`]. Over eight polygon models 2 and 3 send 0.4 % fewer vertices than 1.
 const SWAP_WEIGHT: u32 = 2;
 
 /// How the exit of a strip is chosen.
@@ -36,7 +39,8 @@ const SWAP_WEIGHT: u32 = 2;
 pub(super) enum ExitRule {
     /// Least adjacency; the inner rule breaks ties.
     Adjacency(Ties),
-    /// Least sum of adjacency and weighted swaps; of ties, the exit whose face has neighbours of the most adjacency.
+    /// Least sum of adjacency and weighted swaps; of ties, the exit whose face has neighbours of
+    /// the most adjacency.
     FewSwaps,
 }
 
@@ -49,7 +53,8 @@ pub(super) struct StripRules {
     pub(super) diagonals: TurnDiagonals,
     /// Where a strip starts, of the faces with the fewest neighbours.
     pub(super) starts: QueueOrder,
-    /// Whether a rest of a polygon goes into the strip if it would keep fewer than two free neighbours.
+    /// Whether a rest of a polygon goes into the strip if it would keep fewer than two free
+    /// neighbours.
     pub(super) absorbs_rests: bool,
 }
 
@@ -128,9 +133,10 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Builds strips along paths through whole faces, each given by the half-edges that lead from one face to the next and one
-    /// more. Faces that are in a strip already divide a path; sections of fewer than `min_length` faces are skipped. The strips grow,
-    /// if they do, after the faces of all sections have been taken.
+    /// Builds strips along paths through whole faces, each given by the half-edges that lead from
+    /// one face to the next and one more. Faces that are in a strip already divide a path; sections
+    /// of fewer than `min_length` faces are skipped. The strips grow, if they do, after the faces
+    /// of all sections have been taken.
     pub(super) fn strip_along(
         &mut self,
         paths: &[Vec<u32>],

@@ -1,8 +1,8 @@
 //! Patches: rectangular regions of quadrilaterals, the largest first.
 //!
 //! # Algorithm
-//! A straight path leaves a quadrilateral across the edge opposite to its entry. So every half-edge of a
-//! quadrilateral is a direction through it, and these directions form lines, open or closed.
+//! A straight path leaves a quadrilateral across the edge opposite to its entry. So every half-edge
+//! of a quadrilateral is a direction through it, and these directions form lines, open or closed.
 //!
 //! ```text
 //!        north                   ┌───┬───┐
@@ -12,20 +12,23 @@
 //!        south               └───┴───┴───┘
 //! ```
 //! 1. The grid height of every quad half-edge is computed from that of the half-edge above it.
-//! 2. The grid heights along a line are a histogram: a patch with its south row on the line is as high as the least grid height
-//!    between its columns. The largest patches are found with a stack.
-//! 3. All patches as large as the largest are taken, except those that meet one already taken. Steps 1 to 3 are repeated
-//!    until the largest is below the cutoff.
+//! 2. The grid heights along a line are a histogram: a patch with its south row on the line is as
+//!    high as the least grid height between its columns. The largest patches are found with a
+//!    stack.
+//! 3. All patches as large as the largest are taken, except those that meet one already taken.
+//!    Steps 1 to 3 are repeated until the largest is below the cutoff.
 //!
-//! The paper traverses the faces once for each patch. Here a round takes many. When the work exceeds a fixed amount, a round
-//! takes patches of at least half the largest's size, so that the time stays near linear for any input; on a grid of a
-//! million quadrilaterals with holes that changed the cost by less than 0.1 %.
+//! The paper traverses the faces once for each patch. Here a round takes many. When the work
+//! exceeds a fixed amount, a round takes patches of at least half the largest's size, so that the
+//! time stays near linear for any input; on a grid of a million quadrilaterals with holes that
+//! changed the cost by less than 0.1 %.
 //!
 //! # References
 //! Section 3.2 of the paper; see [`super`].
 //!
 //! # Complexity
-//! O(n) per round, and a few rounds each time that the largest patch halves. 45 bytes per quadrilateral.
+//! O(n) per round, and a few rounds each time that the largest patch halves. 45 bytes per
+//! quadrilateral.
 
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge, OptionalId};
@@ -87,9 +90,9 @@ impl PatchFinder {
         Self { twins, corners, free, free_quads, grid_heights }
     }
 
-    /// Finds all patches of at least `cutoff` quadrilaterals, in the order in which they are found. Each is returned as its rows,
-    /// and these as the half-edges across which their quadrilaterals are left from west to east; rows are not shorter than
-    /// columns.
+    /// Finds all patches of at least `cutoff` quadrilaterals, in the order in which they are found.
+    /// Each is returned as its rows, and these as the half-edges across which their quadrilaterals
+    /// are left from west to east; rows are not shorter than columns.
     pub(super) fn find(mut self, cutoff: u32) -> Vec<Vec<Vec<u32>>> {
         let cutoff = u64::from(cutoff.max(1));
         let mut found = Vec::new();
@@ -129,8 +132,8 @@ impl PatchFinder {
         self.free_twin(rotate(h, 1)).map(|twin| rotate(twin, 1))
     }
 
-    /// Returns the eastward half-edge one row to the north, if both quadrilaterals that this one joins have neighbours there that it
-    /// joins in turn.
+    /// Returns the eastward half-edge one row to the north, if both quadrilaterals that this one
+    /// joins have neighbours there that it joins in turn.
     #[inline]
     fn next_of_column(&self, h: u32) -> Option<u32> {
         let above = self.north(h)?;
@@ -145,7 +148,8 @@ impl PatchFinder {
         half_edges().for_each(|h| heights[h as usize] = 0);
         let mut column = Vec::new();
         for h in half_edges().filter(|&h| self.free_twin(h).is_some()) {
-            // Northward to the end or to a known height; a column that comes back to itself has one height all around.
+            // Northward to the end or to a known height; a column that comes back to itself has one
+            // height all around.
             column.clear();
             let mut next = Some(h);
             while let Some(h) = next.filter(|&h| heights[h as usize] == 0) {
@@ -163,7 +167,8 @@ impl PatchFinder {
         self.grid_heights = heights;
     }
 
-    /// Finds the largest patches, those of an area of at least `1 / share` of the largest, and at least the cutoff: step 2.
+    /// Finds the largest patches, those of an area of at least `1 / share` of the largest, and at
+    /// least the cutoff: step 2.
     fn candidates(&self, cutoff: u64, share: u64) -> Vec<Patch> {
         let mut found: Vec<Patch> = Vec::new();
         let mut largest = 0;
@@ -224,8 +229,8 @@ impl PatchFinder {
         }
     }
 
-    /// Takes a patch and returns its rows, `None` if it meets another one: step 3. Of the first patch of a round, whose lines may cross
-    /// themselves, the part that is free is enough.
+    /// Takes a patch and returns its rows, `None` if it meets another one: step 3. Of the first
+    /// patch of a round, whose lines may cross themselves, the part that is free is enough.
     fn claim(&mut self, patch: Patch, cutoff: u64, is_first: bool) -> Option<Vec<Vec<u32>>> {
         let mut rows: Vec<Vec<u32>> = Vec::new();
         let (mut first, mut width) = (Some(patch.corner), patch.width as usize);
@@ -273,7 +278,8 @@ fn rotate(h: u32, corners: u32) -> u32 {
     h & !3 | (h + corners) & 3
 }
 
-/// Returns the half-edges of one path through all rows of a patch, every other row from east to west.
+/// Returns the half-edges of one path through all rows of a patch, every other row from east to
+/// west.
 pub(super) fn serpentine(graph: &DualGraph, rows: &[Vec<u32>]) -> Vec<u32> {
     let rotate = |h: u32, corners: u32| {
         let first = graph.half_edges(graph.face_of(HalfEdge(h))).next().map_or(0, |h| h.0);

@@ -1,13 +1,17 @@
-//! The polygon triangulator: cuts the faces of a strip into triangles so that the strip has as few swaps as they allow.
+//! The polygon triangulator: cuts the faces of a strip into triangles so that the strip has as few
+//! swaps as they allow.
 //!
 //! # Algorithm
-//! 1. The least number of swaps is computed from the strip's first face to its last, for either last turn; see
-//!    [`super::turn_sequence`]. The first face has no entry and the last no exit, so that one may be chosen for them.
-//! 2. The winding determines on which side the first turn of a strip is free, seen from either of its ends. So step 1 is done twice:
-//!    with a good beginning, and with a good end.
-//! 3. Backward from the better end, each face gets its turns, and the turns determine its triangles.
+//! 1. The least number of swaps is computed from the strip's first face to its last, for either
+//!    last turn; see [`super::turn_sequence`]. The first face has no entry and the last no exit, so
+//!    that one may be chosen for them.
+//! 2. The winding determines on which side the first turn of a strip is free, seen from either of
+//!    its ends. So step 1 is done twice: with a good beginning, and with a good end.
+//! 3. Backward from the better end, each face gets its turns, and the turns determine its
+//!    triangles.
 //!
-//! With [`Diagonals::Passing`] the turns are those that had the fewest swaps when the strip passed a face, from its first face on.
+//! With [`Diagonals::Passing`] the turns are those that had the fewest swaps when the strip passed
+//! a face, from its first face on.
 //!
 //! # Complexity
 //! O(n); 4 bytes per triangle for the links, which are set when the triangulation is complete.
@@ -22,7 +26,8 @@ use crate::ids::HalfEdge;
 use crate::mesh::Faces;
 use crate::stripify::StripPlan;
 
-/// A face on a strip: where the strip enters and leaves it, and how many triangles advance on either chain between.
+/// A face on a strip: where the strip enters and leaves it, and how many triangles advance on
+/// either chain between.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StripFace {
     pub(super) face: u32,
@@ -73,7 +78,8 @@ pub(super) struct PolygonTriangulator<'a> {
     diagonals: TurnDiagonals,
     /// Half-edges over which a triangle is linked to the one before.
     linked: Vec<u32>,
-    /// The least swaps at the exit of each face of the current strip but the last, and the last turns that are chosen there.
+    /// The least swaps at the exit of each face of the current strip but the last, and the last
+    /// turns that are chosen there.
     swaps: Vec<LeastSwaps>,
     last_turns: Vec<usize>,
     /// The turns in the current face.
@@ -91,7 +97,8 @@ impl StripSink for PolygonTriangulator<'_> {
         };
         let last_size = remaining.size(last.face);
         self.choose_last_turns(strip, remaining.size(first.face), last_size);
-        // The entry of the first face lies before its exit by as many corners as advance on chain A, and one.
+        // The entry of the first face lies before its exit by as many corners as advance on chain
+        // A, and one.
         let length = remaining.size(first.face) - 2;
         let first_turn = alternate(self.last_turns[0], length - 1);
         let counts = alternating_counts(length, first_turn);
@@ -176,7 +183,8 @@ impl<'a> PolygonTriangulator<'a> {
         swaps
     }
 
-    /// Cuts triangles from an entry on, by the turns. A strip leaves a part of a polygon by its exit's own corners.
+    /// Cuts triangles from an entry on, by the turns. A strip leaves a part of a polygon by its
+    /// exit's own corners.
     fn cut_from(
         &mut self,
         entry: u32,
@@ -186,7 +194,8 @@ impl<'a> PolygonTriangulator<'a> {
     ) {
         let original = remaining.original_face(entry) as usize;
         let base = self.faces.range(original).start as u32;
-        // A strip passes only over edges of original faces; where it passes over none, the face is whole.
+        // A strip passes only over edges of original faces; where it passes over none, the face is
+        // whole.
         let next = if strip_face.entry.is_some() {
             remaining.next_in_original(entry)
         } else {

@@ -1,7 +1,8 @@
-//! `quad-rows`: our strips along the rows of patches, with the fewest vertices of the methods that start from patches.
+//! `quad-rows`: our strips along the rows of patches, with the fewest vertices of the methods that
+//! start from patches.
 //!
-//! It begins as STRIPE's global algorithm does, with the rows of the largest patches of quadrilaterals. But rows are no fixed pieces, and
-//! swaps and short ends count in every choice:
+//! It begins as STRIPE's global algorithm does, with the rows of the largest patches of
+//! quadrilaterals. But rows are no fixed pieces, and swaps and short ends count in every choice:
 //!
 //! ```text
 //!   ┌───┬───┬───┬───┐ ╲        the rows of the patch, then their ends: each row grows into
@@ -12,21 +13,24 @@
 //! ```
 //!
 //! # Algorithm
-//! 1. The largest patch gives its rows. Faces that are in a strip already divide a row; sections of fewer than three
-//!    quadrilaterals are left to step 3.
+//! 1. The largest patch gives its rows. Faces that are in a strip already divide a row; sections of
+//!    fewer than three quadrilaterals are left to step 3.
 //! 2. Each row grows at both ends, by step 3's rule. Then comes the next largest patch.
-//! 3. The rest is covered locally: a strip leaves over the edge of the least sum of neighbours and weighted swaps, and takes only
-//!    the part of a polygon up to that edge, but no rest with fewer than two neighbours remains.
+//! 3. The rest is covered locally: a strip leaves over the edge of the least sum of neighbours and
+//!    weighted swaps, and takes only the part of a polygon up to that edge, but no rest with fewer
+//!    than two neighbours remains.
 //! 4. The diagonals of all polygons of a strip are chosen together, for the fewest swaps.
 //!
-//! For skyscraper, triceratops and power lines, a cutoff of 5 sends 4537, 6737 and 10084 vertices; for the published rows the papers
-//! have 4616, 6911 and 10621, later 4849, 7248 and 10417.
+//! For skyscraper, triceratops and power lines, a cutoff of 5 sends 4537, 6737 and 10084 vertices;
+//! for the published rows the papers have 4616, 6911 and 10621, later 4849, 7248 and 10417.
 //!
 //! # References
-//! The patches: section 3.2 of the paper by Evans, Skiena and Varshney; see [`super`]. The rest is ours.
+//! The patches: section 3.2 of the paper by Evans, Skiena and Varshney; see [`super`]. The rest is
+//! ours.
 //!
 //! # Complexity
-//! O(n log n) time at worst; patches take a few rounds of O(n). About 40 bytes per triangle beside the triangulation.
+//! O(n log n) time at worst; patches take a few rounds of O(n). About 40 bytes per triangle beside
+//! the triangulation.
 
 use super::local::{ExitRule, LocalStripper, PathEnds, StripRules};
 use super::patch::PatchFinder;
@@ -40,8 +44,9 @@ use crate::error::Error;
 use crate::prepare::PreparedFaces;
 use crate::stripify::{LastTie, StripPlan};
 
-/// The shortest section of a row that becomes a strip. Over eight polygon models 2 sends 0.1 % more vertices, and 5 sends 0.25 %
-/// fewer, but then a cutoff of 5 would have no effect on patches of short rows.
+/// The shortest section of a row that becomes a strip. Over eight polygon models 2 sends 0.1 % more
+/// vertices, and 5 sends 0.25 % fewer, but then a cutoff of 5 would have no effect on patches of
+/// short rows.
 const MIN_ROW_LENGTH: usize = 3;
 
 const RULES: StripRules = StripRules {

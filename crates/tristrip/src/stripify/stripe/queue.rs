@@ -1,11 +1,13 @@
-//! A bucket queue: remaining faces ordered by a small number that changes in small steps, each found and moved in constant time.
+//! A bucket queue: remaining faces ordered by a small number that changes in small steps, each
+//! found and moved in constant time.
 //!
 //! # Algorithm
-//! One doubly linked list per key. A face that is added or moved goes to the front of its list or to its end: see [`QueueOrder`].
+//! One doubly linked list per key. A face that is added or moved goes to the front of its list or
+//! to its end: see [`QueueOrder`].
 //!
 //! # Complexity
-//! O(1) for adding, moving and removing; finding the least key is O(1) on average, because keys fall by one at a time.
-//! 12 bytes per face and 8 per key.
+//! O(1) for adding, moving and removing; finding the least key is O(1) on average, because keys
+//! fall by one at a time. 12 bytes per face and 8 per key.
 
 use crate::ids::OptionalId;
 

@@ -1,7 +1,9 @@
-//! Remaining faces: what strips have left of the faces, how many neighbours each has, and which has the fewest.
+//! Remaining faces: what strips have left of the faces, how many neighbours each has, and which has
+//! the fewest.
 //!
-//! At first these are all faces. A strip takes a remaining face as a whole, or, with partial triangulation, only the part between
-//! the edges by which it enters and leaves; the rest becomes one or two smaller faces, one of which gets a new number.
+//! At first these are all faces. A strip takes a remaining face as a whole, or, with partial
+//! triangulation, only the part between the edges by which it enters and leaves; the rest becomes
+//! one or two smaller faces, one of which gets a new number.
 //!
 //! ```text
 //!     k'────k           the strip enters across 0 → 1 and leaves across k → k'
@@ -12,21 +14,23 @@
 //! ```
 //!
 //! # Complexity
-//! O(1) per edge taken; O(log n) per corner where polygons are cut, because the smaller rest gets the new number.
-//! 12 bytes per corner while polygons are cut, 17 per face.
+//! O(1) per edge taken; O(log n) per corner where polygons are cut, because the smaller rest gets
+//! the new number. 12 bytes per corner while polygons are cut, 17 per face.
 
 use super::queue::{BucketQueue, QueueOrder};
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge, OptionalId};
 
-/// How many edges of a polygon are examined, on either side, where examining all could make large polygons slow.
+/// How many edges of a polygon are examined, on either side, where examining all could make large
+/// polygons slow.
 pub(super) const REACH: u32 = 32;
 
 /// The faces, or parts of faces, that are not yet in a strip.
 #[derive(Debug)]
 pub(super) struct RemainingFaces<'a> {
     graph: &'a DualGraph,
-    /// The corners of the remaining faces, where polygons may be cut; otherwise they are those of the graph.
+    /// The corners of the remaining faces, where polygons may be cut; otherwise they are those of
+    /// the graph.
     rings: Option<FaceRings>,
     /// By face: edges that lead to a face which is free, or was when this one was taken.
     adjacency: Vec<u32>,
@@ -34,7 +38,8 @@ pub(super) struct RemainingFaces<'a> {
     queue: BucketQueue,
 }
 
-/// Corners in rings, one per remaining face. A corner stands for the edge to the next one of its ring.
+/// Corners in rings, one per remaining face. A corner stands for the edge to the next one of its
+/// ring.
 #[derive(Debug)]
 struct FaceRings {
     next: Vec<u32>,
@@ -57,7 +62,8 @@ struct RingSide {
 }
 
 impl<'a> RemainingFaces<'a> {
-    /// Starts with all faces; `partial` lets strips take parts of polygons, and `starts` chooses among those of fewest neighbours.
+    /// Starts with all faces; `partial` lets strips take parts of polygons, and `starts` chooses
+    /// among those of fewest neighbours.
     pub(super) fn new(graph: &'a DualGraph, partial: bool, starts: QueueOrder) -> Self {
         let face_count = graph.face_count() as u32;
         let faces = || (0..face_count).map(FaceId);
@@ -111,8 +117,8 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Returns the half-edge and the free face on the other side of an edge. If a strip has passed there and the edge is now inside
-    /// its original face, the other side is not free.
+    /// Returns the half-edge and the free face on the other side of an edge. If a strip has passed
+    /// there and the edge is now inside its original face, the other side is not free.
     #[inline]
     pub(super) fn across(&self, half_edge: u32) -> Option<(u32, u32)> {
         let twin = self.graph.twin_of(half_edge)?;
@@ -168,7 +174,8 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Returns the original face of a half-edge, which is its remaining face where polygons are not cut.
+    /// Returns the original face of a half-edge, which is its remaining face where polygons are not
+    /// cut.
     #[inline]
     pub(super) fn original_face(&self, half_edge: u32) -> u32 {
         self.graph.face_of(HalfEdge(half_edge)).0
@@ -180,8 +187,9 @@ impl<'a> RemainingFaces<'a> {
         self.graph.twin_of(half_edge)
     }
 
-    /// Checks whether at least two of the next `edge_count` edges, from a corner on, have a free face on the other side. Of many edges
-    /// only the first are examined, and the answer is then yes.
+    /// Checks whether at least two of the next `edge_count` edges, from a corner on, have a free
+    /// face on the other side. Of many edges only the first are examined, and the answer is then
+    /// yes.
     pub(super) fn has_two_neighbours(&self, first: u32, edge_count: u32) -> bool {
         let mut corner = first;
         let mut found = 0;
@@ -253,8 +261,9 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Cuts what a strip needs out of a taken face, which it enters across the first half-edge and leaves across the second,
-    /// the `exit_offset`th after it. `rests` tells on which sides the rest remains, by the side's chain; it becomes free.
+    /// Cuts what a strip needs out of a taken face, which it enters across the first half-edge and
+    /// leaves across the second, the `exit_offset`th after it. `rests` tells on which sides the
+    /// rest remains, by the side's chain; it becomes free.
     pub(super) fn cut(&mut self, face: u32, [entry, exit]: [u32; 2], exit_offset: u32, rests: [bool; 2]) {
         let size = self.size(face);
         if size == 3 {

@@ -81,7 +81,8 @@ fn a_full_patch_costs_three_swaps_per_row_change() {
     }
 }
 
-/// Section 3.2: strips along rows have the faces of their rows only; the strip of a full patch grows backward and forward.
+/// Section 3.2: strips along rows have the faces of their rows only; the strip of a full patch
+/// grows backward and forward.
 #[test]
 fn rows_do_not_grow_and_full_patches_do() {
     // A grid of six by two, and a triangle at each end of its rows.
@@ -125,8 +126,9 @@ fn a_cube_is_one_strip_when_its_diagonals_are_free() {
     }
 }
 
-/// Evans et al. 1996, section 3.1: partial triangulation gives a sequential strip of the cube, which a triangulation in advance need
-/// not have. The exits without a swap are chosen at random, so not every seed finds it.
+/// Evans et al. 1996, section 3.1: partial triangulation gives a sequential strip of the cube,
+/// which a triangulation in advance need not have. The exits without a swap are chosen at random,
+/// so not every seed finds it.
 #[test]
 fn a_cube_is_one_sequential_strip_by_partial_faces() {
     let found = |triangulation| {
@@ -179,7 +181,8 @@ fn random_ties_follow_the_seed() {
     assert!((1..9).any(|seed| strips(&m, random, seed) != strips(&m, random, 0)));
 }
 
-/// Checks the remaining faces at the end of every strip, and counts the swaps that the strips should cost, by brute force over the turns.
+/// Checks the remaining faces at the end of every strip, and counts the swaps that the strips
+/// should cost, by brute force over the turns.
 struct CheckingSink<'a> {
     triangulator: PolygonTriangulator<'a>,
     swaps: usize,
@@ -195,7 +198,8 @@ impl StripSink for CheckingSink<'_> {
     }
 }
 
-/// Plans strips of whole or partial faces, with checks, and returns the swaps that they should cost.
+/// Plans strips of whole or partial faces, with checks, and returns the swaps that they should
+/// cost.
 fn checked_plan<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
@@ -209,7 +213,8 @@ fn checked_plan<'a>(
     (sink.triangulator.finish(), sink.swaps)
 }
 
-/// Generates quadrilaterals, triangles and larger faces: a grid some of whose faces are merged, cut, doubled, reversed or missing.
+/// Generates quadrilaterals, triangles and larger faces: a grid some of whose faces are merged,
+/// cut, doubled, reversed or missing.
 fn any_polygons() -> impl Strategy<Value = Vec<Vec<u32>>> {
     (1..7_u32, 1..7_u32, prop::collection::vec(0..12_u8, 36)).prop_map(|(width, height, changes)| {
         let mut polygons: Vec<Vec<u32>> = Vec::new();
@@ -285,7 +290,8 @@ proptest! {
         let mesh = mesh(&polygons);
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
-        // Diagonals that are chosen together have the fewest; those of a passing strip cannot have fewer.
+        // Diagonals that are chosen together have the fewest; those of a passing strip cannot have
+        // fewer.
         let together = StripRules { diagonals: TurnDiagonals::Together, ..StripRules::PUBLISHED.with_ties(TIES[ties]) };
         let (plan, swaps) = checked_plan(&prepared, &graph, false, together);
         prop_assert_eq!(Metrics::of(&plan.strips()).swaps, swaps);

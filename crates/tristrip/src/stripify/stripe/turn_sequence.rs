@@ -1,8 +1,9 @@
-//! Turn sequences: how a strip turns, and which order of turns inside polygons costs the fewest swaps.
+//! Turn sequences: how a strip turns, and which order of turns inside polygons costs the fewest
+//! swaps.
 //!
-//! A strip runs between two chains of vertices, A and B. Each triangle advances on one of them, which is its *turn*; a swap is needed
-//! wherever two consecutive turns are equal. A polygon only determines how many turns of each kind lie between its entry and its
-//! exit, not their order.
+//! A strip runs between two chains of vertices, A and B. Each triangle advances on one of them,
+//! which is its *turn*; a swap is needed wherever two consecutive turns are equal. A polygon only
+//! determines how many turns of each kind lie between its entry and its exit, not their order.
 //!
 //! ```text
 //!         b'─────b''         entry b → a; chain A: a, a'; chain B: b, b', b''
@@ -11,8 +12,9 @@
 //! ```
 //!
 //! # Algorithm
-//! The least number of swaps up to an edge, for either last turn, follows from that at the edge before (Viterbi 1967). So a
-//! strip knows at each face what every exit costs, and the orders of all its polygons are chosen together at its end.
+//! The least number of swaps up to an edge, for either last turn, follows from that at the edge
+//! before (Viterbi 1967). So a strip knows at each face what every exit costs, and the orders of
+//! all its polygons are chosen together at its end.
 //!
 //! # Complexity
 //! O(1) per face.
@@ -55,7 +57,8 @@ impl LeastSwaps {
         }))
     }
 
-    /// Returns the swaps at the exit of a face as [`Self::through`], of those orders that are still open then.
+    /// Returns the swaps at the exit of a face as [`Self::through`], of those orders that are still
+    /// open then.
     pub(super) fn passing(self, counts: TurnCounts, diagonals: TurnDiagonals) -> Self {
         let mut swaps = self.through(counts);
         if diagonals == TurnDiagonals::Passing {
@@ -90,7 +93,8 @@ fn run_counts(counts: TurnCounts, first: usize, last: usize) -> Option<TurnCount
     (is_possible && runs[last] > 0).then_some(runs)
 }
 
-/// Returns the first turn and the swaps of the best order after the turn `before` that ends in `last`.
+/// Returns the first turn and the swaps of the best order after the turn `before` that ends in
+/// `last`.
 fn best_order(counts: TurnCounts, before: usize, last: usize) -> Option<(usize, u32)> {
     // The turn that needs no swap is tried first.
     [1 - before, before]
@@ -127,7 +131,8 @@ pub(super) fn alternating_counts(length: u32, first: usize) -> TurnCounts {
     counts
 }
 
-/// Returns the last of `length` turns that alternate after the turn `before`; that turn itself for length 0.
+/// Returns the last of `length` turns that alternate after the turn `before`; that turn itself for
+/// length 0.
 pub(super) fn alternate(before: usize, length: u32) -> usize {
     if length.is_multiple_of(2) { before } else { 1 - before }
 }

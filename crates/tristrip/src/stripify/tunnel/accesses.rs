@@ -1,4 +1,5 @@
-//! Accesses to nodes: the unit in which searches for tunnels are measured, and at which the watch is asked.
+//! Accesses to nodes: the unit in which searches for tunnels are measured, and at which the watch
+//! is asked.
 
 use crate::cover::PathCover;
 use crate::stripify::watch::{Progress, Watch};

@@ -59,8 +59,9 @@ impl SearchContext<'_> {
         })
     }
 
-    /// Calls a function for every step from a triangle over edges that the tunnel so far does not contain, with the triangle that it leads
-    /// to: `None` for a step that ends the tunnel at a terminal.
+    /// Calls a function for every step from a triangle over edges that the tunnel so far does not
+    /// contain, with the triangle that it leads to: `None` for a step that ends the tunnel at a
+    /// terminal.
     #[inline]
     pub(in crate::stripify) fn for_each_step(
         &self,

@@ -1,4 +1,5 @@
-//! A tunnel under construction: its steps so far, and the steps that a depth-first search has still to try.
+//! A tunnel under construction: its steps so far, and the steps that a depth-first search has still
+//! to try.
 
 use super::accesses::{AccessCounter, SearchOutcome};
 use super::context::SearchContext;
@@ -47,8 +48,9 @@ impl PartialTunnel {
         context.for_each_step(&self.steps, from, |step, _| candidates.push((depth, step)));
     }
 
-    /// Tries steps until one ends the tunnel without a loop, there are none left, or `max_accesses` have been tried. Every step over two
-    /// triangles `v` and `b` is passed to a function, which may add it and further steps to try.
+    /// Tries steps until one ends the tunnel without a loop, there are none left, or `max_accesses`
+    /// have been tried. Every step over two triangles `v` and `b` is passed to a function, which
+    /// may add it and further steps to try.
     #[inline]
     pub(in crate::stripify) fn search(
         &mut self,
@@ -77,8 +79,8 @@ impl PartialTunnel {
         SearchOutcome::NotFound
     }
 
-    /// Adds a step over triangle `v` to `b`, if their black edge is not cut and at most `max_loops` loops are closed then. Returns
-    /// whether it did.
+    /// Adds a step over triangle `v` to `b`, if their black edge is not cut and at most `max_loops`
+    /// loops are closed then. Returns whether it did.
     #[inline]
     pub(in crate::stripify) fn try_step(
         &mut self,

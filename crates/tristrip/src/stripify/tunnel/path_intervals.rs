@@ -1,7 +1,7 @@
 //! Path intervals: the cover as it would be after the steps of a tunnel, without writing to it.
 //!
-//! The cuts of a tunnel divide paths into intervals of positions, a few dozen of them, and its links lead from an end of one interval to an
-//! end of another.
+//! The cuts of a tunnel divide paths into intervals of positions, a few dozen of them, and its
+//! links lead from an end of one interval to an end of another.
 //!
 //! ```text
 //!   path 4:  0 ━ 1 ━ 2 ━ 3 ━ 4 ━ 5      cut between 3 and 4, end 0 of path 9 linked to 3:
@@ -37,7 +37,8 @@ struct UndoRecord {
     linked: [u32; 2],
 }
 
-/// The intervals of a tunnel so far. The ends of interval `i` are numbered `2 i` at its first, `2 i + 1` at its last triangle.
+/// The intervals of a tunnel so far. The ends of interval `i` are numbered `2 i` at its first,
+/// `2 i + 1` at its last triangle.
 #[derive(Debug, Default)]
 pub(super) struct PathIntervals {
     intervals: Vec<PathInterval>,
@@ -70,8 +71,8 @@ impl PathIntervals {
         self.intervals.len() as u32 - 1
     }
 
-    /// Links the tip to triangle `v`, then cuts `v` from its neighbour `b` on its path, which is the new tip. Returns whether they
-    /// were still neighbours; otherwise nothing changes.
+    /// Links the tip to triangle `v`, then cuts `v` from its neighbour `b` on its path, which is
+    /// the new tip. Returns whether they were still neighbours; otherwise nothing changes.
     pub(super) fn step(&mut self, tags: &PathTags, v: u32, b: u32) -> bool {
         let (interval_count, tip, loops) = (self.intervals.len() as u32, self.tip, self.loops);
         let split = self.interval_of(tags, v);
@@ -121,7 +122,8 @@ impl PathIntervals {
         (self.tip, self.loops) = (record.tip, record.loops);
     }
 
-    /// Checks whether the tunnel may end at terminal `x`: whether no loop is left when the tip is linked with it.
+    /// Checks whether the tunnel may end at terminal `x`: whether no loop is left when the tip is
+    /// linked with it.
     pub(super) fn may_end_at(&mut self, tags: &PathTags, x: u32) -> bool {
         let interval_count = self.intervals.len();
         let i = self.interval_of(tags, x);

@@ -1,8 +1,11 @@
-//! Tags: which path each triangle is on, and where, so that a search finds out whether a step would close a loop.
+//! Tags: which path each triangle is on, and where, so that a search finds out whether a step would
+//! close a loop.
 //!
-//! Porcu and Scateni tag every node with its strip, and rewrite the tags node by node whenever a search links or cuts. Here a tag is a
-//! path and a position on it, and a search writes none (see `path_intervals`). Only a complement that is kept writes tags. It divides
-//! the paths that it changes into intervals and links those to new paths; the longest interval of each keeps its tags.
+//! Porcu and Scateni tag every node with its strip, and rewrite the tags node by node whenever a
+//! search links or cuts. Here a tag is a path and a position on it, and a search writes none (see
+//! `path_intervals`). Only a complement that is kept writes tags. It divides the paths that it
+//! changes into intervals and links those to new paths; the longest interval of each keeps its
+//! tags.
 //!
 //! ```text
 //!   path 4:  0 ━ 1 ━ 2 ━ 3 ┃ 4 ━ 5        cut between 3 and 4, 3 linked with the first of path 9:
@@ -14,7 +17,8 @@
 //! Porcu, Scateni: *An Iterative Stripification Algorithm Based on Dual Graph Operations*, 2003.
 //!
 //! # Complexity
-//! 8 bytes per triangle and 12 per path. A complement takes O(steps · log steps + length of the intervals that do not keep their tags).
+//! 8 bytes per triangle and 12 per path. A complement takes O(steps · log steps + length of the
+//! intervals that do not keep their tags).
 
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
@@ -113,8 +117,8 @@ impl PathTags {
         self.ends[path as usize][1].get().map_or(0, |last| self.position(last))
     }
 
-    /// Complements a tunnel: cuts its black edges, links its red ones, and rewrites the tags that change. Returns the length of the paths
-    /// that changed.
+    /// Complements a tunnel: cuts its black edges, links its red ones, and rewrites the tags that
+    /// change. Returns the length of the paths that changed.
     pub(in crate::stripify) fn complement(
         &mut self,
         graph: &DualGraph,
@@ -198,8 +202,8 @@ impl PathTags {
         (i as u32, usize::from(interval.triangles[0] != triangle || interval.links[0].is_some()))
     }
 
-    /// Follows a new path beyond a side of an interval, and marks its intervals. Returns their length in triangles and the triangle at the
-    /// end.
+    /// Follows a new path beyond a side of an interval, and marks its intervals. Returns their
+    /// length in triangles and the triangle at the end.
     fn follow(&mut self, interval: u32, side: usize) -> (u32, u32) {
         let (mut at, mut length) = ((interval, side), 0_u32);
         while let Some((next, entry)) = self.intervals[at.0 as usize].links[at.1] {

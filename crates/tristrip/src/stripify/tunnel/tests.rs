@@ -1,4 +1,5 @@
-//! Tests of tunnels: a brute force that really cuts and links, against the searches that only simulate it.
+//! Tests of tunnels: a brute force that really cuts and links, against the searches that only
+//! simulate it.
 
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -79,7 +80,8 @@ pub(in crate::stripify) fn graph_and_cover() -> impl Strategy<Value = (DualGraph
     })
 }
 
-/// Checks that steps are an alternating path of the cover between terminals, without repeated edges.
+/// Checks that steps are an alternating path of the cover between terminals, without repeated
+/// edges.
 fn is_tunnel(graph: &DualGraph, cover: &PathCover, from: u32, steps: &[TunnelStep]) -> bool {
     let mut tip = FaceId(from);
     let mut edges = Vec::new();
@@ -240,7 +242,8 @@ pub(in crate::stripify) fn torus(around: u32, through: u32) -> DualGraph {
     DualGraph::new(&Faces::from_triangles(corners.collect()).unwrap())
 }
 
-/// Checks that a watch stops a search that joins the triangles of a closed grid, and that the cover is valid then.
+/// Checks that a watch stops a search that joins the triangles of a closed grid, and that the cover
+/// is valid then.
 pub(in crate::stripify) fn check_watch(join: impl Fn(&DualGraph, &mut PathCover, &dyn Watch)) {
     let graph = torus(90, 60);
     let strips = [1, 2, 1000].map(|times| {

@@ -30,7 +30,8 @@ fn accepts_every_triangulation_and_nothing_else() {
     assert!(matches!(changed(2, [3, 4, 2]), Unproven::Boundary { face: 1, .. }), "flipped");
 }
 
-/// A square with a square hole, as one polygon over a bridge: a triangle and its reverse, which cancel, are too many.
+/// A square with a square hole, as one polygon over a bridge: a triangle and its reverse, which
+/// cancel, are too many.
 #[test]
 fn a_polygon_with_a_bridge_has_no_more_triangles_than_its_corners_allow() {
     let faces = Faces::from_polygons([[0, 1, 2, 3, 0, 4, 7, 6, 5, 4]]).unwrap();
@@ -66,7 +67,8 @@ fn many_polygons_over_the_same_corners_take_linear_time() {
 
 #[test]
 fn many_polygons_over_almost_the_same_corners_take_linear_time() {
-    // Polygons of 255 common corners, from various ones on, and one of their own; each is cut from its own corner.
+    // Polygons of 255 common corners, from various ones on, and one of their own; each is cut from
+    // its own corner.
     let polygon = |i: u32, size: u32| {
         let common = (0..size - 1).map(move |k| (k + 7 * i) % (size - 1));
         common.chain([size + i]).collect::<Vec<_>>()

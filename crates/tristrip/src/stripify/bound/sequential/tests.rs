@@ -8,7 +8,8 @@ use crate::prepare::PreparedFaces;
 use crate::strip::{emit, path_cost};
 use crate::verify::verify;
 
-/// Returns the vertices of the best strip without a swap, if there is any, by trying every triangle, exit and side of the first turn.
+/// Returns the vertices of the best strip without a swap, if there is any, by trying every
+/// triangle, exit and side of the first turn.
 fn least_vertices_without_swap(graph: &DualGraph) -> Option<usize> {
     let n = graph.face_count();
     let edge = |h: u32, by: u32| h - h % 3 + (h % 3 + by) % 3;
@@ -77,7 +78,8 @@ proptest! {
     }
 }
 
-/// Returns the least number of runs that cover the triangles, by trying for the first triangle left every run that contains it.
+/// Returns the least number of runs that cover the triangles, by trying for the first triangle left
+/// every run that contains it.
 fn least_runs(all: &[u32], left: u32) -> usize {
     if left == 0 {
         return 0;
@@ -114,7 +116,8 @@ proptest! {
 
 #[test]
 fn rows_of_a_grid_are_its_runs() {
-    // Four rows of six squares: the longest runs are the rows; those along the diagonal are shorter.
+    // Four rows of six squares: the longest runs are the rows; those along the diagonal are
+    // shorter.
     let corner = |x: u32, y: u32| 7 * y + x;
     let squares = (0..4).flat_map(|y| (0..6).map(move |x| (x, y)));
     let corners = squares.flat_map(|(x, y)| {
@@ -144,16 +147,18 @@ fn empty_and_polygon_meshes_have_no_strip() {
     assert_eq!(sequential_strip(&polygon), None);
 }
 
-/// A gadget of the paper's section 5: a polygon of corners 1 to n around the vertex 0, triangulated except for one pentagon, and the
-/// oriented edges over which its two sequential triangulations are entered and left.
+/// A gadget of the paper's section 5: a polygon of corners 1 to n around the vertex 0, triangulated
+/// except for one pentagon, and the oriented edges over which its two sequential triangulations are
+/// entered and left.
 struct Gadget {
     name: &'static str,
     obj: &'static str,
     ways: [([u32; 2], [u32; 2]); 2],
 }
 
-/// Lemmas 1 and 2 for n = 4 and 5, from their statements, since the paper has them only as drawings. An exhaustive search finds no
-/// others, except for n = 5 another first way that has less in common with the second.
+/// Lemmas 1 and 2 for n = 4 and 5, from their statements, since the paper has them only as
+/// drawings. An exhaustive search finds no others, except for n = 5 another first way that has less
+/// in common with the second.
 const GADGETS: [Gadget; 4] = [
     Gadget {
         name: "lemma 1, n = 4",
@@ -177,7 +182,8 @@ const GADGETS: [Gadget; 4] = [
     },
 ];
 
-/// Reads the faces of a gadget and the positions of its vertices. The inner vertex, the last one of the file, becomes vertex 0.
+/// Reads the faces of a gadget and the positions of its vertices. The inner vertex, the last one of
+/// the file, becomes vertex 0.
 fn read(obj: &str) -> (Vec<Vec<u32>>, Vec<[f64; 2]>) {
     fn numbers<T: std::str::FromStr<Err: std::fmt::Debug>>(line: &str) -> Vec<T> {
         line.split(' ').skip(1).map(|word| word.parse().unwrap()).collect()
@@ -197,7 +203,8 @@ fn triangulations(polygon: &[u32]) -> Vec<Vec<[u32; 3]>> {
     if n < 3 {
         return vec![Vec::new()];
     }
-    // The triangle at the edge from the last corner to the first, and the polygons on its two sides.
+    // The triangle at the edge from the last corner to the first, and the polygons on its two
+    // sides.
     let apexes = 1..n - 1;
     apexes
         .flat_map(|i| {
@@ -209,8 +216,8 @@ fn triangulations(polygon: &[u32]) -> Vec<Vec<[u32; 3]>> {
         .collect()
 }
 
-/// Checks whether a strip of vertices draws each of the triangles once, with any winding, since a strip that is entered over a given
-/// edge may have to reverse it.
+/// Checks whether a strip of vertices draws each of the triangles once, with any winding, since a
+/// strip that is entered over a given edge may have to reverse it.
 fn draws(strip: &[u32], triangles: &[[u32; 3]]) -> bool {
     let sorted = |w: &[u32]| {
         let mut t = [w[0], w[1], w[2]];
@@ -224,7 +231,8 @@ fn draws(strip: &[u32], triangles: &[[u32; 3]]) -> bool {
     drawn == wanted
 }
 
-/// Checks whether a sequential strip enters over one oriented edge and leaves over another, by trying all sequences of vertices.
+/// Checks whether a sequential strip enters over one oriented edge and leaves over another, by
+/// trying all sequences of vertices.
 fn has_way(triangles: &[[u32; 3]], enter: [u32; 2], leave: [u32; 2]) -> bool {
     let vertex_count = 1 + triangles.iter().flatten().max().unwrap();
     let between = triangles.len() as u32 - 2;

@@ -31,7 +31,8 @@ impl Segment {
         if self.reversed { self.low } else { self.high }
     }
 
-    /// Splits the segment after a position, in its own direction. The second part is `None` if that is the last position.
+    /// Splits the segment after a position, in its own direction. The second part is `None` if that
+    /// is the last position.
     pub(super) fn split_after(self, position: u32) -> (Self, Option<Self>) {
         if position == self.last() {
             (self, None)
@@ -47,7 +48,8 @@ impl Segment {
     }
 }
 
-/// A path as it is now, from its head to its tail. It has no segments after it was joined to another path.
+/// A path as it is now, from its head to its tail. It has no segments after it was joined to
+/// another path.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SegmentedPath {
     pub(super) segments: Vec<Segment>,

@@ -1,4 +1,5 @@
-//! The changes of paths: steps of a walk, and cuts. Each changes the links of the cover and the segments of the paths together.
+//! The changes of paths: steps of a walk, and cuts. Each changes the links of the cover and the
+//! segments of the paths together.
 //!
 //! ```text
 //!   rotate      w ┄┄ v ━━ x         the segments after v are reversed, so that x is the tail
@@ -12,7 +13,8 @@ use super::{LinkChange, NO_EDGE, SegmentedPaths, WalkEnd, WalkStep};
 use crate::random::Random;
 
 impl SegmentedPaths<'_> {
-    /// Divides a path's segments after a triangle in segment `i`. Returns the index of the segment at which the second part begins.
+    /// Divides a path's segments after a triangle in segment `i`. Returns the index of the segment
+    /// at which the second part begins.
     fn split_after(&mut self, path: usize, i: usize, t: u32) -> usize {
         let segments = &mut self.changed[path].segments;
         let (first, second) = segments[i].split_after(self.positions[t as usize].position);
@@ -36,11 +38,12 @@ impl SegmentedPaths<'_> {
         self.journal.push(LinkChange::Cut(half_edge));
     }
 
-    /// Does one step from an end, but not back: joins it to an adjacent end of another path if there is one, otherwise moves the end
-    /// by two triangles.
+    /// Does one step from an end, but not back: joins it to an adjacent end of another path if
+    /// there is one, otherwise moves the end by two triangles.
     ///
-    /// If the two ends of a path are adjacent, the path can be closed and opened anywhere else. That is done if the end
-    /// of another path is adjacent to it, and only while there are at most `closing_limit` paths, since all their ends are examined.
+    /// If the two ends of a path are adjacent, the path can be closed and opened anywhere else.
+    /// That is done if the end of another path is adjacent to it, and only while there are at most
+    /// `closing_limit` paths, since all their ends are examined.
     pub(in crate::stripify::fewest) fn step(
         &mut self,
         end: WalkEnd,
@@ -91,8 +94,8 @@ impl SegmentedPaths<'_> {
         WalkStep::Stuck
     }
 
-    /// Rotates a path at its tail (Pósa): links the tail to `v`, inside the path, and cuts v's link on the side toward the
-    /// tail. Refused if v is linked to the tail.
+    /// Rotates a path at its tail (Pósa): links the tail to `v`, inside the path, and cuts v's link
+    /// on the side toward the tail. Refused if v is linked to the tail.
     fn rotate(&mut self, id: usize, half_edge: u32, at: (usize, usize)) -> Option<WalkEnd> {
         let v = self.twin(half_edge) / 3;
         let toward_tail = self.half_edge_toward(at, v, true);
@@ -109,8 +112,8 @@ impl SegmentedPaths<'_> {
         Some(WalkEnd { path: id, back: Some(back) })
     }
 
-    /// Links the tail of a path to `v`, inside another one, and cuts v's link toward the other's head or its tail. The path takes
-    /// v's part; the other part has the new end.
+    /// Links the tail of a path to `v`, inside another one, and cuts v's link toward the other's
+    /// head or its tail. The path takes v's part; the other part has the new end.
     fn take_part(&mut self, id: usize, half_edge: u32, at: (usize, usize), toward_tail: bool) -> WalkEnd {
         let v = self.twin(half_edge) / 3;
         let other = at.0;
@@ -118,7 +121,8 @@ impl SegmentedPaths<'_> {
         let back = self.twin(cut);
         self.cut(cut);
         self.link(half_edge);
-        // The other path is reversed if the cut is toward its tail, so that v's part is always the second one.
+        // The other path is reversed if the cut is toward its tail, so that v's part is always the
+        // second one.
         let mut i = at.1;
         if toward_tail {
             self.changed[other].reverse();
@@ -152,8 +156,8 @@ impl SegmentedPaths<'_> {
         self.path_count -= 1;
     }
 
-    /// Closes a path across `closing` and opens it beside the end of another path, to which it is joined. Returns whether there
-    /// was such an end.
+    /// Closes a path across `closing` and opens it beside the end of another path, to which it is
+    /// joined. Returns whether there was such an end.
     fn close(&mut self, id: usize, closing: u32) -> bool {
         for y in self.other_ends(id) {
             let (a, b) = self.cover.packed_edges(y);
@@ -200,7 +204,8 @@ impl SegmentedPaths<'_> {
         ends
     }
 
-    /// Cuts the path after a triangle, toward its tail. Returns the half-edge that was cut; `None` if the path ends there.
+    /// Cuts the path after a triangle, toward its tail. Returns the half-edge that was cut; `None`
+    /// if the path ends there.
     pub(in crate::stripify::fewest) fn cut_after(&mut self, t: u32) -> Option<u32> {
         let at = self.locate(t);
         if t == self.changed[at.0].tail {
