@@ -1,13 +1,13 @@
-//! Compressed sparse rows: items grouped by a key in two arrays, by a counting sort.
+//! Compressed sparse rows: items grouped by key in two arrays, by a counting sort.
 //!
 //! ```text
 //! keys    2 0 2 1          ends   1 2 4        row 0: items 1
 //! items   0 1 2 3          items  1 3 0 2      row 1: items 3      row 2: items 0 2
 //! ```
 //! # Complexity
-//! O(items + keys) time; 4 bytes per key, and per item its size, 4 bytes for a number.
+//! O(items + keys) time. 4 bytes per key, and the size of the item per item (4 bytes for an index).
 
-/// Items grouped by key, in their order within a group.
+/// Items grouped by key. The order within a group is kept.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Csr<T = u32> {
     ends: Vec<u32>,
@@ -15,12 +15,12 @@ pub struct Csr<T = u32> {
 }
 
 impl Csr {
-    /// Groups the items 0, 1, 2 … by their keys, which are below `key_count`.
+    /// Groups the items 0, 1, 2 … by their keys, which must be below `key_count`.
     pub(crate) fn group(keys: impl Iterator<Item = u32> + Clone, key_count: usize) -> Self {
         Self::group_items(keys.zip(0..), key_count)
     }
 
-    /// Replaces every item; the order within the rows stays the same.
+    /// Replaces every item. The order within the rows stays the same.
     pub(crate) fn map_items(&mut self, replacement: impl Fn(u32) -> u32) {
         self.items.iter_mut().for_each(|item| *item = replacement(*item));
     }
@@ -36,9 +36,9 @@ impl Csr {
 }
 
 impl<T: Copy + Default> Csr<T> {
-    /// Groups items by their keys, which are below `key_count`.
+    /// Groups items by their keys, which must be below `key_count`.
     pub fn group_items(keyed: impl Iterator<Item = (u32, T)> + Clone, key_count: usize) -> Self {
-        // `ends[key]` moves from the start of the key's row to its end.
+        // During the loop, `ends[key]` moves from the start of the key's row to its end.
         let mut ends = vec![0_u32; key_count];
         keyed.clone().for_each(|(key, _)| ends[key as usize] += 1);
         let mut total = 0;
@@ -72,20 +72,20 @@ impl<T: Copy + Default> Csr<T> {
         self.items.len()
     }
 
-    /// Returns the items of a key in their order.
+    /// Returns the items of a key, in order.
     #[inline]
     pub fn row(&self, key: u32) -> &[T] {
         &self.items[self.range(key)]
     }
 
-    /// Returns the items of a key to change them.
+    /// Returns the items of a key for modification.
     #[inline]
     pub(crate) fn row_mut(&mut self, key: u32) -> &mut [T] {
         let range = self.range(key);
         &mut self.items[range]
     }
 
-    /// Iterates over the rows in the order of their keys.
+    /// Iterates over the rows in key order.
     #[inline]
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &[T]> + Clone {
         let mut start = 0;

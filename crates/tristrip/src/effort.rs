@@ -1,16 +1,15 @@
-//! The effort of a search: levels that count steps, never seconds, so that the result is the same
-//! on any machine.
+//! The effort of a search. Levels limit steps, not time, so results are identical on every machine.
 
-/// The effort of a search, from 0 to 9. It counts steps, never seconds, so that the result is the
-/// same on any machine.
+/// The effort of a search, from 0 to 9. A level limits steps, not time, so results are identical on
+/// every machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Effort(u8);
 
 impl Effort {
-    /// The level of the longest search.
+    /// The highest level, with the longest search.
     pub const MAX: Self = Self(9);
 
-    /// Creates a level from 0 to 9; returns `None` for larger values.
+    /// Creates a level from 0 to 9, or returns `None` for larger values.
     ///
     /// ```
     /// use tristrip::Effort;
@@ -32,7 +31,7 @@ impl Effort {
     }
 }
 
-/// About a second per 100,000 triangles.
+/// Level 5: about a second per 100,000 triangles.
 impl Default for Effort {
     fn default() -> Self {
         Self(5)

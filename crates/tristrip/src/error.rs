@@ -1,6 +1,6 @@
-//! The errors of the library, grouped by who can act on them.
+//! The errors of the library, grouped by who can fix them.
 
-/// The reason why a computation was not possible.
+/// Why a computation failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -10,7 +10,7 @@ pub enum Error {
     /// An option has an invalid value.
     #[error("parameter `{name}`: found {found}, expected {expected}")]
     Parameter {
-        /// The name of the option, as in the command line and the docs.
+        /// The name of the option, as in the command line and the documentation.
         name: &'static str,
         /// The value found.
         found: String,
@@ -20,22 +20,22 @@ pub enum Error {
     /// The bytes do not conform to their format.
     #[error("byte {offset}: found {found}, expected {expected}")]
     Format {
-        /// The position in the bytes, counted from 0.
+        /// The byte offset, counted from 0.
         offset: u64,
-        /// What was found there.
+        /// What was found at the offset.
         found: String,
         /// What the format requires.
         expected: String,
     },
-    /// There are more items than a limit allows: 32-bit ids, an index type, a buffer, or the
-    /// memory.
+    /// There are more items than a limit allows: that of 32-bit indices, an index type, a buffer,
+    /// or the memory.
     #[error("{what}: found {found}, the limit is {limit}")]
     LimitExceeded {
         /// The kind of item that is limited.
         what: &'static str,
         /// The number of items that the input has or needs.
         found: u64,
-        /// The largest accepted number.
+        /// The maximum number.
         limit: u64,
     },
 }
@@ -47,11 +47,11 @@ pub enum MeshProblem {
     /// A corner refers to a vertex that does not exist.
     #[error("face {face}, corner {corner}: found vertex index {found}, expected less than {vertex_count}")]
     VertexIndex {
-        /// Face, counted from 0.
+        /// Index of the face, counted from 0.
         face: u32,
         /// Corner of the face, counted from 0.
         corner: u32,
-        /// The index found.
+        /// The vertex index found.
         found: u32,
         /// Number of vertices of the mesh.
         vertex_count: u32,
@@ -65,7 +65,7 @@ pub enum MeshProblem {
         strip: u32,
         /// Position in the strip, counted from 0.
         position: u32,
-        /// The index found.
+        /// The vertex index found.
         found: u32,
         /// Number of vertices of the mesh.
         vertex_count: u32,
@@ -73,17 +73,17 @@ pub enum MeshProblem {
     /// A coordinate is NaN or infinite.
     #[error("vertex {vertex}: found coordinate {found}, expected a finite number")]
     NotFinite {
-        /// Vertex, counted from 0.
+        /// Index of the vertex, counted from 0.
         vertex: u32,
         /// The coordinate found.
         found: f32,
     },
-    /// The number of corners does not match the sizes of the faces.
+    /// The number of corners does not match the face sizes.
     #[error("faces: number of corners: found {found}, expected {expected}")]
     CornerCount {
         /// Number of corners found.
         found: u64,
-        /// Number that the faces require.
+        /// The number of corners that the faces require.
         expected: String,
     },
     /// The length of a vertex attribute does not match the number of positions.
@@ -91,7 +91,7 @@ pub enum MeshProblem {
     AttributeLength {
         /// Name of the attribute.
         name: String,
-        /// Number of vertices that it has values for.
+        /// Number of vertices that the attribute has values for.
         found: u64,
         /// Number of vertices of the mesh.
         expected: u64,

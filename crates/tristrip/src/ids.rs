@@ -1,12 +1,12 @@
 //! Ids: distinct 32-bit types for faces and half-edges, an optional id in four bytes, and the limit
-//! that keeps one value free.
+//! that reserves one value.
 
 use crate::error::Error;
 use crate::index::Index;
 use crate::text::counted;
 
-/// The largest number of vertices, faces or corners: ids have 32 bits, and the highest value stays
-/// free.
+/// Maximum number of vertices, faces or corners. Ids have 32 bits, and the highest value is
+/// reserved.
 pub const MAX_COUNT: usize = (u32::MAX - 1) as usize;
 
 /// Checks that a count is at most [`MAX_COUNT`].
@@ -17,13 +17,13 @@ pub(crate) fn check_count(what: &'static str, found: usize) -> Result<(), Error>
     Ok(())
 }
 
-/// Returns the error of an index without a vertex, at a position of an index buffer.
+/// Returns the error for an index that is out of range, at position `at` of an index buffer.
 pub(crate) fn index_out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
     let found = format!("index {vertex} at {at}, over {}", counted(vertex_count, "vertex"));
     Error::Parameter { name: "indices", found, expected: "less than the number of vertices" }
 }
 
-/// Returns the vertices of indices.
+/// Converts indices to vertices.
 ///
 /// # Errors
 /// An index needs more than 32 bits.
@@ -38,16 +38,16 @@ pub(crate) fn vertices_of<I: Index>(indices: &[I]) -> Result<Vec<u32>, Error> {
     indices.iter().enumerate().map(vertex).collect()
 }
 
-/// A face of the dual graph, counted from 0.
+/// Index of a face of the dual graph, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FaceId(pub u32);
 
-/// A directed edge of a face: the corner at which it starts, counted over all faces.
+/// A directed edge of a face: the index of the corner at which it starts, counted over all faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct HalfEdge(pub u32);
 
-/// An id that may be absent, in four bytes, for packed arrays. No id reaches [`MAX_COUNT`], so one
-/// value is free.
+/// An optional id in four bytes, for packed arrays. Ids are below [`MAX_COUNT`], so one value is
+/// free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct OptionalId(u32);
 
@@ -55,14 +55,14 @@ impl OptionalId {
     /// No id.
     pub(crate) const NONE: Self = Self(u32::MAX);
 
-    /// Wraps an id, which is below `u32::MAX`.
+    /// Wraps an id below `u32::MAX`.
     #[inline]
     pub(crate) const fn some(id: u32) -> Self {
         debug_assert!(id != u32::MAX);
         Self(id)
     }
 
-    /// Returns the id, if there is one.
+    /// Returns the id, or `None`.
     #[inline]
     pub(crate) const fn get(self) -> Option<u32> {
         if self.0 == u32::MAX { None } else { Some(self.0) }

@@ -1,7 +1,6 @@
-//! The types of indices in buffers: 8, 16 and 32 bits as graphics interfaces take them, and `usize`
-//! as programs compute them.
+//! Index types of buffers: 8, 16 and 32 bits for graphics APIs, and `usize` for computed indices.
 
-/// A type of the indices in a buffer. The largest value of the type is its restart value.
+/// An index type of buffers. Its largest value is the restart value.
 ///
 /// ```
 /// use tristrip::Index;
@@ -10,20 +9,20 @@
 pub trait Index: Copy + Eq + std::fmt::Debug + Send + Sync + private::Sealed + 'static {
     /// The value that ends a strip in a buffer with restarts.
     const RESTART: Self;
-    /// What an index is called in errors, by its number of bits.
+    /// The name of the type in errors, with its number of bits.
     const DESCRIPTION: &'static str;
 
-    /// Converts a vertex; `None` if it does not fit.
+    /// Converts a vertex to an index, or returns `None` if it does not fit.
     ///
     /// ```
     /// use tristrip::Index;
-    /// // This vertex fits 16 bits, but a buffer with restarts cannot have it.
+    /// // This vertex fits in 16 bits, but equals the restart value.
     /// assert_eq!(u16::from_vertex(65_535), Some(u16::RESTART));
     /// assert_eq!(u16::from_vertex(65_536), None);
     /// ```
     fn from_vertex(vertex: u32) -> Option<Self>;
 
-    /// Converts an index to a vertex; `None` if it needs more than 32 bits.
+    /// Converts an index to a vertex, or returns `None` if it needs more than 32 bits.
     ///
     /// ```
     /// use tristrip::Index;
@@ -36,7 +35,8 @@ pub trait Index: Copy + Eq + std::fmt::Debug + Send + Sync + private::Sealed + '
     fn to_vertex(self) -> Option<u32>;
 }
 
-/// The types are those of this file: code over indices relies on what they promise.
+/// Only the types of this file implement [`Index`], because code over indices relies on their
+/// guarantees.
 mod private {
     pub trait Sealed {}
 }

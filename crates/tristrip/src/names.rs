@@ -1,15 +1,15 @@
-//! Names of the values of an enumeration: one table gives the name and a line of help of each,
-//! `Display`, and `FromStr`.
+//! Names of enumeration values: one table defines the name and one-line help of each value,
+//! `Display` and `FromStr`.
 
-/// Gives the values of an enumeration the names that the command line and JSON use. The first
-/// argument is the path for the examples of the documentation.
+/// Names the values of an enumeration as in the command line and JSON. The first argument is the
+/// path used in the documentation examples.
 macro_rules! names {
     ($path:literal, $type:ident, $what:literal, $($value:ident => $name:literal, $summary:literal);+ $(;)?) => {
         impl $type {
             /// All values.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$value),+];
 
-            /// Returns the name of the value, as the command line and JSON have it.
+            /// Returns the name of the value, as used by the command line and JSON.
             ///
             /// ```
             #[doc = concat!("use ", $path, ";")]
@@ -24,7 +24,7 @@ macro_rules! names {
                 }
             }
 
-            /// Returns a line on the value, as the help of the command has it.
+            /// Returns the one-line summary of the value, as shown in the command's help.
             ///
             /// ```
             #[doc = concat!("use ", $path, ";")]
@@ -59,7 +59,7 @@ macro_rules! names {
     };
 }
 
-/// Lists names as the command line does: `one of: a, b, c`.
+/// Lists names for error messages: `one of: a, b, c`.
 macro_rules! one_of {
     ($first:literal $($name:literal)*) => {
         concat!("one of: ", $first $(, ", ", $name)*)

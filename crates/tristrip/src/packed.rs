@@ -1,22 +1,22 @@
-//! Numbers packed into as few bits as their largest one needs.
+//! Numbers packed into the number of bits that the largest one needs.
 //!
 //! # Complexity
 //! Reading a number takes constant time.
 
 use std::ops::Range;
 
-/// Returns the bits that numbers from 0 to `largest` need.
+/// Returns the number of bits needed for numbers from 0 to `largest`.
 pub fn bits_for(largest: u32) -> u32 {
     u32::BITS - largest.leading_zeros()
 }
 
-/// Bytes that are read at once.
+/// Number of bytes read at once.
 const READ: usize = size_of::<u64>();
 
-/// Packed numbers of any widths, one after the other.
+/// Packed numbers of any widths.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Packed {
-    /// Those of the numbers, and as many that reading the last number may reach.
+    /// The bytes of the numbers, and padding that reading the last number may reach.
     bytes: Vec<u8>,
     bit_count: usize,
 }
@@ -39,20 +39,20 @@ impl Packed {
         self.bit_count
     }
 
-    /// Returns the number of `bits` bits that begins at a bit.
+    /// Returns the number of width `bits` that starts at bit `bit`.
     #[inline]
     pub fn get(&self, bit: usize, bits: u32) -> u32 {
         low_bits(self.word_at(bit), bits)
     }
 
-    /// Returns at least 57 bits from a bit on.
+    /// Returns at least 57 bits, starting at a bit.
     #[inline]
     fn word_at(&self, bit: usize) -> u64 {
         let bytes = self.bytes.get(bit / 8..).and_then(<[u8]>::first_chunk);
         bytes.map_or(0, |&bytes| u64::from_le_bytes(bytes)) >> (bit % 8)
     }
 
-    /// Reads numbers of `bits` bits from a bit on, converted, until the target is full.
+    /// Reads numbers of width `bits` from bit `start` on, converts them, and fills the target.
     #[inline]
     pub(crate) fn unpack<T>(&self, start: usize, bits: u32, target: &mut [T], convert: impl Fn(u32) -> T) {
         match bits {
@@ -63,7 +63,8 @@ impl Packed {
         }
     }
 
-    /// The same, N numbers at once, which have at most 57 bits.
+    /// Implements [`Packed::unpack`] by reading N numbers at once. They have at most 57 bits in
+    /// total.
     #[inline]
     fn unpack_by<const N: usize, T>(
         &self,
@@ -88,13 +89,13 @@ impl Packed {
         }
     }
 
-    /// Returns two numbers that follow each other.
+    /// Returns two consecutive numbers.
     #[inline]
     pub fn get_pair(&self, bit: usize, bits: [u32; 2]) -> [u32; 2] {
         [self.get(bit, bits[0]), self.get(bit + bits[0] as usize, bits[1])]
     }
 
-    /// Returns the memory in bytes.
+    /// Returns the size in memory, in bytes.
     pub(crate) fn memory(&self) -> usize {
         size_of_val(&self.bytes[..])
     }
@@ -105,7 +106,7 @@ fn low_bits(word: u64, bits: u32) -> u32 {
     (word & ((1 << bits) - 1)) as u32
 }
 
-/// Numbers of one width among packed ones.
+/// Numbers of one width within packed numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PackedRow<'a> {
     packed: &'a Packed,
@@ -114,19 +115,19 @@ pub struct PackedRow<'a> {
 }
 
 impl<'a> PackedRow<'a> {
-    /// Returns the numbers of `bits` bits from a bit on.
+    /// Returns the numbers of width `bits` from bit `start` on.
     pub fn new(packed: &'a Packed, start: usize, bits: u32) -> Self {
         Self { packed, start, bits }
     }
 
-    /// Returns a number by its position.
+    /// Returns a number by position.
     #[inline]
     pub fn get(&self, i: u32) -> u32 {
         self.packed.get(self.start + i as usize * self.bits as usize, self.bits)
     }
 
-    /// Returns the first position from `from` to `end` whose number is at least `least`, or `end`;
-    /// the numbers rise.
+    /// Returns the first position in `from..end` whose number is at least `least`, or `end`. The
+    /// numbers must be ascending.
     #[inline]
     pub(crate) fn first_at_least(&self, from: u32, end: u32, least: u32) -> u32 {
         let (mut low, mut high) = (from, end);
@@ -138,7 +139,7 @@ impl<'a> PackedRow<'a> {
     }
 }
 
-/// Rows of numbers, packed: compressed sparse rows in as few bits as they need.
+/// Compressed sparse rows, packed into as few bits as needed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct PackedRows {
     ends: Packed,
@@ -149,7 +150,7 @@ pub(crate) struct PackedRows {
 }
 
 impl PackedRows {
-    /// Creates rows of this number of items in all, of which none is larger than `largest`.
+    /// Creates empty rows for `item_count` items in total, none larger than `largest`.
     pub(crate) fn of_items(item_count: usize, largest: u32) -> Self {
         Self { end_bits: bits_for(item_count as u32), item_bits: bits_for(largest), ..Self::default() }
     }
@@ -194,7 +195,7 @@ impl PackedRows {
         end(rows.start)..end(rows.end)
     }
 
-    /// Returns an item by its position among all items.
+    /// Returns an item by position among all items.
     #[inline]
     pub(crate) fn item(&self, position: u32) -> u32 {
         self.items.get(position as usize * self.item_bits as usize, self.item_bits)
@@ -212,7 +213,7 @@ impl PackedRows {
         self.rows(row..row + 1)
     }
 
-    /// Returns the memory of the rows in bytes.
+    /// Returns the size in memory, in bytes.
     pub(crate) fn memory(&self) -> usize {
         self.ends.memory() + self.items.memory()
     }

@@ -1,9 +1,9 @@
-//! Random numbers from a seed, the same on any machine.
+//! Seeded random numbers, identical on every machine.
 //!
 //! # References
 //! Steele, Lea, Flood: *Fast Splittable Pseudorandom Number Generators*, 2014 (`SplitMix64`).
 
-/// A stream of random numbers.
+/// A seeded stream of random numbers.
 ///
 /// ```
 /// let mut random = tristrip::random::Random::new(7);
@@ -13,7 +13,7 @@
 pub struct Random(u64);
 
 impl Random {
-    /// Creates the stream of a seed.
+    /// Creates the stream for a seed.
     ///
     /// ```
     /// use tristrip::random::Random;
@@ -28,7 +28,7 @@ impl Random {
         Self(seed)
     }
 
-    /// Returns the next 64 bits.
+    /// Returns the next 64 random bits.
     ///
     /// ```
     /// let mut random = tristrip::random::Random::new(1_234_567);
@@ -43,7 +43,8 @@ impl Random {
         z ^ z >> 31
     }
 
-    /// Returns a number below `n`, one of at most 2³² that are evenly apart; 0 if `n` is 0.
+    /// Returns a random number below `n`, or 0 if `n` is 0. It is one of at most 2³² evenly spaced
+    /// values.
     ///
     /// ```
     /// let mut random = tristrip::random::Random::new(7);
@@ -58,7 +59,7 @@ impl Random {
         ((u128::from(self.next_u64() >> 32) * n as u128) >> 32) as usize
     }
 
-    /// Returns true or false, each with probability one half.
+    /// Returns `true` or `false` with equal probability.
     ///
     /// ```
     /// let mut random = tristrip::random::Random::new(7);
@@ -71,8 +72,8 @@ impl Random {
     }
 }
 
-/// Returns the odds of accepting rises of 1, 2, … at a temperature, in units of 2⁻³². Uses only
-/// plain arithmetic, so the result is the same on every machine.
+/// Returns the probabilities of accepting rises of 1, 2, … at a temperature, in units of 2⁻³². Uses
+/// only basic arithmetic, so results are identical on every machine.
 #[expect(clippy::cast_sign_loss, reason = "odds are not negative")]
 pub(crate) fn metropolis<const RISES: usize>(temperature: f64) -> [u32; RISES] {
     let x = 1.0 / (1024.0 * temperature);

@@ -1,13 +1,13 @@
-//! Serialization with `serde`: options by the names of the command line, strips and collapse
-//! sequences as lists of numbers. Nothing is deserialized that the library's functions would not
-//! have made.
+//! Serialization with `serde`: options by their names in the command line, strips and collapse
+//! sequences as lists of numbers. Deserialization rejects everything that the library's functions
+//! would not have produced.
 //!
 //! ```text
 //! Layout, Cost, Filter …   "restart"                       VertexCache        "fifo:16"
-//! Method                   "tunnel" · "tunnel length=5"     parameters that are not the default follow the name
+//! Method                   "tunnel" · "tunnel length=5"     followed by the parameters that are not the default
 //! Effort                   5
 //! Strips                   vertices, ends, keeps_order, welds
-//! CollapseSequence         vertex_count, triangles, renames, rename_ends, errors; from the full mesh to the base mesh
+//! CollapseSequence         vertex_count, triangles, renames, rename_ends, errors; from full to base mesh
 //! ```
 
 mod methods;
@@ -28,7 +28,7 @@ use crate::strip::{Cost, Layout};
 use crate::stripify::{FaceTriangulation, LastTie, Objective, Patches, Start, Ties};
 use crate::vertex_cache::{FlushPolicy, Replacement, VertexCache};
 
-/// Serializes a value as it is written. A value that would not be parsed is refused.
+/// Serializes a value as its text form. Fails if the text cannot be parsed back.
 fn write_name<T: Display + FromStr + PartialEq, S: Serializer>(value: &T, to: S) -> Result<S::Ok, S::Error> {
     let name = value.to_string();
     if name.parse().is_ok_and(|parsed: T| parsed == *value) {
@@ -96,7 +96,7 @@ struct SimplifyFields {
     error: Option<f32>,
     locked: Vec<bool>,
     locked_borders: bool,
-    /// None for components that stay: not every format has infinity.
+    /// `None` for components that are kept, because not every format can represent infinity.
     vanishing: Vec<Option<f32>>,
     permissive: bool,
     weights: WeightFields,

@@ -1,4 +1,4 @@
-//! Builder methods for options, which are structs of public fields.
+//! Setters of options structs with public fields.
 
 /// Declares methods that set a public field and return the options. `with_x(x: T) as Some` sets an
 /// optional field to `Some(value)`.

@@ -1,7 +1,7 @@
-//! Triangle strips from a mesh: the methods, their options, and the stages that they share.
+//! Triangle strips from a mesh: the methods, their options, and the common stages.
 //!
-//! A method chooses two things: the diagonals of each polygon, and the edges over which triangles
-//! are linked to paths. The result is a [`StripPlan`]; one emitter turns every plan into strips.
+//! A method chooses the diagonals of each polygon and the edges over which triangles are linked to
+//! paths. The result is a [`StripPlan`], which one emitter turns into strips.
 
 mod best;
 pub mod bound;
@@ -36,14 +36,14 @@ pub(crate) use options::{Method, StripifyOptions};
 pub use plan::StripPlan;
 pub use watch::{Progress, Watch};
 
-/// Computes the plan of a method: the stage between the dual graph and the strips.
+/// Computes the plan of a method. This is the stage between the dual graph and the strips.
 ///
 /// # Errors
-/// An option is invalid for the method, or the graph is not the one of the faces.
+/// An option is invalid for the method, or the graph is not the dual graph of the faces.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};
-/// // A fan whose triangles are not in the order of a strip.
+/// // A fan whose triangles are not in strip order.
 /// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 4, 2, 3, 2, 1, 3])?)?;
 /// let prepared = PreparedFaces::new(&mesh, false);
 /// let graph = DualGraph::new(prepared.faces());
@@ -58,11 +58,11 @@ pub fn plan<'a>(
     plan_watched(prepared, graph, options, &())
 }
 
-/// Computes a plan as [`plan`](fn@plan) does, and reports the progress of a long search to a
-/// watcher, which may stop it. A stopped search returns the best plan found so far.
+/// Computes a plan like [`plan`](fn@plan), and reports the progress of a long search to `watch`,
+/// which may stop it. A stopped search returns the best plan found so far.
 ///
 /// # Errors
-/// An option is invalid for the method, or the graph is not the one of the faces.
+/// An option is invalid for the method, or the graph is not the dual graph of the faces.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions};
@@ -86,7 +86,7 @@ pub fn plan_watched<'a>(
     plan_known(prepared, graph, options, watch)
 }
 
-/// Computes a plan as [`plan_watched`] does, for a graph that was made from the faces.
+/// Computes a plan like [`plan_watched`], for a graph known to be that of the faces.
 fn plan_known<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
@@ -103,7 +103,7 @@ fn plan_known<'a>(
     Ok(plan)
 }
 
-/// Computes the plan of a method over the faces in their order.
+/// Computes the plan of a method over the faces in their given order.
 fn plan_in_order<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
@@ -150,8 +150,8 @@ mod tests {
     use bound::Bound;
     use proptest::prelude::*;
 
-    /// Every method refuses a graph of fewer faces, of more faces, of faces of other sizes, and of
-    /// faces connected otherwise.
+    /// Every method rejects a graph of fewer faces, more faces, faces of other sizes, or faces with
+    /// other connections.
     #[test]
     fn a_graph_of_other_faces_is_refused() {
         let mesh = |polygons: &[Vec<u32>]| {
@@ -182,7 +182,7 @@ mod tests {
     }
 
     proptest! {
-        /// Meshes with few different positions, so that welding makes faces degenerate and polygons
+        /// Meshes with few distinct positions: welding makes faces degenerate and lets polygons
         /// touch themselves.
         #[test]
         fn welded_strips_of_any_mesh_are_proven(
@@ -197,7 +197,7 @@ mod tests {
             for method in [Method::Sequential, Method::Best, Method::Input, Method::Cache, Method::STRIPE] {
                 let strips = stripify(&mesh, &StripifyOptions::default().with_method(method).with_weld(true)).unwrap();
                 prop_assert_eq!(verify(&mesh, &strips).map(drop), Ok(()), "{}", method);
-                // Of polygons that touch themselves the proof compares only the edges.
+                // For polygons that touch themselves the proof compares only the edges.
                 if !strips.is_empty() && polygons.iter().all(|polygon| polygon.len() == 3) {
                     let mut fewer = Strips::default().with_welds(strips.welds().clone());
                     strips.iter().skip(1).for_each(|strip| fewer.push(strip));

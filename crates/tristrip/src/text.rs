@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-/// Formats a count with its noun, in the plural unless the count is `1`.
+/// Formats a count with its noun. The noun is plural unless the count is `1`.
 ///
 /// ```
 /// use tristrip::text::counted;

@@ -1,10 +1,10 @@
-//! Union–find: disjoint sets of the numbers 0, 1, 2 …, each named by its root.
+//! Union–find: disjoint sets of the numbers 0, 1, 2 …, each represented by its root.
 //!
 //! # References
 //! Tarjan, van Leeuwen: *Worst-case Analysis of Set Union Algorithms*, 1984 (path halving).
 //!
 //! # Complexity
-//! 4 bytes per element; nearly O(1) amortized per call, O(log n) for unions by lowest root.
+//! 4 bytes per element. Nearly O(1) amortized time per call, or O(log n) for unions by lowest root.
 
 /// Disjoint sets of `u32` elements.
 ///
@@ -73,7 +73,7 @@ impl UnionFind {
         self.parents[element as usize] == element
     }
 
-    /// Unites the sets of two roots. The first becomes the root of both.
+    /// Unites the sets of two roots. The first root becomes the root of both.
     #[inline]
     pub(crate) fn unite_into(&mut self, root: u32, other: u32) {
         debug_assert!(self.is_root(root) && self.is_root(other));

@@ -1,9 +1,9 @@
-//! Vectors in double precision, and the distance from a point to a triangle.
+//! Vectors in double precision, and distances to triangles.
 //!
-//! Only sums, products, quotients and square roots, which are exact to the last bit on every
+//! Uses only sums, products, quotients and square roots, whose results are identical on every
 //! machine.
 
-/// A point or vector of a local frame.
+/// A point or vector in local coordinates.
 pub(crate) type Point = [f64; 3];
 
 #[inline]
@@ -28,13 +28,13 @@ pub(crate) fn unit(a: Point) -> Point {
     a.map(|x| x / length)
 }
 
-/// Returns the cross product of two edges of a triangle: its normal, of twice its area as length.
+/// Returns the cross product of two edges of a triangle: a normal whose length is twice the area.
 #[inline]
 pub(crate) fn normal_of([a, b, c]: [Point; 3]) -> Point {
     cross(sub(b, a), sub(c, a))
 }
 
-/// Returns the squared distance from a point to a segment; a segment of zero length is a point.
+/// Returns the squared distance from a point to a segment. A segment of zero length is a point.
 #[inline]
 pub(crate) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
     let (along, to) = (sub(b, a), sub(p, a));
@@ -45,20 +45,20 @@ pub(crate) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
 }
 
 /// Returns the squared distance from a point to a triangle if it is less than `known`, otherwise
-/// `known`; a triangle without area consists of its edges.
+/// `known`. A triangle without area consists of its edges.
 ///
-/// If the foot of the perpendicular lies inside, this is the distance to the plane; otherwise the
-/// least distance to the edges that the foot lies beyond.
+/// If the foot of the perpendicular lies inside, this is the distance to the plane. Otherwise it is
+/// the smallest distance to the edges that the foot lies beyond.
 #[inline]
 pub(crate) fn to_triangle(p: Point, corners: [Point; 3], known: f64) -> f64 {
     let normal = normal_of(corners);
     let (square, height) = (dot(normal, normal), dot(normal, sub(p, corners[0])));
-    // No point of the triangle is nearer than its plane.
+    // No point of the triangle is closer than its plane.
     if height * height > known * square {
         return known;
     }
     let edge = |k: usize| [corners[k], corners[(k + 1) % 3]];
-    // The cross product of the normal and an edge points inside.
+    // The cross product of the normal and an edge points inwards.
     let beyond = [0, 1, 2].map(|k| {
         let [from, to] = edge(k);
         dot(cross(normal, sub(to, from)), sub(p, from)) <= 0.0
@@ -70,11 +70,11 @@ pub(crate) fn to_triangle(p: Point, corners: [Point; 3], known: f64) -> f64 {
     (0..3).filter(|&k| beyond[k]).fold(known, |least, k| least.min(to_segment(p, edge(k))))
 }
 
-/// Returns the point of a triangle that is nearest to a point, as the shares of its corners: none
-/// is negative, and they add up to 1. A triangle without area consists of its edges.
+/// Returns the point of a triangle closest to a given point, in barycentric coordinates: none is
+/// negative, and they add up to 1. A triangle without area consists of its edges.
 ///
-/// The formulas are those of Ericson: *Real-Time Collision Detection*, 2005, section 5.1.5: by the
-/// region of the point's projection.
+/// Uses the formulas by Voronoi region of Ericson: *Real-Time Collision Detection*, 2005, section
+/// 5.1.5.
 ///
 /// ```
 /// use tristrip::simplify::nearest_in_triangle;
@@ -108,7 +108,7 @@ pub fn nearest_in_triangle(point: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] 
     nearest_on_edges(point, corners)
 }
 
-/// Returns the nearest point of the edges of a triangle, as the shares of its corners.
+/// Returns the closest point on the edges of a triangle, in barycentric coordinates.
 fn nearest_on_edges(p: Point, corners: [Point; 3]) -> [f64; 3] {
     let (mut least, mut nearest) = (f64::INFINITY, [1.0, 0.0, 0.0]);
     for (from, to) in [(0, 1), (1, 2), (2, 0)] {

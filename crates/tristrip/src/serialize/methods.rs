@@ -5,7 +5,7 @@ use serde::ser::{Error as _, Serialize, Serializer};
 
 use crate::stripify::{Method, TunnelOptions};
 
-/// Returns the parameters of a method, by the names of their flags.
+/// Returns the parameters of a method, named like the flags.
 fn parameters(method: Method) -> Vec<(&'static str, String)> {
     match method {
         Method::StripeLocal { triangulation, ties } => {
@@ -35,8 +35,8 @@ fn tunnel_parameters(tunnels: TunnelOptions) -> [(&'static str, String); 3] {
     ]
 }
 
-/// Returns a method with another value of a parameter; `None` if it has no such parameter, or no
-/// such value.
+/// Returns a method with another value of a parameter, or `None` if the parameter or the value does
+/// not exist.
 fn with_parameter(method: Method, name: &str, value: &str) -> Option<Method> {
     Some(match (method, name) {
         (Method::StripeLocal { ties, .. }, "triangulation") => {

@@ -1,4 +1,4 @@
-//! Strips and collapse sequences as lists of numbers, checked when they are read.
+//! Strips and collapse sequences as lists of numbers, checked on deserialization.
 
 use serde::de::{Deserialize, Deserializer, Error as _};
 use serde::ser::{Serialize, Serializer};
@@ -44,13 +44,13 @@ impl<'de> Deserialize<'de> for Strips {
     }
 }
 
-/// The fields of [`CollapseSequence`]; the triangles that a collapse drops follow from the others.
+/// The fields of [`CollapseSequence`]. The triangles that a collapse removes follow from them.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "CollapseSequence", deny_unknown_fields)]
 struct SequenceFields {
     vertex_count: u32,
     triangles: Vec<u32>,
-    /// The removed vertex and the kept one.
+    /// Pairs of the removed vertex and the kept one.
     renames: Vec<(u32, u32)>,
     rename_ends: Vec<u32>,
     errors: Vec<f32>,

@@ -12,29 +12,29 @@ use crate::names::names;
 use crate::strip::Cost;
 use crate::vertex_cache::VertexCache;
 
-/// The cutoff of [`Method::QUAD_ROWS`], in quadrilaterals.
+/// The default cutoff of [`Method::QUAD_ROWS`], in quadrilaterals.
 pub(super) const QUAD_ROWS_CUTOFF: u32 = 5;
 
 /// A stripification method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Method {
-    /// Our fast greedy method, followed by a local search at the ends of strips.
+    /// The project's fast greedy method, followed by a local search at the ends of strips.
     Sequential,
-    /// Our simulated annealing of the cheapest fast method's strips, for a given cost and effort.
-    /// The default effort takes less than a second per million triangles.
+    /// The project's simulated annealing, starting from the strips of the cheapest fast method, for
+    /// a given cost and effort. The default effort takes less than a second per million triangles.
     #[default]
     Best,
-    /// Our search for the fewest strips, regardless of swaps.
+    /// The project's search for the fewest strips, regardless of swaps.
     Fewest,
-    /// Our strips in an order that makes good use of a vertex cache, grown along the front of the
-    /// drawn triangles.
+    /// The project's strips ordered for a vertex cache, grown along the front of the drawn
+    /// triangles.
     Cache,
-    /// The order of the input faces.
+    /// Strips in the order of the input faces.
     Input,
-    /// The SGI algorithm: fewest free neighbours, one level of look-ahead.
+    /// The SGI algorithm: fewest free neighbours, with one level of look-ahead.
     Sgi {
-        /// Which neighbour is taken where the look-ahead leaves several.
+        /// Which neighbour is chosen if the look-ahead leaves a tie.
         last_tie: LastTie,
     },
     /// STRIPE's local algorithms.
@@ -44,43 +44,43 @@ pub enum Method {
         /// How ties between neighbours of the lowest adjacency are broken.
         ties: Ties,
     },
-    /// STRIPE's global algorithms: patches of quadrilaterals first, the remaining faces by the
+    /// STRIPE's global algorithms: patches of quadrilaterals first, then the remaining faces by the
     /// local algorithm.
     StripeGlobal {
         /// How patches are turned into strips.
         patches: Patches,
-        /// The minimum size of a patch, in quadrilaterals.
+        /// Minimum size of a patch, in quadrilaterals.
         cutoff: u32,
-        /// How ties between neighbours of the lowest adjacency are broken, outside the patches.
+        /// How ties between neighbours of the lowest adjacency are broken outside the patches.
         ties: Ties,
     },
-    /// Our strips along the rows of patches of quadrilaterals, which grow at their ends and choose
-    /// all their diagonals together.
+    /// The project's strips along the rows of quadrilateral patches. Strips grow at both ends, and
+    /// the diagonals of a strip are chosen together.
     QuadRows {
-        /// The minimum size of a patch, in quadrilaterals.
+        /// Minimum size of a patch, in quadrilaterals.
         cutoff: u32,
     },
     /// The tunnelling operator with lengths 1, 3, 5 …, starting from isolated triangles.
     Tunnel {
-        /// The maximum length of a tunnel, in edges. The running time is exponential in it.
+        /// Maximum length of a tunnel, in edges. The running time is exponential in it.
         length: u32,
     },
-    /// The enhanced tunnelling algorithm: long tunnels, each searched for within a star.
+    /// The enhanced tunnelling algorithm: long tunnels, each searched within a star.
     Eta {
-        /// The tunnels, and the strips to start from.
+        /// The tunnels, and the initial strips.
         tunnels: TunnelOptions,
         /// Which tunnels are accepted.
         acceptance: Acceptance,
-        /// How far identifiers are written. The strips are the same.
+        /// How far identifiers are propagated. This does not change the strips.
         localization: Localization,
     },
-    /// Our long tunnels, guided by the distance to the ends of strips, which move toward each
-    /// other.
+    /// The project's long tunnels, guided by the distance to the ends of strips. Ends also move
+    /// toward each other.
     GuidedTunnels(TunnelOptions),
 }
 
 impl Method {
-    /// One method of each name, with the default values of its parameters.
+    /// One method per name, with default parameters.
     pub const ALL: &'static [Self] = &[
         Self::Best,
         Self::Sequential,
@@ -96,8 +96,7 @@ impl Method {
         Self::GuidedTunnels(TunnelOptions::DEFAULT),
     ];
 
-    /// Returns the name of the method, without its parameters, as the command line and JSON have
-    /// it.
+    /// Returns the name of the method without parameters, as used by the command line and JSON.
     ///
     /// ```
     /// use tristrip::Method;
@@ -123,7 +122,7 @@ impl Method {
         }
     }
 
-    /// Returns a line on the method, as the help of the command has it.
+    /// Returns the one-line summary of the method, as shown in the command's help.
     ///
     /// ```
     /// assert_eq!(tristrip::Method::Input.summary(), "Strips in the order of the input");
@@ -157,23 +156,23 @@ impl Method {
         }
     }
 
-    /// The tunnelling operator up to length 9: beyond it, every two more edges multiply the time
+    /// The tunnelling operator up to length 9. Each further step of two edges multiplies the time
     /// several times.
     pub const TUNNEL: Self = Self::Tunnel { length: 9 };
-    /// The enhanced tunnelling algorithm depth first, with stars on demand. Its paper names no
-    /// defaults; those are [`TunnelOptions::ETA`].
+    /// The depth-first enhanced tunnelling algorithm with stars on demand. Its paper gives no
+    /// defaults; [`TunnelOptions::ETA`] has those used here.
     pub(crate) const ETA: Self = Self::Eta {
         tunnels: TunnelOptions::ETA,
         acceptance: Acceptance::DepthFirst,
         localization: Localization::OnDemand,
     };
-    /// The SGI algorithm with the last of the neighbours that its look-ahead leaves: the first
-    /// sends 1.5 % more vertices for power lines.
+    /// The SGI algorithm that breaks ties of the look-ahead by the last neighbour. The first
+    /// neighbour sends 1.5 % more vertices on the model power lines.
     pub const SGI: Self = Self::Sgi { last_tie: LastTie::Last };
-    /// STRIPE with its authors' recommended settings: rows or columns of patches of at least 5
-    /// quadrilaterals, sequential ties.
+    /// STRIPE with the settings that its authors recommend: rows or columns of patches of at least
+    /// 5 quadrilaterals, sequential ties.
     pub const STRIPE: Self = Self::StripeGlobal { patches: Patches::Rows, cutoff: 5, ties: Ties::Sequential };
-    /// Our rows of patches of at least 5 quadrilaterals, as in [`Self::STRIPE`].
+    /// Rows of patches of at least 5 quadrilaterals, as in [`Self::STRIPE`].
     pub const QUAD_ROWS: Self = Self::QuadRows { cutoff: QUAD_ROWS_CUTOFF };
 }
 
@@ -183,8 +182,8 @@ impl std::fmt::Display for Method {
     }
 }
 
-/// Parses a [name](Method::name) to the method with the default values of its parameters; `stripe`
-/// is [`Method::STRIPE`].
+/// Parses a [name](Method::name) to the method with default parameters. `stripe` is
+/// [`Method::STRIPE`].
 impl std::str::FromStr for Method {
     type Err = Error;
 
@@ -208,7 +207,7 @@ names! {
     Misses => "misses", "The fewest misses";
 }
 
-/// The options of a stripification.
+/// Options of stripification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -218,14 +217,14 @@ pub struct StripifyOptions {
     pub method: Method,
     /// The cost that searches minimize.
     pub cost: Cost,
-    /// The effort of searches; `None` for the default of the method, which
+    /// The effort of searches. `None` selects the method's default, which
     /// [`StripifyOptions::effort_or_default`] returns.
     pub effort: Option<Effort>,
     /// The vertex cache that [`Method::Cache`] optimizes for.
     pub vertex_cache: VertexCache,
     /// How [`Method::Cache`] weighs indices against misses.
     pub objective: Objective,
-    /// Whether vertices are welded whose position and attributes all have the same bits.
+    /// Whether to weld vertices whose position and attributes have the same bits.
     pub weld: bool,
     /// The seed of randomized methods.
     pub seed: u64,
@@ -249,12 +248,12 @@ impl StripifyOptions {
         /// ```
         with_method(method: Method);
 
-        /// Sets whether vertices are welded whose position and attributes all have the same bits.
+        /// Sets whether to weld vertices whose position and attributes have the same bits.
         ///
         /// ```
         /// use tristrip::{Faces, Mesh, StripifyOptions, stripify};
-        /// // Two triangles with an edge in common, but no vertex of the array: 3 is at the place
-        /// // of 1, 4 at that of 2.
+        /// // Two triangles that touch along an edge but share no vertex: 3 has the position of 1,
+        /// // and 4 that of 2.
         /// let places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
         /// let positions = [0, 1, 2, 1, 2, 3].map(|place| places[place]).to_vec();
         /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 4, 3, 5])?)?;
@@ -283,15 +282,14 @@ impl StripifyOptions {
         /// let metrics = |cost| {
         ///     let strips = stripify_indices_with(&grid, 289, &StripifyOptions::default().with_cost(cost));
         ///     strips.map(|strips| Metrics::of(&strips))
-        /// };
-        /// // Where swaps are free, fewer and longer strips with more swaps are better.
-        /// let (restart, gl) = (metrics(Cost::Restart)?, metrics(Cost::Gl)?);
+        /// }; // If swaps are free, fewer and longer strips with more swaps are better. let
+        /// (restart, gl) = (metrics(Cost::Restart)?, metrics(Cost::Gl)?);
         /// assert!(restart.indices_restart < gl.indices_restart && restart.gl_cost > gl.gl_cost);
         /// # Ok::<(), tristrip::Error>(())
         /// ```
         with_cost(cost: Cost);
 
-        /// Sets the effort of searches; the default depends on the method.
+        /// Sets the effort of searches. The default depends on the method.
         ///
         /// ```
         #[doc = include_str!("example.txt")]

@@ -47,7 +47,7 @@ pub enum Difference {
     /// A triangle is not part of any polygon.
     #[error("a triangle lies in no face of the source: {}", at(triangle))]
     Outside {
-        /// Its corners.
+        /// The corners of the triangle.
         triangle: [[f32; 3]; 3],
     },
     /// A polygon has too few or too many triangles.

@@ -124,7 +124,7 @@ impl TrianglePart {
 /// Marks a pair that was removed. No triangle has it, because its two vertices are equal.
 const TAKEN: u64 = u64::MAX;
 
-/// Returns whether all long rows together have the given pairs.
+/// Returns whether the long rows contain exactly the given pairs.
 fn is_same_in_long_rows(rows: &Csr<u64>, mut pairs: Vec<(u32, u64)>) -> bool {
     let long = (0_u32..).zip(rows.rows()).filter(|(_, row)| row.len() > LONG_ROW);
     let mut expected: Vec<_> = long.flat_map(|(key, row)| row.iter().map(move |&pair| (key, pair))).collect();

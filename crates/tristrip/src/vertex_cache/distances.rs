@@ -1,39 +1,38 @@
-//! LRU caches of all sizes at once: one pass finds the cache size that each index needs for a hit.
+//! LRU caches of all sizes at once: one pass finds the smallest cache in which each index is a hit.
 //!
 //! An LRU cache of k entries holds the k distinct vertices sent last. A vertex is therefore a hit
-//! for k entries if fewer than k others were sent since its last use: that is its *stack distance*,
-//! and the number of misses for every k is a sum over a histogram of distances. FIFO caches have no
-//! such property: a larger cache may miss more.
+//! for k entries if fewer than k other vertices were sent since its last use. That number is its
+//! *stack distance*. The misses for every k follow from a histogram of distances. FIFO caches have
+//! no such property: a larger cache may miss more.
 //!
 //! ```text
 //! log    4  7  4  9  7  2  9
-//! live   0  0  1  0  1  1  1       last uses; the next 4 has distance 3: the live slots after its own
+//! live   0  0  1  0  1  1  1       last uses. If 4 comes next, its distance is 3: the live slots after its own
 //! ```
 //!
 //! # Algorithm
-//! The live slots of the log are bits, 64 per word; a Fenwick tree counts the bits of the preceding
-//! words. When the log is full, it is rewritten with the live slots only, and of these only the
-//! last ones that can still be hits.
+//! The live slots of the log are bits, 64 per word. A Fenwick tree counts the bits of the preceding
+//! words. A full log is rewritten with only the live slots that can still be hits.
 //!
 //! # Complexity
-//! O(log k) per index for the largest k; 4 bytes per vertex and up to 17 per entry.
+//! O(log k) per index for the largest size k. 4 bytes per vertex and up to 17 per entry.
 
-/// The least length of the log at which it is rewritten; a multiple of 64.
+/// Minimum length of the log at which it is rewritten; a multiple of 64.
 const LOG: usize = 1 << 12;
 
 /// A histogram of the stack distances of the vertices sent.
 #[derive(Debug)]
 pub(super) struct Distances {
-    /// Item d counts the indices at distance d, up to the largest cache size.
+    /// Entry d counts the indices at distance d, up to the largest cache size.
     histogram: Vec<usize>,
     sent: usize,
-    /// The time at which the log begins.
+    /// The time of the first slot of the log.
     base: u32,
-    /// The slot of the log before which all is flushed.
+    /// The slot of the log before which everything is flushed.
     flushed: usize,
     log: Vec<u32>,
     live: Bits,
-    /// The time at which each vertex was sent last, counted from 1; 0 for never.
+    /// The time at which each vertex was last sent, counted from 1; 0 for never.
     last: Vec<u32>,
 }
 
@@ -67,7 +66,7 @@ impl Distances {
         let last = &mut self.last[vertex as usize];
         if *last > self.base + self.flushed as u32 {
             let slot = (*last - self.base - 1) as usize;
-            // The vertex was sent immediately before: nothing to count or move.
+            // The vertex was sent immediately before: distance 0, and the log stays the same.
             if slot + 1 == now {
                 self.count(0);
                 return;
@@ -136,7 +135,7 @@ impl Distances {
         self.base = 1;
     }
 
-    /// Advances the times so that they overflow soon.
+    /// Advances the times close to overflow.
     #[cfg(test)]
     pub(super) fn with_late_times(mut self, left: u32) -> Self {
         self.base = u32::MAX - 3 * self.live.capacity() as u32 - left;
@@ -144,12 +143,12 @@ impl Distances {
     }
 }
 
-/// Bits with fast counts of those set.
+/// A bit set with fast counts of the bits that are set.
 #[derive(Debug)]
 struct Bits {
     words: Vec<u64>,
-    /// A Fenwick tree: item i counts the bits of as many words as the lowest set bit of i, the last
-    /// of them word i − 1.
+    /// A Fenwick tree: entry i counts the bits of the words that end at word i − 1. Their number is
+    /// the lowest set bit of i.
     tree: Vec<u32>,
     set: u32,
 }
@@ -181,7 +180,7 @@ impl Bits {
         }
     }
 
-    /// Counts the bits that are set after one.
+    /// Counts the set bits after a given bit.
     fn after(&self, bit: usize) -> usize {
         let word = bit / 64;
         let above = (self.words[word] >> (bit % 64) >> 1).count_ones();

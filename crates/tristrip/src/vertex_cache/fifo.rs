@@ -1,9 +1,9 @@
-//! First-in, first-out caches, one or several side by side.
+//! FIFO caches, one or several side by side.
 //!
-//! The speculative simulation of the method `cache` has the same stamps but is separate: it logs
-//! every send to undo it later, without lanes, and a rewound clock would invalidate its log.
+//! The speculative simulation of the method `cache` uses the same stamps but is separate. It logs
+//! every send to undo it later, has no lanes, and would be invalidated by a rewound clock.
 
-/// The largest number of entries of a simulated cache: clocks of 31 bits can count several times as
+/// Maximum number of entries of a simulated cache. Clocks of 31 bits can count several times as
 /// far.
 pub(super) const LARGEST_CACHE: u32 = 1 << 28;
 
@@ -12,9 +12,9 @@ const BLOCK: usize = 1 << 16;
 
 /// Several caches that receive the same vertices.
 ///
-/// The misses of each are counted by a clock that starts at its `entries`, so that a stamp of 0,
-/// which means never, is too old from the start. Clocks and stamps are signed, as vector
-/// instructions compare signed integers.
+/// A clock counts the misses of each cache. It starts at the number of entries, so a stamp of 0
+/// (never) is expired from the start. Clocks and stamps are signed because SIMD instructions
+/// compare signed integers.
 ///
 /// Invariant: a vertex is in a cache if `clock - entered < entries`; `clock >= entries`.
 #[derive(Debug, Clone)]
@@ -22,20 +22,20 @@ pub(super) struct Fifo<const LANES: usize> {
     entries: [i32; LANES],
     clocks: [i32; LANES],
     misses: [usize; LANES],
-    /// The clocks after the misses with which each vertex entered.
+    /// The clocks after the misses at which each vertex entered.
     entered: Vec<[i32; LANES]>,
 }
 
 impl<const LANES: usize> Fifo<LANES> {
     pub(super) fn new(entries: [u32; LANES], vertex_count: usize) -> Self {
-        // No vertex is evicted from a cache with an entry for each vertex; with a smaller one
+        // A cache with one entry per vertex never evicts. Limiting the entries to that makes
         // flushes advance the clocks less.
         let largest = vertex_count.min(LARGEST_CACHE as usize) as u32;
         let entries = entries.map(|entries| entries.min(largest).cast_signed());
         Self { entries, clocks: entries, misses: [0; LANES], entered: vec![[0; LANES]; vertex_count] }
     }
 
-    /// Sends vertices, without branches that depend on them.
+    /// Sends vertices without data-dependent branches.
     pub(super) fn send_all(&mut self, vertices: &[u32]) {
         for block in vertices.chunks(BLOCK) {
             self.rewind_clocks([(block.len() as u32).cast_signed(); LANES]);
@@ -68,8 +68,8 @@ impl<const LANES: usize> Fifo<LANES> {
         self.misses
     }
 
-    /// Rewinds clocks before they overflow: stamps of vertices in the cache move with them, those
-    /// of evicted vertices become 1.
+    /// Rewinds clocks before they overflow. Stamps of vertices in the cache are shifted; those of
+    /// evicted vertices become 1.
     fn rewind_clocks(&mut self, more: [i32; LANES]) {
         for lane in 0..LANES {
             if self.clocks[lane] <= i32::MAX - more[lane] {
@@ -84,7 +84,7 @@ impl<const LANES: usize> Fifo<LANES> {
         }
     }
 
-    /// Advances the clocks so that they overflow soon.
+    /// Advances the clocks close to overflow.
     #[cfg(test)]
     pub(super) fn with_late_clocks(mut self, left: i32) -> Self {
         self.clocks = [i32::MAX - left; LANES];
@@ -92,7 +92,7 @@ impl<const LANES: usize> Fifo<LANES> {
     }
 }
 
-/// One cache.
+/// A single cache.
 impl Fifo<1> {
     pub(super) fn send(&mut self, vertex: u32) -> bool {
         let before = self.misses;
@@ -104,7 +104,7 @@ impl Fifo<1> {
         self.clocks[0] - self.entered[vertex as usize][0] < self.entries[0]
     }
 
-    /// Exchanges the positions of two vertices in the order of eviction if both are in the cache.
+    /// Exchanges two vertices in the order of eviction if both are in the cache.
     pub(super) fn exchange(&mut self, a: u32, b: u32) {
         if self.has(a) && self.has(b) {
             self.entered.swap(a as usize, b as usize);

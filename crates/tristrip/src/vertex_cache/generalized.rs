@@ -1,41 +1,41 @@
-//! Generalized triangle meshes: a machine that receives vertices, and references to the last
-//! vertices that it received.
+//! Generalized triangle meshes: a machine that receives vertices, and references to recently
+//! received vertices.
 //!
-//! Its cache holds k vertices. A strip names one vertex per triangle (and two more at its start):
-//! one that is in the cache by a reference of ⌈lg k⌉ bits, any other one by transmitting it; it
-//! then enters the cache. The cost is the number of vertices transmitted; the bits of references
-//! and swaps are counted separately.
-//!
+//! The cache of the machine holds k vertices. A strip names one vertex per triangle, and two more
+//! at its start. A vertex in the cache is named by a reference of ⌈lg k⌉ bits; any other vertex is
+//! transmitted and enters the cache. The cost is the number of vertices transmitted. The bits of
+//! references and swaps are counted separately.
 //! ```text
 //!     3───4         strip     0 1 2   3     swap 1…        named: 0 1 2 3 4; swaps name nothing
 //!     │ ╲ │         at hand   01 12   23    the two vertices of the edge over which the strip continues
 //! 0───1───2         fifo:2    01 12   23    the same two: the machine of the first strips
 //! ```
 //!
-//! # What the study specifies, and what it leaves open
-//! Section 6 of the reference specifies: the cache holds k ≥ 2 vertices; a reference costs ⌈lg k⌉
-//! bits, which its results do not include; FIFO never rearranges the cache except for swaps, which
-//! exchange the two latest vertices; LRU makes a vertex that is used the most recent one; the cache
-//! is flushed between two meshes. It leaves the following open, which this module decides so:
+//! # What the study specifies and what it leaves open
+//! Section 6 of the reference specifies the following. The cache holds k ≥ 2 vertices. A reference
+//! costs ⌈lg k⌉ bits, which the results of the study do not include. FIFO never rearranges the
+//! cache except for swaps, which exchange the two latest vertices. LRU makes a used vertex the most
+//! recent one. The cache is flushed between meshes. This module decides the open points as follows:
 //!
-//! - A mesh of the study is a strip: [`FlushPolicy::Flush`] flushes the cache between strips.
+//! - A mesh of the study is a strip: [`FlushPolicy::Flush`] flushes the cache between strips, and
 //!   [`FlushPolicy::Keep`] does not.
-//! - The two vertices of the edge over which a strip continues are at hand, whether or not they are
-//!   still in the cache, and need no reference. In a cache of two entries they are its contents.
-//! - Naming a vertex is its only use: LRU does not make the vertices at hand more recent when
-//!   triangles are drawn over them.
-//! - A swap costs one bit. It exchanges the two vertices at hand in the order of eviction, with
-//!   FIFO if both are still in the cache; with LRU the older one becomes the most recent. With two
+//! - The two vertices of the edge over which a strip continues are *at hand*: they need no
+//!   reference, whether or not they are still in the cache. In a cache of two entries they are its
+//!   contents.
+//! - A vertex is used only when it is named. LRU does not make the vertices at hand more recent
+//!   when triangles are drawn with them.
+//! - A swap costs one bit. With FIFO it exchanges the two vertices at hand in the order of eviction
+//!   if both are still in the cache; with LRU the older one becomes the most recent. With two
 //!   entries, or as long as nothing was named by reference, these are the two latest vertices. A
-//!   vertex repeated immediately, as for the winding of a first triangle, changes nothing and costs
-//!   nothing.
+//!   vertex repeated immediately, for example for the winding of a first triangle, changes nothing
+//!   and costs nothing.
 //!
 //! # Relation to the GL cost
-//! With two entries, FIFO or LRU, flushed, the number of vertices transmitted is
-//! [`Metrics::gl_cost`](crate::strip::Metrics::gl_cost) for every strip of two vertices or more in
-//! which no vertex except the first is repeated immediately: the cache and the vertices at hand are
-//! then the same, and each real triangle names a third one. Strips that the library emits are of
-//! this kind. A larger LRU cache never transmits more; a larger FIFO cache may.
+//! With two entries, FIFO or LRU, and flushes, the number of vertices transmitted equals
+//! [`Metrics::gl_cost`](crate::strip::Metrics::gl_cost) for every strip of at least two vertices in
+//! which no vertex except the first is repeated immediately. The cache then contains exactly the
+//! vertices at hand, and each triangle names a third one. Strips emitted by the library are of this
+//! kind. A larger LRU cache never transmits more; a larger FIFO cache may.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996,
@@ -49,18 +49,18 @@ use super::simulator::VertexCacheSimulator;
 use super::stream::VertexStream;
 use crate::strip::{Strips, count_triangles};
 
-/// The cost of sending strips as generalized triangle meshes.
+/// The cost of strips sent as generalized triangle meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct GeneralizedCost {
-    /// Vertices transmitted: the cost in the studies of strips.
+    /// Number of vertices transmitted: the cost in the studies of strips.
     pub transmitted: usize,
-    /// Vertices named by a reference to the cache.
+    /// Number of vertices named by a reference to the cache.
     pub references: usize,
-    /// Bits of these references, ⌈lg k⌉ each for k entries.
+    /// Bits of these references, ⌈lg k⌉ per reference for k entries.
     pub reference_bits: u64,
-    /// Swaps, of one bit each.
+    /// Number of swaps; each takes one bit.
     pub swaps: usize,
-    /// Real triangles drawn.
+    /// Number of triangles drawn, without degenerate ones.
     pub triangles: usize,
 }
 
@@ -125,7 +125,7 @@ impl std::iter::Sum for GeneralizedCost {
     }
 }
 
-/// Returns the number of bits of a reference to one of `entries`.
+/// Returns the number of bits of a reference to one of `entries` entries.
 fn reference_bits(entries: u32) -> u32 {
     u32::BITS - entries.saturating_sub(1).leading_zeros()
 }

@@ -1,30 +1,30 @@
-//! A cache that evicts the least recently used vertex.
+//! LRU caches: the least recently used vertex is evicted.
 //!
 //! ```text
-//! log      4  7  4  9  7  2  9        what was sent, the newest at the right
-//!          ·  ·  4  ·  7  2  9        last uses only: from left to right the order of eviction
-//!                   ↑ tail            from a cache of three entries, 4 has been evicted
+//! log      4  7  4  9  7  2  9        sent vertices, the newest on the right
+//!          ·  ·  4  ·  7  2  9        last uses only, in the order of eviction
+//!                   ↑ tail            a cache of three entries has evicted 4
 //! ```
 
 use super::fifo::LARGEST_CACHE;
 
-/// The least length of the log at which it is rewritten.
+/// Minimum length of the log at which it is rewritten.
 const LOG: usize = 1 << 12;
 
-/// The slot of the log in which a vertex was sent last is `last - base - 1`.
+/// An LRU cache. The slot of the log in which a vertex was last sent is `last - base - 1`.
 ///
-/// Invariant: the vertices whose `last` is after `base + tail` are in the cache; their number is
+/// Invariant: the vertices whose `last` is after `base + tail` are in the cache. Their number is
 /// `inside`, at most `entries`.
 #[derive(Debug, Clone)]
 pub(super) struct Lru {
     entries: usize,
     inside: usize,
     misses: usize,
-    /// The time at which the log begins.
+    /// The time of the first slot of the log.
     base: u32,
     tail: usize,
     log: Vec<u32>,
-    /// The time at which each vertex was sent last, counted from 1; 0 for never.
+    /// The time at which each vertex was last sent, counted from 1; 0 for never.
     last: Vec<u32>,
 }
 
@@ -48,7 +48,7 @@ impl Lru {
         self.misses == before
     }
 
-    /// Sends vertices. As many as fit are appended to the log at once, and processed afterwards.
+    /// Sends vertices. Appends as many as fit to the log at once, then processes them.
     pub(super) fn send_all(&mut self, mut vertices: &[u32]) {
         while !vertices.is_empty() {
             if self.log.len() >= self.longest_log() {
@@ -120,8 +120,8 @@ impl Lru {
         self.log.truncate(kept);
     }
 
-    /// Rewinds times before they overflow: those of vertices in the cache move, those of evicted
-    /// vertices become 1.
+    /// Rewinds times before they overflow. Times of vertices in the cache are shifted; those of
+    /// evicted vertices become 1.
     fn rewind_times(&mut self) {
         if self.base < u32::MAX - 3 * self.longest_log() as u32 {
             return;
@@ -133,7 +133,7 @@ impl Lru {
         self.base = 1;
     }
 
-    /// Advances the times so that they overflow soon.
+    /// Advances the times close to overflow.
     #[cfg(test)]
     pub(super) fn with_late_times(mut self, left: u32) -> Self {
         self.base = u32::MAX - 3 * self.longest_log() as u32 - left;

@@ -1,15 +1,15 @@
-//! The parameters of a simulated vertex cache: replacement, size, and flushes between strips.
+//! Parameters of a simulated vertex cache: replacement policy, size, and flushes between strips.
 
 use crate::error::Error;
 use crate::names::names;
 
-/// The vertex that is evicted from a full cache.
+/// The replacement policy: which vertex a full cache evicts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Replacement {
-    /// The one that entered first.
+    /// First in, first out: the vertex that entered first.
     #[default]
     Fifo,
-    /// The one that was not used for the longest time.
+    /// The least recently used vertex.
     Lru,
 }
 
@@ -19,8 +19,7 @@ names! {
     Lru => "lru", "Evicts the vertex that was not used for the longest time";
 }
 
-/// A vertex cache: its replacement policy and its number of entries. Written and parsed as
-/// `fifo:16`.
+/// A vertex cache: its replacement policy and number of entries. Formatted and parsed as `fifo:16`.
 ///
 /// ```
 /// use tristrip::vertex_cache::{Replacement, VertexCache};
@@ -32,17 +31,17 @@ names! {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct VertexCache {
-    /// The vertex that is evicted when the cache is full.
+    /// Which vertex is evicted when the cache is full.
     pub replacement: Replacement,
-    /// The number of vertices that it holds; without entries there are no hits.
+    /// Number of vertices that the cache holds. Without entries there are no hits.
     pub entries: u32,
 }
 
 impl VertexCache {
-    /// The largest number of entries that is parsed.
+    /// Maximum number of entries that is parsed.
     pub const MAX_ENTRIES: u32 = 1 << 16;
 
-    /// Creates a first-in, first-out cache.
+    /// Creates a FIFO cache.
     ///
     /// ```
     /// use tristrip::vertex_cache::VertexCache;
@@ -53,13 +52,13 @@ impl VertexCache {
         Self { replacement: Replacement::Fifo, entries }
     }
 
-    /// Creates a cache that evicts the least recently used vertex.
+    /// Creates an LRU cache.
     ///
     /// ```
     /// use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
     /// let strips = tristrip::Strips::from_parts(vec![0, 1, 2, 0, 3, 0, 4], vec![7])?;
     /// let misses = |cache| VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep).misses;
-    /// // Vertex 0 entered first, but is in use.
+    /// // Vertex 0 entered first but was used recently.
     /// assert_eq!((misses(VertexCache::lru(3)), misses(VertexCache::fifo(3))), (5, 6));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -68,7 +67,7 @@ impl VertexCache {
     }
 }
 
-/// The cache with which strips are usually measured: 16 entries, first in, first out.
+/// The cache that strips are usually measured with: 16 entries, FIFO.
 impl Default for VertexCache {
     fn default() -> Self {
         Self::fifo(16)
@@ -100,13 +99,13 @@ impl std::str::FromStr for VertexCache {
     }
 }
 
-/// Whether the cache is flushed between two strips.
+/// Whether the cache is flushed between strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FlushPolicy {
-    /// It keeps its vertices, as a graphics processor does within one draw call.
+    /// The cache keeps its vertices, as a GPU does within one draw call.
     #[default]
     Keep,
-    /// It is flushed, as before each draw call, or in studies of single strips.
+    /// The cache is flushed, as between draw calls or in studies of single strips.
     Flush,
 }
 

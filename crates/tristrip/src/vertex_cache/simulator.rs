@@ -1,4 +1,4 @@
-//! A vertex cache of either replacement policy, for vertices that are sent one by one.
+//! A vertex cache of either replacement policy that receives vertices one at a time.
 
 use super::fifo::Fifo;
 use super::lru::Lru;
@@ -6,7 +6,7 @@ use super::policy::{Replacement, VertexCache};
 use crate::error::Error;
 use crate::ids::{check_count, index_out_of_range};
 
-/// The state of a vertex cache, for vertices that are sent one by one.
+/// The state of a vertex cache that receives vertices one at a time.
 ///
 /// ```
 /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
@@ -34,11 +34,11 @@ enum Entries {
 }
 
 impl VertexCacheSimulator {
-    /// Creates an empty cache for vertices 0 to `vertex_count` − 1, in 4 bytes per vertex. More
-    /// than 2²⁸ entries count as 2²⁸.
+    /// Creates an empty cache for the vertices 0 to `vertex_count` − 1. Takes 4 bytes per vertex.
+    /// More than 2²⁸ entries count as 2²⁸.
     ///
     /// # Errors
-    /// There are too many vertices for 32-bit ids, or for the memory.
+    /// There are too many vertices for 32-bit indices or for the memory.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
@@ -56,7 +56,7 @@ impl VertexCacheSimulator {
         Ok(Self::of(cache, vertex_count))
     }
 
-    /// Creates an empty cache for a number of vertices that the caller has in memory.
+    /// Creates an empty cache. The number of vertices must be one that fits in memory.
     pub(super) fn of(cache: VertexCache, vertex_count: usize) -> Self {
         let entries = match cache.replacement {
             Replacement::Fifo => Entries::Fifo(Fifo::new([cache.entries], vertex_count)),
@@ -82,10 +82,10 @@ impl VertexCacheSimulator {
         Ok(self.receive(vertex))
     }
 
-    /// Sends vertices in order; the same as [`send`](Self::send) for each, but faster.
+    /// Sends vertices in order. Equivalent to [`send`](Self::send) for each vertex, but faster.
     ///
     /// # Errors
-    /// A vertex is not less than the number of vertices; none is sent then.
+    /// A vertex is not less than the number of vertices. Nothing is sent then.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
@@ -101,7 +101,7 @@ impl VertexCacheSimulator {
         Ok(())
     }
 
-    /// Checks that vertices are less than the number of vertices.
+    /// Checks that all vertices are less than the number of vertices.
     fn check(&self, vertices: &[u32]) -> Result<(), Error> {
         match vertices.iter().position(|&vertex| vertex as usize >= self.vertex_count) {
             Some(at) => Err(index_out_of_range(at, vertices[at], self.vertex_count)),
@@ -109,8 +109,7 @@ impl VertexCacheSimulator {
         }
     }
 
-    /// Sends a vertex that is less than the number of vertices. Returns whether it was in the
-    /// cache.
+    /// Sends a vertex that is known to be in range. Returns whether it was in the cache.
     pub(super) fn receive(&mut self, vertex: u32) -> bool {
         match &mut self.entries {
             Entries::Fifo(fifo) => fifo.send(vertex),
@@ -118,7 +117,7 @@ impl VertexCacheSimulator {
         }
     }
 
-    /// Sends vertices that are less than the number of vertices, in order.
+    /// Sends vertices that are known to be in range, in order.
     pub(super) fn receive_all(&mut self, vertices: &[u32]) {
         match &mut self.entries {
             Entries::Fifo(fifo) => fifo.send_all(vertices),
@@ -143,8 +142,8 @@ impl VertexCacheSimulator {
         }
     }
 
-    /// Swaps the two vertices of the edge over which a strip continues: the older one takes the
-    /// place of the newer one in the order of eviction.
+    /// Handles a swap of the two vertices of the edge over which a strip continues: they are
+    /// exchanged in the order of eviction (FIFO), or the older one becomes the most recent (LRU).
     pub(super) fn swap(&mut self, older: u32, newer: u32) {
         match &mut self.entries {
             Entries::Fifo(fifo) => fifo.exchange(older, newer),
@@ -156,7 +155,7 @@ impl VertexCacheSimulator {
         }
     }
 
-    /// Counts the vertices that were not in the cache when they were sent.
+    /// Counts the misses so far.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};

@@ -1,5 +1,5 @@
-//! Vertex-cache statistics: of strips or a list with one cache or many, and for all sizes of an LRU
-//! cache.
+//! Vertex-cache statistics: for strips or a list with one cache or many, and for all sizes of an
+//! LRU cache.
 
 use super::distances::Distances;
 use super::fifo::Fifo;
@@ -9,22 +9,23 @@ use super::stream::VertexStream;
 use crate::error::Error;
 use crate::strip::Strips;
 
-/// FIFO caches that are simulated side by side: one vector register of stamps. Eight are not faster
-/// on bunny, and slower on dragon, whose stamps no longer fit in the processor's caches then.
+/// Number of FIFO caches simulated side by side: one vector register of stamps. Eight are not
+/// faster on bunny, and slower on dragon, because the stamps no longer fit in the processor's
+/// caches.
 const LANES: usize = 4;
 
-/// The number of LRU sizes from which on one pass by stack distances is faster than one pass per
-/// size, on bunny and dragon.
+/// Number of LRU sizes from which one pass by stack distances is faster than one pass per size.
+/// Measured on bunny and dragon.
 const SIZES: usize = 4;
 
 /// Vertex-cache statistics of strips or of a triangle list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct VertexCacheStatistics {
-    /// Vertices that were not in the cache when they were sent.
+    /// Number of misses: vertices that were not in the cache when they were sent.
     pub misses: usize,
-    /// Real triangles drawn.
+    /// Number of triangles drawn, without degenerate ones.
     pub triangles: usize,
-    /// Distinct vertices that were sent.
+    /// Number of distinct vertices sent.
     pub vertices: usize,
 }
 
@@ -45,8 +46,8 @@ impl VertexCacheStatistics {
         Self::of_stream(&VertexStream::strips(strips), cache, flush)
     }
 
-    /// Simulates a triangle list with an initially empty cache. All indices are sent; triangles
-    /// with two equal ones do not count as real.
+    /// Simulates a triangle list with an initially empty cache. All indices are sent. Degenerate
+    /// triangles are not counted as triangles.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheStatistics};
@@ -62,7 +63,7 @@ impl VertexCacheStatistics {
         Self { misses, triangles: stream.triangles, vertices: stream.vertices() }
     }
 
-    /// Returns the misses per real triangle (the ACMR); 0 without triangles.
+    /// Returns the misses per triangle (the ACMR), or 0 without triangles.
     ///
     /// ```
     /// use tristrip::vertex_cache::VertexCacheStatistics;
@@ -75,24 +76,24 @@ impl VertexCacheStatistics {
         if self.triangles == 0 { 0.0 } else { self.misses as f64 / self.triangles as f64 }
     }
 
-    /// Returns the misses per vertex in use (the ATVR); 0 without vertices.
+    /// Returns the misses per vertex in use (the ATVR), or 0 without vertices.
     ///
     /// ```
     /// use tristrip::vertex_cache::VertexCacheStatistics;
     /// let mut used = VertexCacheStatistics::default();
     /// (used.misses, used.vertices) = (300, 200);
-    /// // Each vertex is transformed one and a half times.
+    /// // Each vertex is transformed 1.5 times on average.
     /// assert_eq!(used.atvr(), 1.5);
     /// ```
     pub fn atvr(&self) -> f64 {
         if self.vertices == 0 { 0.0 } else { self.misses as f64 / self.vertices as f64 }
     }
 
-    /// Simulates strips with each of several caches, like [`VertexCacheStatistics::of`] but faster.
-    /// Returns the statistics in the order of the caches.
+    /// Simulates strips with several caches, faster than calling [`VertexCacheStatistics::of`] for
+    /// each. Returns the statistics in the order of the caches.
     ///
-    /// All LRU sizes come from one pass by stack distances. FIFO caches are simulated four at a
-    /// time.
+    /// All LRU sizes are computed in one pass by stack distances. FIFO caches are simulated four at
+    /// a time.
     ///
     /// ```
     /// use tristrip::{Strips, vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics}};
@@ -106,8 +107,8 @@ impl VertexCacheStatistics {
         Self::of_stream_each(&VertexStream::strips(strips), caches, flush)
     }
 
-    /// Simulates a triangle list with each of several caches, like
-    /// [`VertexCacheStatistics::of_list`] but faster. Returns the statistics in the order of the
+    /// Simulates a triangle list with several caches, faster than calling
+    /// [`VertexCacheStatistics::of_list`] for each. Returns the statistics in the order of the
     /// caches.
     ///
     /// ```
@@ -196,8 +197,8 @@ impl std::iter::Sum for VertexCacheStatistics {
     }
 }
 
-/// Counts the misses of LRU caches of 1 to `largest` entries in one pass; item i is for i + 1
-/// entries. Misses never increase with the size.
+/// Counts the misses of LRU caches of 1 to `largest` entries in one pass. Item i is for i + 1
+/// entries. The misses never increase with the size.
 ///
 /// # Errors
 /// `largest` is above [`VertexCache::MAX_ENTRIES`].

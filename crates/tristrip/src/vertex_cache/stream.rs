@@ -1,4 +1,4 @@
-//! The indices that are sent to a vertex cache, with vertices numbered without large gaps.
+//! The indices sent to a vertex cache, with vertices renumbered if they are sparse.
 
 use std::borrow::Cow;
 
@@ -11,9 +11,9 @@ use crate::strip::{Strips, count_triangles};
 pub(super) struct VertexStream<'a> {
     pub(super) indices: Cow<'a, [u32]>,
     pub(super) vertex_count: usize,
-    /// Number of real triangles.
+    /// Number of triangles, without degenerate ones.
     pub(super) triangles: usize,
-    /// The strips that divide the indices; a list has none.
+    /// The strips that divide the indices; `None` for a list.
     strips: Option<&'a Strips>,
 }
 
@@ -37,7 +37,7 @@ impl<'a> VertexStream<'a> {
         used.iter().filter(|&&u| u).count()
     }
 
-    /// Calls `run` with the indices from each flush to the next.
+    /// Calls `run` with the indices between consecutive flushes.
     pub(super) fn runs(&self, flush: FlushPolicy, mut run: impl FnMut(&[u32])) {
         match self.strips {
             Some(strips) if flush == FlushPolicy::Flush => {
@@ -53,7 +53,8 @@ impl<'a> VertexStream<'a> {
     }
 }
 
-/// Renumbers the vertices in ascending order if the indices use few of those up to the highest one.
+/// Renumbers the vertices in ascending order if the indices use few of the vertices up to the
+/// highest one.
 fn numbered(indices: &[u32]) -> (Cow<'_, [u32]>, usize) {
     let Some(&highest) = indices.iter().max() else { return (Cow::Borrowed(indices), 0) };
     if indices.len() > highest as usize / SPARSE {

@@ -7,7 +7,7 @@ use crate::strip::Strips;
 use proptest::prelude::*;
 use std::collections::VecDeque;
 
-/// The cache as a queue of its vertices, searched linearly. Returns the hits.
+/// Simulates a cache as a queue of vertices with linear search. Returns the hits.
 fn hits_of_a_queue(indices: &[u32], cache: VertexCache) -> Vec<bool> {
     let mut queue = VecDeque::new();
     let send = |v: &u32| {
@@ -50,7 +50,7 @@ fn any_strips() -> impl Strategy<Value = Strips> {
     })
 }
 
-/// Strips with many swaps, in which no vertex except the first is repeated immediately.
+/// Strips with many swaps in which no vertex except the first is repeated immediately.
 fn any_turning_strips() -> impl Strategy<Value = Strips> {
     prop::collection::vec((any::<bool>(), prop::collection::vec(0..9_u32, 2..30)), 0..20).prop_map(|all| {
         let mut strips = Strips::default();
@@ -67,7 +67,8 @@ fn any_turning_strips() -> impl Strategy<Value = Strips> {
     })
 }
 
-/// The machine with its cache as a queue, the oldest first, and the vertices at hand as a list.
+/// Simulates the machine with its cache as a queue, oldest first, and the vertices at hand as a
+/// list.
 fn cost_by_a_queue(strips: &Strips, cache: VertexCache, flush: FlushPolicy) -> GeneralizedCost {
     let mut cost = GeneralizedCost { triangles: strips.triangles().count(), ..GeneralizedCost::default() };
     let mut queue: Vec<u32> = Vec::new();
@@ -141,7 +142,7 @@ proptest! {
             let used = VertexCacheStatistics::of(&strips, cache, flush);
             prop_assert_eq!(used.misses, misses_of_a_queue(&strips, cache, flush));
             prop_assert_eq!(used.triangles, strips.triangles().count());
-            // Vertices far from each other are renumbered.
+            // Sparse vertices are renumbered.
             let mut far = Strips::default();
             strips.iter().for_each(|strip| far.push(&strip.iter().map(|v| 100_000_000 * v).collect::<Vec<_>>()));
             prop_assert_eq!(used, VertexCacheStatistics::of(&far, cache, flush));

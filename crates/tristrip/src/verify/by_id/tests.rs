@@ -1,4 +1,4 @@
-//! Proofs of triangles, polygons and welded strips, and the cost of looking polygons up.
+//! Proofs of triangles, polygons and welded strips, and the cost of polygon lookups.
 
 use super::*;
 use crate::mesh::VertexWelds;
@@ -30,8 +30,8 @@ fn accepts_every_triangulation_and_nothing_else() {
     assert!(matches!(changed(2, [3, 4, 2]), Unproven::Boundary { face: 1, .. }), "flipped");
 }
 
-/// A square with a square hole, as one polygon over a bridge: a triangle and its reverse, which
-/// cancel, are too many.
+/// A square with a square hole, as one polygon with a bridge. A triangle and its reverse cancel,
+/// but exceed the number of triangles.
 #[test]
 fn a_polygon_with_a_bridge_has_no_more_triangles_than_its_corners_allow() {
     let faces = Faces::from_polygons([[0, 1, 2, 3, 0, 4, 7, 6, 5, 4]]).unwrap();
@@ -61,14 +61,14 @@ fn many_polygons_over_the_same_corners_take_linear_time() {
     LOOKUPS.set(0);
     assert!(verify_drawing(&faces, &drawn).is_ok());
     assert!(verify_drawing(&faces, &drawn[1..]).is_err());
-    // Each proof examines all polygons once for each of two distinct triangles.
+    // Each proof examines all polygons once per distinct triangle, and there are two.
     assert!(LOOKUPS.get() <= 2 * 2 * (count + 1), "{}", LOOKUPS.get());
 }
 
 #[test]
 fn many_polygons_over_almost_the_same_corners_take_linear_time() {
-    // Polygons of 255 common corners, from various ones on, and one of their own; each is cut from
-    // its own corner.
+    // Polygons of 255 common corners, which start at different ones, and one corner of their own.
+    // Each is cut from its own corner.
     let polygon = |i: u32, size: u32| {
         let common = (0..size - 1).map(move |k| (k + 7 * i) % (size - 1));
         common.chain([size + i]).collect::<Vec<_>>()
@@ -92,7 +92,8 @@ fn many_polygons_over_almost_the_same_corners_take_linear_time() {
     }
 }
 
-/// The groups by their definition: polygons that have all vertices of a triangle are united.
+/// Computes the groups by their definition: polygons that have all vertices of a triangle are
+/// united.
 fn naive_groups(polygons: &SimplePolygons, drawn: &[[u32; 3]]) -> Option<Vec<u32>> {
     let mut sets = UnionFind::new(polygons.count());
     for triangle in drawn {
@@ -140,7 +141,7 @@ fn counts_triangles_with_their_winding() {
     );
 }
 
-/// Polygons of vertices far from each other are compared in memory for their corners.
+/// Polygons of sparse vertices are compared in memory proportional to their corners.
 #[test]
 fn any_vertices_are_compared() {
     let far = |polygons: Vec<Vec<u32>>| -> Vec<Vec<u32>> {
@@ -164,7 +165,7 @@ fn any_vertices_are_compared() {
     assert!(verify_drawing(&Faces::default(), &triangles).is_err());
 }
 
-/// Four triangles without common vertices: welded, they are one strip.
+/// Four triangles without common vertices become one strip after welding.
 #[test]
 fn welded_strips_are_proven_against_their_mesh() {
     use crate::{StripifyOptions, strip::VertexOrder, stripify};
@@ -180,7 +181,7 @@ fn welded_strips_are_proven_against_their_mesh() {
         let strips = stripify(mesh, &weld).unwrap();
         assert_eq!(strips.len(), 1);
         assert!(verify(mesh, &strips).is_ok());
-        // Without the welds, or with those of another mesh, nothing is proven.
+        // Without the welds, or with those of another mesh, the proof fails.
         assert!(verify(mesh, &strips.clone().with_welds(VertexWelds::default())).is_err());
         let mut moved = mesh.positions().to_vec();
         let (vertex, other) = strips.welds().iter().next().unwrap();
@@ -188,7 +189,7 @@ fn welded_strips_are_proven_against_their_mesh() {
         let moved = Mesh::new(moved, mesh.faces().clone()).unwrap();
         assert_eq!(verify(&moved, &strips), Err(Unproven::Weld { vertex, other }));
         assert!(matches!(verify(&Mesh::default(), &strips), Err(Unproven::Weld { .. })));
-        // A missing triangle is found, and the welds follow a new numbering.
+        // A missing triangle is found, and the welds follow a renumbering.
         let mut more = strips.clone();
         more.push(&[0, 1, 2]);
         assert!(verify(mesh, &more).is_err());
