@@ -61,7 +61,7 @@ pub enum MeshProblem {
         "strip {strip}, vertex {position}: found vertex index {found}, expected less than {vertex_count}"
     )]
     StripVertex {
-        /// Strip, counted from 0.
+        /// Index of the strip, counted from 0.
         strip: u32,
         /// Position in the strip, counted from 0.
         position: u32,

@@ -41,10 +41,10 @@ impl PositionIds {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
-    /// // Vertex 4 of another mesh has the position of vertex 0 of this one. let last =
-    /// Mesh::new(vec![mesh.positions()[0]; 5], Faces::from_polygons([[4]])?)?; let faces =
-    /// PositionIds::default().faces(&[&mesh, &last])?; assert_eq!(faces.iter().collect::<Vec<_>>(),
-    /// [&[0, 1, 2, 3][..], &[3, 2, 4], &[0]]);
+    /// // Vertex 4 of another mesh has the position of vertex 0 of this one.
+    /// let last = Mesh::new(vec![mesh.positions()[0]; 5], Faces::from_polygons([[4]])?)?;
+    /// let faces = PositionIds::default().faces(&[&mesh, &last])?;
+    /// assert_eq!(faces.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3][..], &[3, 2, 4], &[0]]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn faces(&mut self, meshes: &[&Mesh]) -> Result<Faces, Error> {

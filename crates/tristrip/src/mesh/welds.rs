@@ -42,11 +42,10 @@ impl VertexWelds {
     ///
     /// ```
     #[doc = include_str!("welded_example.txt")]
-    /// let shades = AttributeData::U8(vec![0, 1, 2, 2, 9, 5]); let shades = Attribute { name:
-    /// "shade".into(), components: 1, normalized: true, data: shades }; // Now vertices 1 and 4
-    /// have different shades.
-    /// assert_eq!(VertexWelds::of(&mesh.with_attribute(shades)?).iter().collect::<Vec<_>>(), [(3,
-    /// 2)]);
+    /// let shades = AttributeData::U8(vec![0, 1, 2, 2, 9, 5]);
+    /// let shades = Attribute { name: "shade".into(), components: 1, normalized: true, data: shades };
+    /// // Now vertices 1 and 4 have different shades.
+    /// assert_eq!(VertexWelds::of(&mesh.with_attribute(shades)?).iter().collect::<Vec<_>>(), [(3, 2)]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn of(mesh: &Mesh) -> Self {

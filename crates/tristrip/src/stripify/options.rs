@@ -19,15 +19,16 @@ pub(super) const QUAD_ROWS_CUTOFF: u32 = 5;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Method {
-    /// The project's fast greedy method, followed by a local search at the ends of strips.
+    /// This library's fast greedy method, followed by a local search at the ends of strips.
     Sequential,
-    /// The project's simulated annealing, starting from the strips of the cheapest fast method, for
-    /// a given cost and effort. The default effort takes less than a second per million triangles.
+    /// This library's simulated annealing, starting from the strips of the cheapest fast method,
+    /// for a given cost and effort. The default effort takes less than a second per million
+    /// triangles.
     #[default]
     Best,
-    /// The project's search for the fewest strips, regardless of swaps.
+    /// This library's search for the fewest strips, regardless of swaps.
     Fewest,
-    /// The project's strips ordered for a vertex cache, grown along the front of the drawn
+    /// This library's strips ordered for a vertex cache, grown along the front of the drawn
     /// triangles.
     Cache,
     /// Strips in the order of the input faces.
@@ -54,7 +55,7 @@ pub enum Method {
         /// How ties between neighbours of the lowest adjacency are broken outside the patches.
         ties: Ties,
     },
-    /// The project's strips along the rows of quadrilateral patches. Strips grow at both ends, and
+    /// This library's strips along the rows of quadrilateral patches. Strips grow at both ends, and
     /// the diagonals of a strip are chosen together.
     QuadRows {
         /// Minimum size of a patch, in quadrilaterals.
@@ -74,7 +75,7 @@ pub enum Method {
         /// How far identifiers are propagated. This does not change the strips.
         localization: Localization,
     },
-    /// The project's long tunnels, guided by the distance to the ends of strips. Ends also move
+    /// This library's long tunnels, guided by the distance to the ends of strips. Ends also move
     /// toward each other.
     GuidedTunnels(TunnelOptions),
 }
@@ -240,9 +241,8 @@ impl StripifyOptions {
         ///
         /// ```
         #[doc = include_str!("example.txt")]
-        /// let strips = |method| stripify_indices_with(&grid, 289,
-        /// &StripifyOptions::default().with_method(method)); let indices = |method|
-        /// strips(method).map(|strips| strips.index_count(Layout::Restart));
+        /// let strips = |method| stripify_indices_with(&grid, 289, &StripifyOptions::default().with_method(method));
+        /// let indices = |method| strips(method).map(|strips| strips.index_count(Layout::Restart));
         /// assert!(indices(Method::Best)? < indices(Method::Input)?);
         /// # Ok::<(), tristrip::Error>(())
         /// ```
@@ -267,10 +267,11 @@ impl StripifyOptions {
         ///
         /// ```
         #[doc = include_str!("example.txt")]
-        /// let method = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties:
-        /// Ties::Random }; let options = StripifyOptions::default().with_method(method); let strips
-        /// = |seed| stripify_indices_with(&grid, 289, &options.with_seed(seed));
-        /// assert_ne!(strips(1)?, strips(2)?); assert_eq!(strips(2)?, strips(2)?);
+        /// let method = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Random };
+        /// let options = StripifyOptions::default().with_method(method);
+        /// let strips = |seed| stripify_indices_with(&grid, 289, &options.with_seed(seed));
+        /// assert_ne!(strips(1)?, strips(2)?);
+        /// assert_eq!(strips(2)?, strips(2)?);
         /// # Ok::<(), tristrip::Error>(())
         /// ```
         with_seed(seed: u64);
@@ -282,8 +283,9 @@ impl StripifyOptions {
         /// let metrics = |cost| {
         ///     let strips = stripify_indices_with(&grid, 289, &StripifyOptions::default().with_cost(cost));
         ///     strips.map(|strips| Metrics::of(&strips))
-        /// }; // If swaps are free, fewer and longer strips with more swaps are better. let
-        /// (restart, gl) = (metrics(Cost::Restart)?, metrics(Cost::Gl)?);
+        /// };
+        /// // If swaps are free, fewer and longer strips with more swaps are better.
+        /// let (restart, gl) = (metrics(Cost::Restart)?, metrics(Cost::Gl)?);
         /// assert!(restart.indices_restart < gl.indices_restart && restart.gl_cost > gl.gl_cost);
         /// # Ok::<(), tristrip::Error>(())
         /// ```
@@ -321,12 +323,12 @@ impl StripifyOptions {
         ///
         /// ```
         #[doc = include_str!("example.txt")]
-        /// let options = StripifyOptions::default().with_method(Method::Cache); let strips =
-        /// |objective| stripify_indices_with(&grid, 289, &options.with_objective(objective)); let
-        /// (indices, misses) = (strips(Objective::Indices)?, strips(Objective::Misses)?);
-        /// assert!(indices.vertices_sent() < misses.vertices_sent()); let count = |strips|
-        /// VertexCacheStatistics::of(strips, VertexCache::default(),
-        /// FlushPolicy::default()).misses; assert!(count(&indices) > count(&misses));
+        /// let options = StripifyOptions::default().with_method(Method::Cache);
+        /// let strips = |objective| stripify_indices_with(&grid, 289, &options.with_objective(objective));
+        /// let (indices, misses) = (strips(Objective::Indices)?, strips(Objective::Misses)?);
+        /// assert!(indices.vertices_sent() < misses.vertices_sent());
+        /// let count = |strips| VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::default()).misses;
+        /// assert!(count(&indices) > count(&misses));
         /// # Ok::<(), tristrip::Error>(())
         /// ```
         with_objective(objective: Objective);

@@ -34,9 +34,9 @@ pub trait Watch: Sync {
     /// # let mesh = Mesh::new(vec![[0.0; 3]; 289], Faces::from_triangles(grid)?)?;
     /// # let prepared = PreparedFaces::new(&mesh, false);
     /// # let graph = DualGraph::new(prepared.faces());
-    /// let options = StripifyOptions::default().with_effort(Effort::default()); let indices =
-    /// |steps| plan_watched(&prepared, &graph, &options, &Budget(steps)).map(|plan|
-    /// plan.indices_restart()); // A stopped search returns the best strips that it has found.
+    /// let options = StripifyOptions::default().with_effort(Effort::default());
+    /// let indices = |steps| plan_watched(&prepared, &graph, &options, &Budget(steps)).map(|plan| plan.indices_restart());
+    /// // A stopped search returns the best strips that it has found.
     /// assert!(indices(0)? > indices(u64::MAX)?);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
