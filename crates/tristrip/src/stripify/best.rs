@@ -1,24 +1,23 @@
-//! `best`: our search for the cheapest cover, for a given cost and effort.
+//! `best`: this library's search for the cheapest cover, for a given cost and effort.
 //!
 //! # Algorithm
 //! 1. *Start*: the cheapest of the covers of `sequential`, `input` and `quad-rows`.
 //! 2. *Cold*: annealing from a low temperature, which improves the start and keeps its regular
 //!    parts.
-//! 3. *Hot*: slow annealing from a temperature at which nothing of the start remains. On irregular
-//!    meshes this gains the most.
-//! 4. The result is the cheapest of the three by the measured cost, so that no effort makes it
-//!    worse than the start.
+//! 3. *Hot*: slow annealing from a temperature that destroys the start. On irregular meshes this
+//!    gains the most.
+//! 4. The result is the cheapest of the three by measured cost. No effort makes it worse than the
+//!    start.
 //!
-//! Nothing is searched if the start has one strip per component and no swaps, which no cover is
-//! cheaper than.
+//! No search is needed if the start has one strip per component and no swaps: no cover is cheaper.
 //!
-//! The moves are those of the module `anneal`. They consist of joins and cuts, which
-//! [`PricedPaths`] prices exactly. Polygons are triangulated again during the search: one of the
-//! moves flips a diagonal.
+//! The module `anneal` implements the moves. They consist of joins and cuts, which [`PricedPaths`]
+//! prices exactly. One of the moves flips a diagonal, so polygons are retriangulated during the
+//! search.
 //!
 //! # Effort
-//! Each level has about twice as many sweeps over the mesh as the level below. On one core, for the
-//! bunny of 69,451 triangles and restarts:
+//! Each level makes about twice as many sweeps over the mesh as the previous one. Measured on one
+//! core, for the bunny with 69,451 triangles and the cost `restart`:
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
 //! |---|---|---|---|---|---|---|---|---|
@@ -26,8 +25,8 @@
 //! | times meshoptimizer's strip pipeline | 0.5 | 0.8 | 3 | 7 | 15 | 40 | 80 | 160 |
 //! | seconds | 0.007 | 0.013 | 0.045 | 0.12 | 0.28 | 0.8 | 1.5 | 2.9 |
 //!
-//! Levels 8 and 9 take two and four times as long as 7. The time is proportional to the size of
-//! larger meshes; smaller meshes take the same time, down to an eighth of this size.
+//! Levels 8 and 9 take two and four times as long as level 7. The time is proportional to the size
+//! of larger meshes. Smaller meshes take the same time, down to an eighth of this size.
 //!
 //! # References
 //! Kirkpatrick, Gelatt, Vecchi: *Optimization by Simulated Annealing*, 1983; Pósa: *Hamiltonian
@@ -35,8 +34,8 @@
 //! Continuous Level-of-Detail Meshes*, 2001.
 //!
 //! # Complexity
-//! O(sweeps · n) time, see [`SWEEPS`]; 16 bytes per triangle besides the memory of the start; 13
-//! more for meshes with polygons.
+//! O(sweeps · n) time, see [`SWEEPS`]. 16 bytes per triangle in addition to the memory of the
+//! start, and 13 more for meshes with polygons.
 
 mod anneal;
 #[cfg(test)]
@@ -51,13 +50,14 @@ use crate::prepare::PreparedFaces;
 use crate::strip::{Cost, cover_cost};
 use anneal::{Annealer, AnnealingPhase};
 
-/// The number of sweeps over the mesh, by effort. Tuned on the bunny; see the module documentation.
+/// Number of sweeps over the mesh, by effort. Tuned on the bunny; see the module documentation.
 const SWEEPS: [u32; 10] = [0, 1, 8, 36, 100, 300, 600, 1200, 2400, 4800];
-/// Smaller meshes get more sweeps, up to [`MAX_ROUNDS`] times as many, so that a level takes the
-/// time of a mesh of this size.
+/// Smaller meshes get up to [`MAX_ROUNDS`] times as many sweeps, so a level takes the time of a
+/// mesh of this size.
 const SMALL: usize = 1 << 16;
 const MAX_ROUNDS: usize = 8;
-/// From this level on, `quad-rows` is one of the starts. It takes longer than level 1.
+/// The lowest level with `quad-rows` among the starts, because `quad-rows` takes longer than level
+/// 1.
 const QUAD_ROWS_LEVEL: u8 = 2;
 
 /// Computes strips by annealing.
@@ -118,7 +118,7 @@ fn cheapest_start<'a>(
         return (best, best_price);
     }
     let mut offer = |plan: StripPlan<'a>| {
-        // The number of strips often decides: even without swaps the plan is not cheaper.
+        // The number of strips often decides: the plan may be more expensive even without swaps.
         let strip = cost.prices().strip.unsigned_abs() as usize;
         let without_swaps = plan.cover.len() + strip * plan.cover.path_count();
         let is_more_expensive = cost != Cost::Degenerate && without_swaps >= best_price + without_last(cost);
@@ -147,12 +147,12 @@ fn price(plan: &StripPlan<'_>, cost: Cost) -> usize {
     }
 }
 
-/// Returns whether no plan is cheaper than this price of a plan: there is one strip per component,
-/// and there are no swaps that cost anything.
+/// Returns whether no plan is cheaper than this one: it has one strip per component and no swaps
+/// that cost anything.
 fn is_lowest_possible(plan: &StripPlan<'_>, price: usize, cost: Cost) -> bool {
     let (triangles, strips) = (plan.cover.len(), plan.cover.path_count());
     let strip = cost.prices().strip.unsigned_abs() as usize;
-    // Joining strips by degenerate triangles has another price than restarts.
+    // A join by degenerate triangles has a different price than a restart.
     (cost != Cost::Degenerate || strips == 1)
         && price + without_last(cost) == triangles + strip * strips
         && plan.triangulation.graph().has_components(strips)
@@ -163,8 +163,8 @@ fn joined(plan: &StripPlan<'_>) -> usize {
     plan.strips().to_degenerate().len()
 }
 
-/// Returns the number of indices that the prices count after the last strip, although they occur
-/// only between strips.
+/// Returns the number of indices that the prices count after the last strip. They occur only
+/// between strips.
 fn without_last(cost: Cost) -> usize {
     match cost {
         Cost::Restart | Cost::Degenerate => 1,

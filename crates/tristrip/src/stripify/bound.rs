@@ -1,27 +1,28 @@
-//! Lower bounds: the fewest strips, vertices and indices that any method needs for a mesh.
+//! Lower bounds: the minimum number of strips, vertices and indices that any method needs for a
+//! mesh.
 //!
-//! A search that meets a bound is done; for one that does not, the bound tells how far from the
-//! optimum it is at most. Every bound holds for all path covers of the given dual graph; where more
-//! than two faces meet at an edge, another pairing may allow fewer strips.
+//! A result that meets its bound is optimal. Otherwise the bound limits the distance from the
+//! optimum. A bound holds for all path covers of the given dual graph. At edges of more than two
+//! faces, another pairing of the faces may allow fewer strips.
 //!
 //! # Algorithm
-//! A cover of T triangles by S paths links T − S pairs of them. The links are a *2-matching*: no
-//! triangle has more than two. So T minus the size of a maximum 2-matching is a lower bound of S.
-//! It is computed by a maximum matching among the triangles of three neighbours. A 2-matching does
-//! not exclude that links close a cycle. So:
+//! A cover of T triangles by S paths has T − S links. The links are a *2-matching*: no triangle has
+//! more than two. Therefore T minus the size of a maximum 2-matching is a lower bound of S. It is
+//! computed by a maximum matching among the triangles with three neighbours. Links of a 2-matching
+//! may close cycles, so the bound is improved further:
 //! 1. *Bridges* (`blocks`): bridges connect the blocks of the dual graph to trees. From the leaves
-//!    to the root it is decided for each bridge whether the best cover uses it, and each block
+//!    to the root, the algorithm decides for each bridge whether the best cover uses it. Each block
 //!    needs a strip or a bridge.
 //! 2. *Matching* (`matching`, `strips`): each block separately.
-//! 3. *Subproblems* (`subproblems`, `frontier`): small blocks are solved exactly, and of larger
-//!    ones the neighbourhoods where ends are forced.
+//! 3. *Subproblems* (`subproblems`, `frontier`): small blocks are solved exactly. In larger blocks,
+//!    the neighbourhoods that force path ends are solved exactly.
 //!
-//! A strip of t triangles has t + 2 vertices and one more per swap. The number of swaps follows
-//! from the number of runs without a swap that cover the triangles (`sequential`). The other bounds
+//! A strip of t triangles has t + 2 vertices, and one more per swap. The number of swaps follows
+//! from the number of swap-free runs that cover the triangles (`sequential`). The other bounds
 //! follow from these.
 //!
-//! Faces of more than three corners may be triangulated in many ways, and a bound must hold for all
-//! of them: see [`Bound::of_prepared`].
+//! Faces of more than three corners have several triangulations, and a bound must hold for all of
+//! them: see [`Bound::of_prepared`].
 //!
 //! # References
 //! Edmonds, Johnson: *Matching: a well-solved class of integer linear programs*, 1970
@@ -29,8 +30,8 @@
 //! Rendering*, 1996, section 1 (vertices of a strip).
 //!
 //! # Complexity
-//! O(n), since all searches are limited to a number of steps per triangle: about a second for
-//! 870,000 triangles of a scan, some 10 s at worst. 60 bytes per triangle.
+//! O(n) time, because all searches are limited to a number of steps per triangle: about one second
+//! for a scan of 870,000 triangles, about 10 s in the worst case. 60 bytes per triangle.
 
 mod blocks;
 mod frontier;
@@ -53,21 +54,21 @@ use strips::ComponentStrips;
 pub use method::BoundMethod;
 pub use sequential::{SequentialStrip, sequential_strip};
 
-/// Lower bounds for a mesh: no cover of its dual graph is below any of them.
+/// Lower bounds for a mesh. No cover of its dual graph is below any of them.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Bound {
-    /// Strips.
+    /// Number of strips.
     pub strips: usize,
-    /// The sum of the strips' lengths, swaps and winding repeats included.
+    /// Sum of the strip lengths, including swaps and winding repeats.
     pub vertices_sent: usize,
-    /// The same with free swaps.
+    /// Sum of the strip lengths with free swaps.
     pub gl_cost: usize,
-    /// Length of the index buffer with a restart between strips.
+    /// Length of the index buffer with restarts between strips.
     pub indices_restart: usize,
-    /// Length of the index buffer with strips joined by degenerate triangles that keep the winding.
+    /// Length of the index buffer with strips joined by degenerate triangles; winding is kept.
     pub indices_degenerate: usize,
-    /// The bounds of each connected component, in the order of their first faces.
+    /// The bounds of each connected component, in order of their first faces.
     pub components: Vec<ComponentBound>,
 }
 
@@ -75,24 +76,24 @@ pub struct Bound {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ComponentBound {
-    /// Triangles of its triangulated faces.
+    /// Number of triangles of its triangulated faces.
     pub triangles: usize,
-    /// Strips.
+    /// Number of strips.
     pub strips: usize,
-    /// The sum of the strips' lengths, swaps and winding repeats included.
+    /// Sum of the strip lengths, including swaps and winding repeats.
     pub vertices_sent: usize,
     /// How the bound on strips was proven.
     pub method: BoundMethod,
 }
 
 impl Bound {
-    /// Bounds all covers of a triangulation.
+    /// Computes the bounds over all covers of a triangulation.
     pub(crate) fn of_triangulation(triangulation: &Triangulation<'_>) -> Self {
         let found = strips::bound(triangulation.graph());
         let runs = runs(triangulation.graph(), &found);
         let mut repeats = 0;
         let components = found.into_iter().zip(runs).map(|(found, runs)| {
-            // Each strip has two vertices before its first run, one more per further run, and one
+            // A strip has two vertices before its first run, one more per further run, and one more
             // if it repeats its first vertex.
             let least_runs = runs.least.max(found.strips).max(if runs.whole.is_some() { 1 } else { 2 });
             let repeat = usize::from(least_runs == 1 && runs.whole.is_some_and(|run| !run.keeps_winding));
@@ -108,18 +109,18 @@ impl Bound {
         Self::sum(components, repeats, vertex_groups(triangulation.triangles().chunks_exact(3)))
     }
 
-    /// Bounds all covers of all triangulations of a mesh.
+    /// Computes the bounds over all covers of all triangulations of a mesh.
     ///
     /// If all faces are triangles there is only one triangulation, and the bound is tighter. A face
-    /// of k corners counts as k − 2 triangles; a strip may pass through it several times. Only
-    /// faces with at most one neighbour necessarily contain an end of a strip, or two.
+    /// of k corners counts as k − 2 triangles, and a strip may pass through it several times. Only
+    /// faces with one neighbour or none necessarily contain one or two strip ends.
     ///
     /// # Errors
-    /// The graph is not the one of the faces.
+    /// The graph is not the dual graph of the faces.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, stripify::bound::Bound};
-    /// // A quadrilateral with another at each side.
+    /// // A quadrilateral with another one on each side.
     /// let quads = [[0, 1, 2, 3], [1, 0, 4, 5], [2, 1, 6, 7], [3, 2, 8, 9], [0, 3, 10, 11]];
     /// let mesh = Mesh::new(vec![[0.0; 3]; 12], Faces::from_polygons(quads)?)?;
     /// let prepared = PreparedFaces::new(&mesh, false);
@@ -137,7 +138,7 @@ impl Bound {
         })
     }
 
-    /// Returns the bound of a cost.
+    /// Returns the bound on a cost.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -160,8 +161,9 @@ impl Bound {
         }
     }
 
-    /// Adds up the bounds of the components. `repeats` counts those whose only strip must repeat
-    /// its first vertex, and `groups` the sets of components that share no vertex.
+    /// Adds up the bounds of the components. `repeats` is the number of components whose only strip
+    /// must repeat its first vertex. `groups` is the number of groups of components that share no
+    /// vertex.
     fn sum(components: Vec<ComponentBound>, repeats: usize, groups: usize) -> Self {
         let strips: usize = components.iter().map(|component| component.strips).sum();
         let triangles: usize = components.iter().map(|component| component.triangles).sum();
@@ -171,8 +173,8 @@ impl Bound {
             vertices_sent,
             gl_cost: triangles + 2 * strips,
             indices_restart: vertices_sent + strips.saturating_sub(1),
-            // A join sends nothing if the next strip begins with the vertex sent last, otherwise at
-            // least two indices. A strip other than the first needs no repeat if it begins at an
+            // A join sends nothing if the next strip starts with the vertex sent last, otherwise at
+            // least two indices. A strip other than the first needs no repeat if it starts at an
             // odd position.
             indices_degenerate: vertices_sent + 2 * groups.saturating_sub(1)
                 - repeats.min(components.len().saturating_sub(1)),
@@ -181,17 +183,18 @@ impl Bound {
     }
 }
 
-/// Examines the runs without a swap of each component.
+/// Examines the swap-free runs of each component.
 fn runs(graph: &DualGraph, found: &[ComponentStrips]) -> Vec<sequential::ComponentRuns> {
     let sizes: Vec<usize> = found.iter().map(|component| component.triangles).collect();
     sequential::runs(graph, &graph.components().0, &sizes)
 }
 
-/// Bounds the components of a mesh of polygons.
+/// Computes the bounds of the components of a mesh of polygons.
 ///
-/// The links over a face's own diagonals, and half of those over its edges, are at most one less
-/// than its triangles if at least two edges are linked, half a link fewer with one, one fewer with
-/// none. The difference is what the face adds to the strips.
+/// Consider the links over a face's diagonals plus half of the links over its edges. They number at
+/// most one less than the triangles of the face if at least two edges are linked, half a link fewer
+/// with one linked edge, and one fewer with none. The difference is what the face adds to the
+/// strips.
 fn of_polygons(faces: &Faces, graph: &DualGraph) -> Vec<ComponentBound> {
     let (component, count) = graph.components();
     let mut sums = vec![(0, 0); count];
@@ -214,7 +217,7 @@ pub(super) fn strip_lower_bounds(graph: &DualGraph) -> Vec<usize> {
     strips::bound(graph).into_iter().map(|found| found.strips).collect()
 }
 
-/// Counts the sets of faces that are not connected by a shared vertex.
+/// Counts the groups of faces that are not connected by a shared vertex.
 fn vertex_groups<'a>(faces: impl Iterator<Item = &'a [u32]> + Clone) -> usize {
     let vertex_count = faces.clone().flatten().max().map_or(0, |&vertex| vertex as usize + 1);
     let mut sets = UnionFind::new(vertex_count);

@@ -1,41 +1,41 @@
-//! `cache`: strips in an order that makes good use of a vertex cache, with few indices.
+//! `cache`: strips in an order that uses a vertex cache well, with few indices.
 //!
-//! Vertices on the long sides of a strip across the mesh have left the cache when the neighbouring
-//! strips are drawn. Short strips side by side still find them in the cache, but each starts with
-//! three vertices and a restart. Which cost matters more depends on the hardware, so that both are
-//! weighed: `index weight × indices + miss weight × misses`.
+//! The vertices of a long strip have left the cache when its neighbouring strips are drawn. Short
+//! strips side by side still find them in the cache, but each strip starts with three vertices and
+//! a restart. Which cost matters more depends on the hardware, so both are weighted:
+//! `index weight × indices + miss weight × misses`.
 //!
 //! ```text
 //!  ═══════════════════════   drawn
-//!  ╲╱╲╱╲╱╲╱╲╱╲╱╲╱╲╱ ─▶       a strip along the front of the drawn triangles: one row of its vertices are hits,
-//!  ○ . . . . . . . .          and the other row remains in the cache
-//!  ╰─ the next strip starts here, as soon as continuing would cost more than a restart
+//!  ╲╱╲╱╲╱╲╱╲╱╲╱╲╱╲╱ ─▶       a strip along the front of the drawn triangles: one row of its
+//!  ○ . . . . . . . .          vertices are hits, and the other row remains in the cache
+//!  ╰─ the next strip starts here, as soon as continuing costs more than a restart
 //! ```
 //!
 //! # Algorithm
 //! A strip grows triangle by triangle along the front of the drawn triangles (Hoppe 1999, section
 //! 5). At each decision:
-//! 1. *Look ahead.* Draw speculatively as many triangles as the horizon: first n more of this
-//!    strip, then a restart at the oldest edge of the front whose vertices are still in the cache,
-//!    and so on as strips reach dead ends. Try n = 0, 1, 2, 4 …
-//! 2. *Take the n* of the lowest cost per triangle, undo the speculation, and draw these n for
-//!    good; n = 0 is a restart.
-//! 3. If no edge of the front is in the cache any more, continue at the most recently drawn
-//!    triangle, otherwise at the lowest remaining triangle.
+//! 1. *Look ahead.* Speculatively draw as many triangles as the horizon: n more of this strip, then
+//!    a restart at the oldest edge of the front whose vertices are still in the cache, and so on at
+//!    each dead end. Try n = 0, 1, 2, 4 …
+//! 2. *Choose the n* with the lowest cost per triangle, undo the speculation, and draw these n
+//!    triangles. n = 0 is a restart.
+//! 3. If no edge of the front is in the cache, continue at the most recently drawn triangle, or at
+//!    the lowest remaining triangle if the front is empty.
 //!
-//! A strip turns toward the front as long as it can. This takes a swap where fewer than three
-//! triangles remain at a vertex, and leaves no isolated triangles.
+//! A strip turns toward the front as long as it can. This takes a swap at vertices with fewer than
+//! three remaining triangles, and leaves no isolated triangles.
 //!
-//! For few indices, the strips are those of `best`, and only their order and direction are chosen:
-//! next is the strip at the oldest edge of the front, in its cheaper direction. From effort 3 on,
-//! other growth policies are tried, some of them with seed strips of another method, which they
-//! follow, cut and extend; the cheapest result is taken. Then order annealing moves triangles
-//! between strips, cuts, reverses and reorders strips (module `anneal_order`), for FIFO caches of
-//! up to 256 entries.
+//! With the objective `indices`, the strips are those of `best`, and only their order and direction
+//! are chosen: the next strip is the one at the oldest edge of the front, in its cheaper direction.
+//! From effort 3 on, further growth policies are tried. Some of them follow, cut and extend seed
+//! strips of another method. The cheapest result is used. Then order annealing moves triangles
+//! between strips, and cuts, reverses and reorders strips (module `anneal_order`), for FIFO caches
+//! of up to 256 entries.
 //!
 //! # Effort
-//! Indices and misses per triangle on one core, for the bunny of 69,451 triangles and a FIFO cache
-//! of 16 entries:
+//! Indices and misses per triangle on one core, for the bunny with 69,451 triangles and a FIFO
+//! cache of 16 entries:
 //!
 //! | level | 0 to 2 | 3 | 4 | 5 | 6 |
 //! |---|---|---|---|---|---|
@@ -44,19 +44,19 @@
 //! | misses | 1.426, 0.608 | 1.401, 0.599 | 1.390, 0.596 | 1.380, 0.593 | 1.373, 0.592 |
 //! | seconds, balanced | 0.05 | 0.4 | 0.8 | 2 | 3.5 |
 //!
-//! The two orders of meshoptimizer give 1.334, 0.890 and 1.741, 0.706 there.
+//! The two orders of meshoptimizer give 1.334, 0.890 and 1.741, 0.706 here.
 //!
-//! Differences from Hoppe: indices are weighed, not only misses; triangles with one open neighbour
-//! or none count as the restarts that they will need; a restart avoids vertices that are about to
-//! leave the cache; and all n triangles are drawn at once, which is several times faster and hardly
-//! worse.
+//! Differences from Hoppe: indices are weighted in addition to misses. Triangles with at most one
+//! open neighbour count as the restarts that they will need. A restart avoids vertices that are
+//! about to leave the cache. All n triangles are drawn at once, which is several times faster and
+//! hardly worse.
 //!
 //! # References
 //! Hoppe: *Optimization of mesh locality for transparent vertex caching*, 1999.
 //!
 //! # Complexity
 //! O(h log h) time per decision for a horizon of h triangles, about twice the number of cache
-//! entries; 18 bytes per triangle, and 2 more for a FIFO cache.
+//! entries. 18 bytes per triangle, and 2 more for a FIFO cache.
 
 mod active_front;
 mod anneal_order;
@@ -82,21 +82,21 @@ use grow::StripGrower;
 use policy::{GrowthPolicy, PolicyWeights, SeedStrips};
 use speculative::{SpeculativeFifo, SpeculativeLru};
 
-/// Caches of fewer entries hardly help, whatever the strips.
+/// Smaller caches hardly help, regardless of the strips.
 const MIN_USEFUL_ENTRIES: u32 = 8;
-/// Larger LRU caches are simulated with this number of entries: no simulation reaches further.
+/// Larger LRU caches are simulated with this many entries, because no simulation reaches further.
 const MAX_LRU_ENTRIES: u32 = 128;
-/// The number of growth policies that are tried, by effort.
+/// Number of growth policies that are tried, by effort.
 const POLICY_COUNT: [usize; 10] = [1, 1, 1, 3, 5, 8, 8, 8, 8, 8];
 
-/// The vertices per triangle that order annealing sends in simulations, by effort. A move takes
-/// about 150.
+/// Vertices per triangle that order annealing sends in simulations, by effort. A move takes about
+/// 150.
 const SIMULATED_VERTICES: [u64; 10] = [0, 0, 0, 300, 750, 1800, 3600, 7200, 14400, 28800];
-/// Cache sizes for which order annealing runs: it stores the contents of the cache for each strip.
+/// Cache sizes with order annealing, which stores the cache contents for each strip.
 const ANNEALED_ENTRIES: std::ops::RangeInclusive<u32> = 1..=256;
 
-/// Returns the first and last temperature of order annealing, in indices. Indices that are already
-/// few are kept. Tuned on bunny, fandisk and armadillo.
+/// Returns the first and last temperature of order annealing, in indices. Low temperatures keep
+/// indices that are already few. Tuned on bunny, fandisk and armadillo.
 fn temperatures(objective: Objective) -> [f64; 2] {
     match objective {
         Objective::Indices => [0.1, 0.03],
@@ -122,7 +122,7 @@ pub(super) fn plan<'a>(
     annealed(start, limit, options, watch)
 }
 
-/// Grows strips with one policy or several, and returns the cheapest result.
+/// Grows strips with one or several policies, and returns the cheapest result.
 fn start<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
@@ -151,8 +151,8 @@ fn start<'a>(
     let weights = PolicyWeights::of(objective);
     let mut lowest = price(&best, vertex_cache, weights);
     let mut seed_plans: [Option<StripPlan<'a>>; 3] = [const { None }; 3];
-    // If the cache is too small to help, nothing is cheaper than the strips of `best`, in order. A
-    // balanced search does not start there otherwise: it would not leave them.
+    // If the cache is too small to help, nothing is cheaper than the ordered strips of `best`.
+    // Otherwise a balanced search does not start from them, because it would get stuck there.
     let with_best = objective == Objective::Misses || vertex_cache.entries < MIN_USEFUL_ENTRIES;
     let candidates = others.iter().map(Some).chain(with_best.then_some(None));
     for (i, policy) in candidates.enumerate() {
@@ -179,7 +179,7 @@ fn start<'a>(
     best
 }
 
-/// Improves a plan by order annealing. Returns the plan itself if the result is not cheaper.
+/// Improves a plan by order annealing. Returns the original plan unless the result is cheaper.
 fn annealed<'a>(
     start: StripPlan<'a>,
     limit: u64,
@@ -206,7 +206,7 @@ fn annealed<'a>(
     if price(&found, vertex_cache, weights) < before { found } else { start }
 }
 
-/// Returns the weighted cost of the strips of a plan.
+/// Returns the weighted cost of a plan's strips.
 fn price(plan: &StripPlan<'_>, vertex_cache: VertexCache, weights: PolicyWeights) -> usize {
     let strips = plan.strips();
     let misses = VertexCacheStatistics::of(&strips, vertex_cache, FlushPolicy::Keep).misses;
@@ -215,7 +215,7 @@ fn price(plan: &StripPlan<'_>, vertex_cache: VertexCache, weights: PolicyWeights
     index * indices + miss * misses
 }
 
-/// Grows strips on the triangulation of a plan, whose strips are the seed strips.
+/// Grows strips on the triangulation of a plan. The plan's strips are the seed strips.
 fn grown<'a>(
     seed_plan: &StripPlan<'a>,
     policy: GrowthPolicy,
@@ -239,7 +239,7 @@ fn grown<'a>(
     StripPlan::in_order(triangulation, cover, order)
 }
 
-/// Chooses order and direction of the strips of a plan.
+/// Chooses the order and direction of a plan's strips.
 fn arranged(plan: StripPlan<'_>, vertex_cache: VertexCache, vertex_count: usize) -> StripPlan<'_> {
     let StripPlan { triangulation, cover, .. } = plan;
     let weights = PolicyWeights::of(Objective::Indices);

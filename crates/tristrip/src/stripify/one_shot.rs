@@ -1,5 +1,5 @@
-//! Strips in one call: of a mesh, of an index buffer, for which no positions are needed, or of
-//! polygons over positions that stay where they are.
+//! Strips in one call: from a mesh, from an index buffer without positions, or from polygons over
+//! positions in the caller's memory.
 
 use super::{StripifyOptions, Watch, plan_known};
 use crate::dual::DualGraph;
@@ -10,7 +10,7 @@ use crate::mesh::{Faces, Mesh, Positions, SPARSE, VertexSubset, check_corners};
 use crate::prepare::PreparedFaces;
 use crate::strip::Strips;
 
-/// Computes triangle strips for a mesh: runs all stages from faces to strips.
+/// Computes triangle strips for a mesh. Runs all stages from faces to strips.
 ///
 /// # Errors
 /// An option is invalid for the method.
@@ -30,9 +30,9 @@ pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error>
     Ok(plan_known(&prepared, &graph, options, &())?.strips())
 }
 
-/// Computes triangle strips for the triangles of an index buffer, three indices of 8, 16 or 32 bits
-/// or `usize` each, with the default options. Triangles with a repeated vertex draw nothing and are
-/// left out.
+/// Computes triangle strips for an index buffer with three indices per triangle, with the default
+/// options. Indices have 8, 16 or 32 bits, or are `usize`. Triangles with a repeated vertex draw
+/// nothing and are omitted.
 ///
 /// # Errors
 /// The number of indices is not a multiple of three, or an index is not less than `vertex_count`.
@@ -49,13 +49,11 @@ pub fn stripify_indices<I: Index>(indices: &[I], vertex_count: usize) -> Result<
     stripify_indices_with(indices, vertex_count, &StripifyOptions::default())
 }
 
-/// Computes triangle strips for the triangles of an index buffer as [`stripify_indices`] does, with
-/// options.
+/// Computes triangle strips for an index buffer like [`stripify_indices`], with options.
 ///
 /// # Errors
 /// The number of indices is not a multiple of three, or an index is not less than `vertex_count`;
-/// an option is invalid for the method; vertices are to be welded, for which there are no
-/// positions.
+/// an option is invalid for the method; or welding is requested, which needs positions.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions, stripify_indices_with};
@@ -73,13 +71,12 @@ pub fn stripify_indices_with<I: Index>(
     stripify_indices_watched(indices, vertex_count, options, &())
 }
 
-/// Computes triangle strips for the triangles of an index buffer as [`stripify_indices_with`] does,
-/// and reports the progress of the search, which may be stopped.
+/// Computes triangle strips for an index buffer like [`stripify_indices_with`], and reports the
+/// progress of the search to `watch`, which may stop it.
 ///
 /// # Errors
 /// The number of indices is not a multiple of three, or an index is not less than `vertex_count`;
-/// an option is invalid for the method; vertices are to be welded, for which there are no
-/// positions.
+/// an option is invalid for the method; or welding is requested, which needs positions.
 ///
 /// ```
 /// use tristrip::stripify::Progress;
@@ -102,20 +99,20 @@ pub fn stripify_indices_watched<I: Index>(
     if highest / SPARSE < faces.corner_count() {
         return strips_of(&PreparedFaces::of_triangles(&faces, highest + 1), options, watch);
     }
-    // Few of the vertices are used: methods that have arrays per vertex get new numbers, in the
-    // same order.
+    // Few of the vertices are used: renumber them in order, because some methods allocate arrays
+    // per vertex.
     let used = VertexSubset::of(faces.corners());
     let faces = faces.renamed(used.numbers(faces.corners()));
     let strips = strips_of(&PreparedFaces::of_triangles(&faces, used.len()), options, watch)?;
     Ok(strips.map_vertices(|v| used.vertices()[v as usize]))
 }
 
-/// Computes triangle strips for faces of any size over positions in the memory of the caller, which
-/// stay there.
+/// Computes triangle strips for faces of any size over positions in the caller's memory. Positions
+/// are not copied.
 ///
 /// # Errors
-/// A face has a vertex without a position, or with one that is not finite; an option is invalid for
-/// the method, or vertices are to be welded, for which all attributes are needed.
+/// A face has a vertex without a position, or with a position that is not finite; an option is
+/// invalid for the method; or welding is requested, which needs all attributes.
 ///
 /// ```
 /// use tristrip::{Faces, StripifyOptions, InterleavedPositions, stripify_faces};
@@ -146,7 +143,7 @@ fn strips_of(
     Ok(plan_known(prepared, &graph, options, watch)?.strips())
 }
 
-/// Checks that no vertices are to be welded, for which there is no mesh.
+/// Checks that welding is not requested; it needs a mesh.
 fn check_no_weld(options: &StripifyOptions) -> Result<(), Error> {
     if options.weld {
         let found = "true for vertices without attributes".into();
@@ -165,7 +162,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 4))]
 
-        /// An index buffer gets the strips of the mesh that has its triangles.
+        /// An index buffer has the same strips as the mesh with its triangles.
         #[test]
         fn indices_get_the_strips_of_their_mesh(polygons in generated_meshes::polygons(true, 1..4)) {
             let list: Vec<u32> = polygons.iter().filter(|p| p.len() == 3).flatten().copied().collect();

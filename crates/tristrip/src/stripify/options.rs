@@ -351,11 +351,11 @@ impl StripifyOptions {
 /// How [`Method::Cache`] weighs indices against vertex-cache misses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Objective {
-    /// Few indices: about as many as [`Method::Best`], in an order that saves misses.
+    /// Few indices: about as many as [`Method::Best`], in an order that reduces misses.
     Indices,
-    /// Both: a miss counts as about two thirds of an index.
+    /// Both: a miss costs as much as about two thirds of an index.
     #[default]
     Balanced,
-    /// Few misses: a miss counts as four indices.
+    /// Few misses: a miss costs as much as four indices.
     Misses,
 }

@@ -1,4 +1,4 @@
-//! The choice of a method: the diagonals of the polygons, and the edges over which triangles are
+//! The result of a method: the diagonals of the polygons, and the edges over which triangles are
 //! linked to paths.
 
 use crate::cover::{CoverFault, PathCover};
@@ -8,29 +8,29 @@ use crate::mesh::VertexWelds;
 use crate::prepare::PreparedFaces;
 use crate::strip::{Metrics, Strips, cover_cost, emit, emit_in_order};
 
-/// The choice of a method: a triangulation and a path cover of it.
+/// The result of a method: a triangulation and a path cover of its triangles.
 #[derive(Debug, Clone)]
 pub struct StripPlan<'a> {
     pub(crate) triangulation: Triangulation<'a>,
     pub(crate) cover: PathCover,
-    /// The first triangle of each path, in drawing order; `None` leaves order and direction to the
-    /// emitter.
+    /// The first triangle of each path, in drawing order. `None` lets the emitter choose order and
+    /// direction.
     pub(crate) order: Option<Vec<FaceId>>,
-    /// The vertices that were welded before.
+    /// The vertices that were welded during preparation.
     pub(crate) welds: VertexWelds,
 }
 
 impl<'a> StripPlan<'a> {
-    /// Creates a plan that leaves the order and the direction of the paths to the emitter.
+    /// Creates a plan that lets the emitter choose the order and direction of the paths.
     pub(crate) fn new(triangulation: Triangulation<'a>, cover: PathCover) -> Self {
         Self { triangulation, cover, order: None, welds: VertexWelds::default() }
     }
 
-    /// Creates a plan from a cover of the triangles of prepared faces, such as one of a method of
-    /// your own.
+    /// Creates a plan from a cover of the triangles of prepared faces, for example from your own
+    /// method.
     ///
     /// # Errors
-    /// The cover violates an invariant: see [`PathCover::check`].
+    /// The cover violates an invariant; see [`PathCover::check`].
     ///
     /// ```
     /// use tristrip::stripify::StripPlan;
@@ -40,7 +40,7 @@ impl<'a> StripPlan<'a> {
     /// let graph = DualGraph::new(prepared.faces());
     /// let triangulation = Triangulation::fans(&prepared, &graph)?;
     /// let mut cover = PathCover::isolated(2);
-    /// // Across the edge from vertex 1 to vertex 2.
+    /// // Join across the edge from vertex 1 to vertex 2.
     /// assert!(cover.join(&graph, HalfEdge(1)));
     /// let plan = StripPlan::from_cover(&prepared, triangulation, cover)?;
     /// assert_eq!((plan.strips().len(), plan.strips().vertices_sent()), (1, 4));
@@ -60,7 +60,7 @@ impl<'a> StripPlan<'a> {
         Self { order: Some(order), ..Self::new(triangulation, cover) }
     }
 
-    /// Returns the same plan, with its own copy of what it borrows.
+    /// Returns the same plan with owned data.
     pub(super) fn into_owned<'b>(self) -> StripPlan<'b> {
         let Self { triangulation, cover, order, welds } = self;
         StripPlan { triangulation: triangulation.into_owned(), cover, order, welds }
@@ -103,8 +103,7 @@ impl<'a> StripPlan<'a> {
         strips.with_welds(self.welds.clone())
     }
 
-    /// Returns the number of indices of [`StripPlan::strips`] with one restart index between
-    /// strips.
+    /// Returns the number of indices of [`StripPlan::strips`], including restarts between strips.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};

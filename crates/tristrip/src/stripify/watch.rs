@@ -1,27 +1,27 @@
-//! Progress reports of a long search, and a way to stop it and keep its best result.
+//! Progress reports of a long search, which can be stopped and then returns its best result.
 //!
-//! The library reads no clock and prints nothing: progress bars, interrupts and time budgets are up
-//! to the watcher. A search that is never stopped returns the same result every time. A stopped
-//! search returns its best result so far.
+//! The library reads no clock and prints nothing. Progress bars, interrupts and time budgets are
+//! implemented by the watcher. A search that is not stopped always returns the same result. A
+//! stopped search returns its best result so far.
 
 /// The state of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Steps done. Effort is counted in steps.
+    /// Steps done. Effort is measured in steps.
     pub steps: u64,
-    /// Number of steps after which the search ends, if known.
+    /// The number of steps after which the search ends, if known.
     pub step_limit: Option<u64>,
     /// Current number of strips.
     pub strips: usize,
-    /// Cost of the best result so far: the quantity that the search minimizes.
+    /// Cost of the best result so far, as minimized by the search.
     pub cost: usize,
 }
 
 /// Receives the progress of a search and may stop it. A search calls it every few thousand steps,
-/// on the thread that it runs on.
+/// on its own thread.
 pub trait Watch: Sync {
-    /// Receives the progress. Returns whether the search is to continue.
+    /// Receives the progress. Returns whether to continue the search.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -36,14 +36,14 @@ pub trait Watch: Sync {
     /// # let graph = DualGraph::new(prepared.faces());
     /// let options = StripifyOptions::default().with_effort(Effort::default());
     /// let indices = |steps| plan_watched(&prepared, &graph, &options, &Budget(steps)).map(|plan| plan.indices_restart());
-    /// // A stopped search returns the best strips that it has found.
+    /// // A stopped search returns the best strips found so far.
     /// assert!(indices(0)? > indices(u64::MAX)?);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     fn go_on(&self, progress: Progress) -> bool;
 
-    /// Receives the end of each search of [`Method::Eta`](super::Method::Eta) from one end of a
-    /// strip: the accesses to nodes that it took, and whether it joined two strips.
+    /// Called at the end of each search of [`Method::Eta`](super::Method::Eta) from one end of a
+    /// strip, with the number of node accesses and whether two strips were joined.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -73,7 +73,7 @@ pub trait Watch: Sync {
     }
 }
 
-/// A closure watches: it receives the progress, and returns whether the search is to continue.
+/// A closure can be a watcher: it receives the progress and returns whether to continue.
 ///
 /// ```
 /// use tristrip::stripify::{Progress, Watch};
@@ -88,7 +88,7 @@ impl<F: Fn(Progress) -> bool + Sync> Watch for F {
     }
 }
 
-/// Ignores the progress and never stops a search.
+/// Ignores progress and never stops a search.
 impl Watch for () {
     fn go_on(&self, _: Progress) -> bool {
         true

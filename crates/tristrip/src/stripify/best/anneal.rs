@@ -1,52 +1,52 @@
 //! Annealing of a path cover by moves at the ends of its paths.
 //!
 //! ```text
-//!   w ┄┄ v ━━ a        *join*: v is an end, too: w–v is linked
-//!        ┃             *rotation*: v is inside a path: v–a is cut, w–v is linked, and a becomes an end instead of w
-//!        b             *cut*: v–a is cut, which pays off if it removes swaps
-//!                      *flip*: if v and a belong to one polygon, the diagonal between them is flipped
+//!   w ┄┄ v ━━ a        *join*: v is also an end: link w–v
+//!        ┃             *rotation*: v is inside a path: cut v–a and link w–v; a is an end instead of w
+//!        b             *cut*: cut v–a, which lowers the cost if it removes swaps
+//!                      *flip*: if v and a belong to one polygon, flip the diagonal between them
 //! ```
 //! # Algorithm
-//! A sweep visits the triangles in order, so that memory access is sequential. At each end it tries
-//! a join or a rotation over a random free edge; after a rotation, the new end is tried in its
-//! place. Then it tries to cut links, one per triangle, and to flip diagonals. A move that raises
-//! the cost by r is accepted with probability e^(−r/T); the temperature T falls from sweep to
-//! sweep. The highest acceptable rise is drawn first, so that most moves are rejected from the
-//! swaps around them alone, before anything changes.
+//! A sweep visits the triangles in order, which makes memory access sequential. At each end it
+//! tries a join or a rotation over a random free edge. After a rotation it tries the new end
+//! instead. Then it tries to cut links, one per triangle, and to flip diagonals. A move that raises
+//! the cost by r is accepted with probability e^(−r/T). The temperature T decreases with each
+//! sweep. The highest acceptable rise is drawn first, so most moves are rejected by their local
+//! swaps before anything changes.
 //!
-//! Two rotations in a row are a tunnel through two paths, and a rotation followed by a join is
-//! Stewart's tunnel; the annealing finds longer ones without further moves.
+//! Two consecutive rotations are a tunnel through two paths, and a rotation followed by a join is
+//! Stewart's tunnel. Annealing finds longer tunnels without further moves.
 //!
 //! # Complexity
-//! A sweep takes O(n). A rotation or a cut takes as many steps as there are to the nearer end of
-//! the path that it cuts; the steps of a phase are limited, and when they are used up only cuts
-//! near an end are tried.
+//! A sweep takes O(n). A rotation or a cut takes as many steps as the distance to the nearer end of
+//! the path that it cuts. The steps of a phase are limited; when they are used up, only cuts near
+//! an end are tried.
 
 use crate::cover::moves::{EndMove, cut, flip_diagonal, move_end};
 use crate::cover::priced::PricedPaths;
 use crate::random::{Random, metropolis};
 use crate::stripify::{Progress, Watch};
 
-/// Triangles of a block: one word has a bit for each.
+/// Triangles per block: one word has a bit for each.
 const BLOCK: u32 = 64;
 /// Moves tried at an end before the sweep continues. Tuned on the bunny and the cow: 1 gives worse
-/// covers, 4 takes longer for the same covers.
+/// covers, and 4 takes longer for the same covers.
 const MOVES_PER_END: u32 = 2;
 /// Flips tried per block, at random triangles. Tuned on skyscraper and triceratops: 4 gives worse
-/// covers, 64 takes twice the time for the same covers.
+/// covers, and 64 takes twice the time for the same covers.
 const FLIPS: u32 = 16;
-/// The number of blocks between two calls of the watcher.
+/// Number of blocks between two calls of the watcher.
 const WATCH_PERIOD: u64 = 1 << 10;
-/// Steps per triangle and sweep of the walks to the ends of paths: at least, and at most in meshes
-/// whose sweep takes less than [`WALK_STEPS`] in all. The test models need up to 16, those of more
-/// than 50,000 triangles up to 2; meshes of a few long strips would need as many as a strip has
-/// triangles.
+/// Minimum and maximum steps per triangle and sweep for walks to the ends of paths. The maximum
+/// applies to meshes whose sweep takes less than [`WALK_STEPS`] in total. The test models need up
+/// to 16, those of more than 50,000 triangles up to 2. Meshes of a few long strips would need as
+/// many as a strip has triangles.
 const WALK_STEPS_PER_TRIANGLE: (u64, u64) = (4, 64);
 const WALK_STEPS: u64 = 1 << 20;
 /// The highest rise that is ever accepted.
 const RISES: usize = 8;
 
-/// Sweeps during which the temperature falls linearly. Temperatures are in indices.
+/// Sweeps with a linearly decreasing temperature. Temperatures are in indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AnnealingPhase {
     pub(super) sweeps: u32,
@@ -56,21 +56,21 @@ pub(super) struct AnnealingPhase {
 
 impl AnnealingPhase {
     /// Returns the number of final sweeps, which accept no rise of the cost. A phase of a single
-    /// sweep needs none.
+    /// sweep has none.
     fn final_sweeps(&self) -> u32 {
         u32::from(self.sweeps > 1)
     }
 }
 
-/// The state of the annealing besides the paths.
+/// The state of the annealing without the paths.
 pub(super) struct Annealer<'a> {
     random: Random,
     watch: &'a dyn Watch,
-    /// Blocks visited.
+    /// Number of blocks visited.
     steps: u64,
     step_limit: u64,
     index_count: usize,
-    /// The cost of the best cover so far.
+    /// The lowest cost so far.
     lowest: i64,
     /// The number of draws out of 2³² that accept a rise of at least 1, 2, ….
     odds: [u32; RISES],
@@ -99,14 +99,14 @@ impl<'a> Annealer<'a> {
         }
     }
 
-    /// Returns the steps that the walks of a phase may take.
+    /// Returns the maximum steps of the walks of a phase.
     pub(super) fn walk_steps(triangle_count: usize, phase: AnnealingPhase) -> u64 {
         let [least, most] =
             <[u64; 2]>::from(WALK_STEPS_PER_TRIANGLE).map(|steps| steps * triangle_count as u64);
         WALK_STEPS.clamp(least, most) * u64::from(phase.sweeps + phase.final_sweeps())
     }
 
-    /// Runs one phase. Returns whether the watcher lets the search continue; if not, only the final
+    /// Runs one phase. Returns whether the watcher lets the search continue. If not, only the final
     /// sweeps of the phase are run.
     pub(super) fn run(&mut self, paths: &mut PricedPaths, phase: AnnealingPhase) -> bool {
         self.lowest = self.lowest.min(paths.cost());
@@ -153,7 +153,7 @@ impl<'a> Annealer<'a> {
         }
     }
 
-    /// Tries moves at each end of a block, including new ends after the current one.
+    /// Tries moves at each end of a block, including new ends behind the current one.
     #[inline]
     fn move_ends(&mut self, paths: &mut PricedPaths, block: u32) {
         let mut remaining = u64::MAX;
@@ -209,7 +209,7 @@ impl<'a> Annealer<'a> {
         }
     }
 
-    /// Converts a draw to the highest rise that it accepts.
+    /// Converts a random draw to the highest rise that it accepts.
     #[inline]
     fn highest_rise(&self, draw: u32) -> i32 {
         self.odds.iter().zip(1..).take_while(|&(&odds, _)| draw < odds).last().map_or(0, |(_, rise)| rise)

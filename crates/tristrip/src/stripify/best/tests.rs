@@ -1,5 +1,5 @@
-//! Tests on generated meshes of many kinds: prices compared with those of whole paths, and the
-//! method compared with its starts.
+//! Tests on generated meshes of many kinds: prices are compared with those of whole paths, and the
+//! method with its starts.
 
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
@@ -22,7 +22,8 @@ use crate::verify::verify;
 
 const COSTS: [Cost; 4] = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl];
 
-/// Returns the cost of paths beyond one index per triangle, from the cost of every whole path.
+/// Computes the cost of paths in addition to one index per triangle, from the cost of every whole
+/// path.
 fn naive_cost(triangulation: &Triangulation<'_>, cover: &PathCover, prices: StripPrices) -> i64 {
     let strips = cover.path_count();
     let swaps = cover_cost(triangulation.graph(), cover) - cover.len() - 3 * strips;
@@ -63,7 +64,7 @@ fn start_swaps(paths: &PricedPaths) -> i64 {
     i64::from(swaps * paths.prices().swap)
 }
 
-/// Tries one move at a half-edge, if one is possible there, and checks its price.
+/// Tries one move at a half-edge, if possible, and checks its price.
 fn change(paths: &mut PricedPaths, link: u32, kind: u8) -> Result<(), TestCaseError> {
     let Some(twin) = paths.twin(link) else { return Ok(()) };
     let (before, starts_before) = (paths.cost(), start_swaps(paths));
@@ -200,7 +201,7 @@ proptest! {
 
 #[test]
 fn four_flips_of_a_diagonal_restore_the_triangulation() {
-    // A hexagon, quadrilaterals on two of its edges, and a triangle on an edge of one of these.
+    // A hexagon, quadrilaterals on two of its edges, and a triangle on an edge of one of them.
     let faces = [vec![0, 1, 2, 3, 4, 5], vec![1, 0, 6, 7], vec![4, 3, 8, 9], vec![7, 6, 10]];
     let mesh = mesh(&faces);
     let prepared = PreparedFaces::new(&mesh, false);
@@ -285,7 +286,7 @@ fn without_steps_a_search_cuts_only_near_the_ends() {
     let prices = StripPrices { strip: 3, swap: 1 };
     let mut paths = PricedPaths::new(prepared.faces(), &start, &one_path(&start), prices);
     let link_of = |paths: &PricedPaths, t: u32| 4 * t + paths.mask(t).trailing_zeros();
-    // The triangles of the only path are in its order, 498 of them on each side of the middle.
+    // The triangles of the only path are in path order, 498 on each side of the middle.
     let middle = link_of(&paths, 499);
     assert_eq!(paths.try_cut(middle), None);
     paths.allow_walks(490);

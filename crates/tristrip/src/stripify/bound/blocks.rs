@@ -1,40 +1,41 @@
-//! The blocks of a dual graph: what remains of its components without the bridges, and the tree
-//! that the bridges make of them.
+//! The blocks of a dual graph: the parts of its components after removing the bridges, and the
+//! trees of blocks and bridges.
 //!
 //! ```text
-//!   ●─●        ○ ── ○ ── ● ─ ●      Two blocks of several triangles (●), two of one (○), three bridges. A triangle has
-//!   │ │ ────── ╱          ╲ ╱       at most three edges, so that no triangle is a cut vertex of its block, and a triangle
-//!   ●─●                    ●        with a bridge has at most two edges within its block.
+//!   ●─●        ○ ── ○ ── ● ─ ●      Two blocks of several triangles (●), two of one (○), three
+//!   │ │ ────── ╱          ╲ ╱       bridges. A triangle has at most three edges, so it cannot be
+//!   ●─●                    ●        a cut vertex of its block, and a triangle with a bridge has
+//!                                   at most two edges within its block.
 //! ```
-//! Triangles are renumbered in the order of a depth-first search: every block is then identified by
-//! its lowest triangle, from which the bridge toward the root leads, and the blocks behind a block
-//! have higher numbers. Two triangles that share two or three edges are neighbours once, since a
-//! path takes only one of the edges.
+//! Triangles are renumbered in depth-first order. Every block is then identified by its lowest
+//! triangle, where the bridge toward the root starts, and the blocks behind a block have higher
+//! numbers. Two triangles that share two or three edges are neighbours once, because a path uses
+//! only one of the edges.
 //!
 //! # References
 //! Tarjan: *A note on finding the bridges of a graph*, 1974.
 //!
 //! # Complexity
-//! O(n) time; 28 bytes per triangle.
+//! O(n) time and 28 bytes per triangle.
 
 use super::neighbours::Neighbours;
 use crate::dual::DualGraph;
 use crate::ids::OptionalId;
 
-/// A dual graph in the order of a depth-first search, with its blocks.
+/// A dual graph in depth-first order, with its blocks.
 #[derive(Debug)]
 pub(super) struct BlockTree {
     neighbours: Vec<Neighbours>,
-    /// The node from which the search reached a node; none for the first of a component.
+    /// The node from which the search reached a node; none for the first node of a component.
     parent: Vec<OptionalId>,
-    /// The lowest node of the block that a node is in.
+    /// The lowest node of each node's block.
     root: Vec<u32>,
     /// The next higher node of the same block, if any.
     next: Vec<OptionalId>,
 }
 
 impl BlockTree {
-    /// Searches the graph of triangles.
+    /// Builds the block tree of a graph of triangles.
     pub(super) fn new(graph: &DualGraph) -> Self {
         let (faces, parent, number) = depth_first_order(graph);
         let neighbours: Vec<Neighbours> = faces
@@ -43,7 +44,7 @@ impl BlockTree {
             .map(|(node, &face)| {
                 let mut neighbours = Neighbours::default();
                 for twin in (3 * face..3 * face + 3).filter_map(|h| graph.twin_of(h)) {
-                    // Every face has a number now.
+                    // By now every face has a number.
                     if let Some(other) = number[twin as usize / 3].get().filter(|&other| other != node as u32)
                     {
                         neighbours.insert(other);
@@ -68,18 +69,18 @@ impl BlockTree {
         self.root.len()
     }
 
-    /// Returns the lowest node of the block that a node is in.
+    /// Returns the lowest node of a node's block.
     pub(super) fn root(&self, node: u32) -> u32 {
         self.root[node as usize]
     }
 
-    /// Returns the node at the other end of the bridge from a block's lowest node; `None` for the
-    /// first block of a component.
+    /// Returns the node at the other end of the bridge from a block's lowest node, or `None` for
+    /// the first block of a component.
     pub(super) fn above(&self, root: u32) -> Option<u32> {
         self.parent[root as usize].get()
     }
 
-    /// Checks whether a block consists of its lowest node only.
+    /// Returns whether a block consists of a single node.
     pub(super) fn is_single(&self, root: u32) -> bool {
         self.next[root as usize].is_none()
     }
@@ -90,14 +91,14 @@ impl BlockTree {
         neighbours.filter(move |&other| self.root[other as usize] == self.root[node as usize])
     }
 
-    /// Iterates over the nodes of the block with this lowest node, in rising order.
+    /// Iterates over the nodes of the block with this lowest node, in ascending order.
     pub(super) fn members(&self, root: u32) -> impl Iterator<Item = u32> {
         std::iter::successors(Some(root), |&node| self.next[node as usize].get())
     }
 }
 
-/// Returns the faces in the order of a depth-first search, the parent of each as its number in that
-/// order, and the number of each face.
+/// Returns the faces in depth-first order, the parent of each as its number in that order, and the
+/// number of each face.
 fn depth_first_order(graph: &DualGraph) -> (Vec<u32>, Vec<OptionalId>, Vec<OptionalId>) {
     let n = graph.face_count();
     let mut number = vec![OptionalId::NONE; n];
@@ -128,8 +129,8 @@ fn depth_first_order(graph: &DualGraph) -> (Vec<u32>, Vec<OptionalId>, Vec<Optio
     (faces, parent, number)
 }
 
-/// Returns the lowest node of each block: a node behind which only the search's own edge leads up
-/// again.
+/// Returns the lowest node of each block: a node behind which no edge leads up except the tree
+/// edge.
 fn block_roots(neighbours: &[Neighbours], parent: &[OptionalId]) -> Vec<u32> {
     let mut low: Vec<u32> = (0..neighbours.len() as u32).collect();
     for node in (0..neighbours.len()).rev() {

@@ -1,15 +1,15 @@
-//! The least number of path ends in a small subproblem of a graph, exactly: over all path covers of
-//! it, where paths may leave the subproblem over any edge.
+//! The minimum number of path ends in a small subproblem of a graph, computed exactly over all its
+//! path covers. Paths may leave the subproblem over any edge.
 //!
 //! # Algorithm
-//! Triangles are added one by one, in an order that keeps the *frontier* short: those added that
-//! still have a neighbour to come. The rest depends on the paths so far only by this: for each
-//! triangle of the frontier, whether it can take another link, and where the other end of the path
-//! is that ends there. For each such state the least number of ends so far is kept.
+//! Triangles are added one by one. The order keeps the *frontier* short: the added triangles that
+//! still have neighbours to be added. The remaining problem depends on the paths so far only
+//! through the state of the frontier: whether each of its triangles can take another link, and the
+//! other end of the path that ends there. The minimum number of ends is stored per state.
 //!
 //! ```text
-//!   ● ━ ●│○           frontier: a, c, e; a and e are the two ends of one path and must not be linked to each other,
-//!   ┃   a│            c can take no more link.
+//!   ● ━ ●│○           frontier: a, c, e; a and e are the two ends of one path and
+//!   ┃   a│            must not be linked to each other; c can take no more links
 //!   ● ━ ●│○
 //!   ●━┛ c│
 //!   ┗━━━●│○
@@ -22,35 +22,36 @@
 //! of Computer Programming* 4A, 2011, section 7.1.4, exercise 225 (simple paths).
 //!
 //! # Complexity
-//! O(n · states) time and 32 bytes per state; the states are limited, and grow about as 4 to the
-//! power of the frontier.
+//! O(n · states) time and 32 bytes per state. The number of states is limited; it grows
+//! approximately as 4 to the power of the frontier length.
 
 use super::neighbours::Neighbours;
 
 /// A triangle of a subproblem.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrontierNode {
-    /// Its neighbours in the subproblem.
+    /// The neighbours of the triangle within the subproblem.
     pub(super) neighbours: Neighbours,
-    /// Edges that leave the subproblem.
+    /// Number of edges that leave the subproblem.
     pub(super) outward: u8,
-    /// Whether a path from outside ends here, so that only one more link is possible.
+    /// Whether a path from outside ends here, which leaves only one more link.
     pub(super) is_taken: bool,
 }
 
-/// Bits of a slot in a state.
+/// Bits per slot of a state.
 const BITS: u32 = 5;
-/// Slots of a state.
+/// Slots per state.
 const SLOTS: usize = WIDEST + 1;
-/// The longest frontier that is tried; one more slot is in use for a moment. Few longer ones have
+/// The longest frontier that is tried; one more slot is used temporarily. Few longer frontiers have
 /// less than a million states.
 const WIDEST: usize = 16;
-/// A triangle that can take no more link. Lower values are the slot of the path's other end.
+/// Marks a triangle that can take no more links. Lower values are the slot of the other end of its
+/// path.
 const FULL: u8 = 31;
-/// A triangle whose path has its other end behind the frontier.
+/// Marks a triangle whose path has its other end behind the frontier.
 const LOOSE: u8 = 30;
 
-/// The other end of the path of each triangle of the frontier, packed.
+/// The other ends of the paths of the frontier's triangles, packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct FrontierState(u128);
 
@@ -64,7 +65,8 @@ impl FrontierState {
         self.0 = self.0 & !(u128::from(FULL) << shift) | u128::from(end) << shift;
     }
 
-    /// Links two triangles; `None` if one of them is full or they are the ends of one path.
+    /// Links two triangles. Returns `None` if one of them is full or both are ends of the same
+    /// path.
     fn link(mut self, a: u8, b: u8) -> Option<Self> {
         let (end_a, end_b) = (self.get(a), self.get(b));
         if end_a == FULL || end_b == FULL || end_a == b {
@@ -85,7 +87,7 @@ impl FrontierState {
         Some(self)
     }
 
-    /// Removes a triangle from the frontier and returns the number of path ends that remain at it.
+    /// Removes a triangle from the frontier. Returns the number of path ends that remain at it.
     fn finish(&mut self, slot: u8, outward: u8) -> u8 {
         let end = self.get(slot);
         self.set(slot, 0);
@@ -102,9 +104,9 @@ impl FrontierState {
     }
 }
 
-/// Returns the least number of path ends in a subproblem, without those at links from outside and
-/// those beyond edges that leave it; `None` if that takes more than `states_at_once` states at
-/// once, or more in all than are left.
+/// Returns the minimum number of path ends in a subproblem, without ends at links from outside and
+/// ends beyond edges that leave it. Returns `None` if this takes more than `states_at_once` states
+/// at once, or more in total than `states_left`.
 pub(super) fn least_ends(
     nodes: &[FrontierNode],
     states_at_once: usize,
@@ -162,8 +164,8 @@ pub(super) fn least_ends(
     states.first().map(|&(_, ends)| usize::from(ends))
 }
 
-/// Orders the nodes so that few wait for a neighbour at any time: from a peripheral node on, always
-/// the node that adds least. `None` if more than [`WIDEST`] wait.
+/// Orders the nodes to keep the frontier short: starts at a peripheral node and always adds the
+/// node with the smallest growth. Returns `None` if the frontier exceeds [`WIDEST`].
 fn order(nodes: &[FrontierNode]) -> Option<Vec<u32>> {
     let around = |node: u32| nodes[node as usize].neighbours.iter();
     let mut order: Vec<u32> = Vec::with_capacity(nodes.len());

@@ -1,16 +1,16 @@
-//! Maximum matching in a subgraph of a graph of at most three neighbours per node, block by block.
+//! Maximum matching in a subgraph of a graph with at most three neighbours per node, block by
+//! block.
 //!
 //! # Algorithm
 //! 1. *Greedy*: each node in order is matched with the free neighbour that has the fewest free
-//!    neighbours itself. In the order of a depth-first search this leaves less than one node in a
-//!    hundred free.
-//! 2. *Augment* (Edmonds): from each free node a breadth-first search along alternating paths; odd
+//!    neighbours. In depth-first order this leaves less than one node in a hundred free.
+//! 2. *Augment* (Edmonds): from each free node, search breadth first along alternating paths. Odd
 //!    cycles are shrunk by union–find (Gabow). A search that finds no other free node keeps its
-//!    labels: its nodes cannot help any later search.
+//!    labels, because its nodes cannot help any later search.
 //!
-//! The nodes labelled even by the failed searches are then the nodes that some maximum matching
-//! leaves free (Gallai, Edmonds), so that it is known without a search whether one more node would
-//! be matched: see [`Matching::would_match`].
+//! The nodes that the failed searches labelled even are the nodes that some maximum matching leaves
+//! free (Gallai, Edmonds). They determine without a search whether one more node would be matched:
+//! see [`Matching::would_match`].
 //!
 //! # References
 //! Edmonds: *Paths, trees, and flowers*, 1965; Gabow: *An efficient implementation of Edmonds'
@@ -18,8 +18,8 @@
 //! random graphs*, 1981.
 //!
 //! # Complexity
-//! Usually O(n) for a search, and O(n) for all that fail; limited to a number of steps. 17 bytes
-//! per node and 8 for each that the largest search reaches.
+//! Usually O(n) per search, and O(n) for all failed searches together; limited to a number of
+//! steps. 17 bytes per node, and 8 per node that the largest search reaches.
 
 use super::blocks::BlockTree;
 use crate::ids::OptionalId;
@@ -32,10 +32,9 @@ enum NodeLabel {
     Outside,
     /// Not reached.
     Unseen,
-    /// Reached by an alternating path of even length, so that some maximum matching may leave it
-    /// free.
+    /// Reached by an alternating path of even length: some maximum matching leaves it free.
     Even,
-    /// Reached by paths of odd length only.
+    /// Reached only by paths of odd length.
     Odd,
 }
 
@@ -43,24 +42,24 @@ enum NodeLabel {
 #[derive(Debug)]
 pub(super) struct Matching {
     mate: Vec<OptionalId>,
-    /// The even node from which an odd one was reached; within a shrunk cycle also across it.
+    /// The even node from which an odd node was reached. Within a shrunk cycle also the even node
+    /// across the cycle.
     from: Vec<u32>,
-    /// Shrunk cycles; the root of a set is the base, the node by which the cycle is attached to its
-    /// tree.
+    /// Shrunk cycles. The root of a set is its base: the node that attaches the cycle to its tree.
     bases: UnionFind,
     label: Vec<NodeLabel>,
-    /// The last search for a common ancestor that passed.
+    /// The last search for a common ancestor that visited each node.
     mark: Vec<u32>,
     marks: u32,
-    /// The nodes that a search has reached.
+    /// The nodes that the current search has reached.
     reached: Vec<u32>,
-    /// The even ones of them, in the order in which the search continues from them.
+    /// The even nodes among them, in the order in which the search expands them.
     queue: Vec<u32>,
-    /// Steps that searches may still take: one for each node that they continue from or shrink.
+    /// Remaining steps of the searches: one per node that they expand or shrink.
     steps_left: u64,
 }
 
-/// The number of pairs of a block.
+/// The number of matched pairs of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct PairCount {
     /// An upper bound.
@@ -70,7 +69,7 @@ pub(super) struct PairCount {
 }
 
 impl Matching {
-    /// Creates a matching without admitted nodes, with a number of steps for all its searches.
+    /// Creates a matching without admitted nodes, with a step limit for all its searches.
     pub(super) fn new(node_count: usize, steps: u64) -> Self {
         Self {
             mate: vec![OptionalId::NONE; node_count],
@@ -90,19 +89,19 @@ impl Matching {
         self.label[node as usize] = NodeLabel::Unseen;
     }
 
-    /// Checks whether a node is in the subgraph.
+    /// Returns whether a node belongs to the subgraph.
     pub(super) fn contains(&self, node: u32) -> bool {
         self.label[node as usize] != NodeLabel::Outside
     }
 
-    /// Checks whether a node outside the subgraph would be matched, too, if it were admitted; for a
-    /// block whose pairs are exact.
+    /// Returns whether a node outside the subgraph would also be matched if it were admitted. The
+    /// pair count of the block must be exact.
     pub(super) fn would_match(&self, blocks: &BlockTree, node: u32) -> bool {
         blocks.inside(node).any(|other| self.label[other as usize] == NodeLabel::Even)
     }
 
-    /// Matches as many nodes of a block as possible, and counts the pairs. If there are no steps
-    /// left, the free nodes without a failed search count as matched.
+    /// Matches as many nodes of a block as possible, and counts the pairs. When no steps are left,
+    /// free nodes without a failed search count as matched.
     pub(super) fn match_block(&mut self, blocks: &BlockTree, root: u32) -> PairCount {
         let mut pairs = self.greedy(blocks, root);
         let mut unsearched = 0;
@@ -119,12 +118,12 @@ impl Matching {
         PairCount { at_most: pairs + unsearched / 2, is_exact: unsearched == 0 }
     }
 
-    /// Checks whether a failed search has reached a node.
+    /// Returns whether a failed search has reached a node.
     pub(super) fn has_failed(&self, node: u32) -> bool {
         matches!(self.label[node as usize], NodeLabel::Even | NodeLabel::Odd)
     }
 
-    /// Checks whether a node of the subgraph is unmatched.
+    /// Returns whether a node of the subgraph is unmatched.
     pub(super) fn is_free(&self, node: u32) -> bool {
         self.contains(node) && self.mate[node as usize].is_none()
     }
@@ -150,8 +149,8 @@ impl Matching {
         self.mate[b as usize] = OptionalId::some(a);
     }
 
-    /// Searches an alternating path from a free node to another and augments the matching along it.
-    /// Returns whether it found one before the steps ran out.
+    /// Searches an alternating path from a free node to another free node, and augments the
+    /// matching along it. Returns whether it found one within the step limit.
     fn augment(&mut self, blocks: &BlockTree, start: u32) -> bool {
         self.reached.clear();
         self.queue.clear();
@@ -196,7 +195,7 @@ impl Matching {
         self.queue.push(node);
     }
 
-    /// Augments the matching along the path that led to a free node.
+    /// Augments the matching along the path that leads to a free node.
     fn augment_along_path(&mut self, free: u32) {
         let mut next = Some(free);
         while let Some(node) = next {
@@ -206,7 +205,7 @@ impl Matching {
         }
     }
 
-    /// Clears the labels of a search.
+    /// Clears the labels of the current search.
     fn clear_labels(&mut self) {
         for &node in &self.reached {
             self.label[node as usize] = NodeLabel::Unseen;
@@ -214,15 +213,15 @@ impl Matching {
         }
     }
 
-    /// Returns the base of the even node from which an even node's mate was reached; `None` at the
-    /// root of the tree.
+    /// Returns the base of the even node from which the mate of an even node was reached, or `None`
+    /// at the root of the tree.
     fn base_above(&mut self, node: u32) -> Option<u32> {
         let mate = self.mate[node as usize].get()?;
         Some(self.bases.find(self.from[mate as usize]))
     }
 
-    /// Finds the node where the paths of two even nodes to the root meet, by going up from both in
-    /// turn.
+    /// Finds the node where the paths from two even nodes to the root meet, by going up from both
+    /// in turn.
     fn common_ancestor(&mut self, a: u32, b: u32) -> u32 {
         self.marks += 1;
         let (mut here, mut there) = (Some(self.bases.find(a)), Some(self.bases.find(b)));
@@ -239,7 +238,7 @@ impl Matching {
         }
     }
 
-    /// Shrinks one side of the odd cycle that the edge from `node` to `other` closes, up to `top`.
+    /// Shrinks one side, up to `top`, of the odd cycle that the edge from `node` to `other` closes.
     fn shrink(&mut self, node: u32, other: u32, top: u32) {
         let (mut node, mut other) = (node, other);
         while self.bases.find(node) != top {

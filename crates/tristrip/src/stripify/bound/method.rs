@@ -6,13 +6,12 @@
 pub enum BoundMethod {
     /// A component needs at least one strip.
     OneStrip,
-    /// Polygons with at most one neighbour each contain an end of a strip.
+    /// Each polygon with at most one neighbour contains a strip end.
     Leaves,
     /// A maximum matching in each block, and the best use of the bridges between blocks.
     Matching,
-    /// The same, and subproblems of a block that were solved exactly and show that the block needs
-    /// more strips.
+    /// A matching, and subproblems solved exactly that prove that a block needs more strips.
     Subproblems,
-    /// Every block was solved exactly: a cover with this number of strips exists.
+    /// Every block was solved exactly. A cover with this number of strips exists.
     Exact,
 }

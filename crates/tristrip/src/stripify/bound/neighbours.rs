@@ -7,7 +7,7 @@ use crate::ids::OptionalId;
 pub(super) struct Neighbours([OptionalId; 3]);
 
 impl Neighbours {
-    /// Adds a neighbour. One that is known, and any after the third, is not added.
+    /// Adds a neighbour unless it is known or there are three already.
     pub(super) fn insert(&mut self, other: u32) {
         for slot in &mut self.0 {
             match slot.get() {
@@ -18,7 +18,7 @@ impl Neighbours {
         }
     }
 
-    /// Iterates over the neighbours in the order in which they were added.
+    /// Iterates over the neighbours in insertion order.
     #[inline]
     pub(super) fn iter(self) -> impl Iterator<Item = u32> + use<> {
         self.0.into_iter().map_while(OptionalId::get)

@@ -1,40 +1,39 @@
-//! Checks in linear time whether a triangulation is *sequential*: whether one strip passes through
-//! all triangles without a swap.
+//! Tests in linear time whether a triangulation is *sequential*: one strip visits all triangles
+//! without a swap.
 //!
-//! Without swaps the turns alternate, so that an entry and the side of the next turn determine
-//! everything after and before it. These *states*, six per triangle, form chains, open or closed:
+//! Without swaps the turns alternate, so an entry and the side of the next turn determine the whole
+//! strip before and after. These *states*, six per triangle, form open or closed chains:
 //!
 //! ```text
-//!        ╱╲            h ──▶  entered across h at an even position, the strip leaves across the next edge of the
-//!       ╱  ╲ ──▶              winding, at an odd position across the previous one, and enters the neighbour
-//!      ╱    ╲                 at a position of the other parity
-//!     ────────
+//!        ╱╲            h ──▶  a strip that enters across h leaves across the next edge of the
+//!       ╱  ╲ ──▶              winding if the triangle has an even position, and across the
+//!      ╱    ╲                 previous edge if it has an odd one. It enters the neighbour at a
+//!     ────────                position of the other parity.
 //!        ▲ h
 //! ```
 //! # Algorithm
-//! 1. Follow each open chain from the state without a predecessor, then each closed one, twice
+//! 1. Follow each open chain from the state without a predecessor, then each closed chain twice
 //!    around.
-//! 2. Find for each state the longest *run* up to there that contains no triangle twice. If one has
-//!    as many triangles as the mesh, it is the strip. The first triangle's entry is not crossed,
-//!    nor the last one's exit, so that both may be boundaries.
+//! 2. Find the longest *run* that ends at each state and contains no triangle twice. A run with all
+//!    triangles of the mesh is the strip. The entry of its first triangle and the exit of its last
+//!    one are not crossed, so both may be boundary edges.
 //!
-//! The runs also bound the strips that have swaps. At each swap one run ends and the next begins,
-//! and each triangle is at least one part in m of a run if the longest run that contains it has m
-//! triangles: the sum of these parts is a lower bound of the number of runs.
+//! The runs also bound strips with swaps. At each swap a run ends and the next one starts. If the
+//! longest run that contains a triangle has m triangles, the triangle accounts for at least 1/m of
+//! a run. The sum over all triangles is a lower bound of the number of runs.
 //!
-//! A strip begins with the winding of its first triangle, so that its second one is at an odd
-//! position; otherwise the strip has to repeat its first vertex. In the opposite direction the
-//! parity changes if the number of triangles is odd, and stays if it is even. Both directions are
-//! chains here.
+//! A strip starts with the winding of its first triangle, which places the second one at an odd
+//! position; otherwise the strip must repeat its first vertex. Reversing a strip changes the parity
+//! if the number of triangles is odd. Both directions are chains here.
 //!
 //! # References
 //! Arkin, Held, Mitchell, Skiena: *Hamiltonian triangulations for fast rendering*, 1994; Evans,
 //! Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 2.
-//! They require a cycle of the dual graph; a strip needs only a path, and
-//! [`SequentialStrip::is_closed`] tells whether it is a cycle.
+//! They require a cycle of the dual graph. A strip needs only a path;
+//! [`SequentialStrip::is_closed`] is true if it is a cycle.
 //!
 //! # Complexity
-//! O(n) time; 13 bytes per triangle, and 16 per state of the longest chain.
+//! O(n) time, 13 bytes per triangle, and 16 bytes per state of the longest chain.
 
 use std::collections::VecDeque;
 
@@ -42,20 +41,22 @@ use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::HalfEdge;
 
-/// One strip through all triangles, without a swap.
+/// One strip through all triangles without a swap.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SequentialStrip {
     /// The strip, as a cover of one path.
     pub cover: PathCover,
-    /// Whether it can be sent in T + 2 vertices; otherwise its first vertex is repeated.
+    /// Whether the strip has T + 2 vertices for T triangles. Otherwise its first vertex is
+    /// repeated.
     pub keeps_winding: bool,
-    /// Whether its turns also alternate from the last triangle to the first.
+    /// Whether the turns also alternate from the last triangle to the first.
     pub is_closed: bool,
 }
 
-/// Finds one strip through all triangles of a graph without a swap, if there is any: in T + 2
-/// vertices if possible, otherwise in T + 3. Returns `None` for a graph of polygons.
+/// Finds one strip through all T triangles of a graph without a swap. The strip has T + 2 vertices
+/// if possible, otherwise T + 3. Returns `None` if there is no such strip, or for a graph of
+/// polygons.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, stripify::bound::sequential_strip};
@@ -81,7 +82,7 @@ pub fn sequential_strip(graph: &DualGraph) -> Option<SequentialStrip> {
     Some(SequentialStrip { cover, keeps_winding: run.keeps_winding, is_closed })
 }
 
-/// The half-edge across which a triangle is entered, and whether that is at an odd position.
+/// The half-edge across which a triangle is entered, and whether the position is odd.
 type EntryState = (u32, bool);
 
 /// Returns the half-edge across which the strip leaves.
@@ -105,14 +106,15 @@ pub(super) struct WholeRun {
 /// The runs of a component.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ComponentRuns {
-    /// A run through the whole component: one that keeps its winding, if there is any.
+    /// A run through the whole component, if there is one. A run that keeps its winding is
+    /// preferred.
     pub(super) whole: Option<WholeRun>,
     /// A lower bound of the number of runs that cover the component.
     pub(super) least: usize,
 }
 
-/// Examines the runs of each component. `component` has the component of each triangle, `sizes` the
-/// triangles of each component.
+/// Examines the runs of each component. `component` has the component of each triangle, and `sizes`
+/// the number of triangles of each component.
 pub(super) fn runs(graph: &DualGraph, component: &[u32], sizes: &[usize]) -> Vec<ComponentRuns> {
     let mut runs = vec![ComponentRuns::default(); sizes.len()];
     let mut last = vec![0; component.len()];
@@ -142,13 +144,13 @@ pub(super) fn runs(graph: &DualGraph, component: &[u32], sizes: &[usize]) -> Vec
     runs
 }
 
-/// The number of units of a run. The parts of a run are rounded down, by less than one run for all
-/// triangles.
+/// The fixed-point value of a whole run. The shares of a run are rounded down, which loses less
+/// than one run over all triangles.
 const WHOLE: u64 = 1 << 32;
 
-/// Finds for each state of a chain the start of the longest run that ends there. `last` has the
-/// position after the last occurrence of each triangle, counted over all chains, and `position` is
-/// the position of this chain.
+/// Finds, for each state of a chain, the start of the longest run that ends there. `last` has the
+/// position after the last occurrence of each triangle, counted over all chains. `position` is the
+/// position of this chain.
 fn run_starts(chain: &[u32], last: &mut [u64], position: &mut u64, from: &mut Vec<u32>) {
     let begin = *position;
     let mut start = 0;
@@ -162,10 +164,10 @@ fn run_starts(chain: &[u32], last: &mut [u64], position: &mut u64, from: &mut Ve
     }
 }
 
-/// Updates for each triangle the length of the longest run that contains it.
+/// Updates, for each triangle, the length of the longest run that contains it.
 fn update_longest(chain: &[u32], from: &[u32], longest: &mut [u32]) {
-    // The maximal runs that have begun and not ended, the longest first; one that ends before a
-    // longer one is left out.
+    // The maximal runs that have started and not ended, longest first. A run that ends before a
+    // longer one is omitted.
     let mut open: VecDeque<(u32, u32)> = VecDeque::new();
     let is_last = |end: usize| from.get(end + 1).is_none_or(|&start| start > from[end]);
     let mut ends = (0..chain.len()).filter(|&end| is_last(end)).map(|end| (from[end], end as u32)).peekable();
@@ -186,8 +188,8 @@ fn update_longest(chain: &[u32], from: &[u32], longest: &mut [u32]) {
     }
 }
 
-/// Passes all chains to `go`: the entries of the states, for a closed chain twice around, and
-/// whether the first is at an odd position.
+/// Calls `go` for each chain, with the entries of its states and whether the first position is odd.
+/// Closed chains are passed twice around.
 fn for_each_chain(graph: &DualGraph, mut go: impl FnMut(&[u32], bool)) {
     let mut visited = vec![0_u8; graph.face_count()];
     let mut visit = |(entry, is_odd): EntryState| {
@@ -199,7 +201,8 @@ fn for_each_chain(graph: &DualGraph, mut go: impl FnMut(&[u32], bool)) {
     };
     let states = || (0..graph.half_edge_count() as u32).flat_map(|entry| [(entry, false), (entry, true)]);
     let mut chain = Vec::new();
-    // No state leads to an entry without a twin. The chains that remain after those are closed.
+    // No state leads to an entry without a twin, so open chains start there. The remaining chains
+    // are closed.
     for open in [true, false] {
         for start in states().filter(|&(entry, _)| !open || graph.twin_of(entry).is_none()) {
             chain.clear();

@@ -1,17 +1,17 @@
 //! The bound on strips: block by block, from the leaves of the bridge tree to its root.
 //!
 //! # Algorithm
-//! When the blocks behind a block are done, what remains of it is a graph in which some triangles
-//! have an edge taken by a used bridge. Using a bridge saves a strip, and costs the blocks at its
-//! two ends at most one strip each, since it takes one end of a path there. So a bridge is used
-//! exactly if the block behind it does not need more strips for it; that is the best choice
-//! whatever follows above it.
+//! When all blocks behind a block are done, what remains is a graph in which used bridges have
+//! taken an edge from some triangles. Using a bridge saves a strip. It costs each of the two blocks
+//! at most one strip, because it takes one end of a path there. Therefore a bridge is used exactly
+//! if the block behind it does not need more strips with it. This is the best choice regardless of
+//! the rest of the tree.
 //!
-//! A block of n triangles and E edges needs at least n − E + r strips, where r is the least number
-//! of edges to leave out so that each triangle keeps at most two, or one where a bridge is used:
-//! the number of triangles with an edge too many, minus a maximum matching among them. Closed paths
-//! may be necessary to reach that number, so that one strip is still the least, and subproblems of
-//! the block that are solved exactly may show that it needs more.
+//! A block of n triangles and E edges needs at least n − E + r strips. Here r is the minimum number
+//! of edges to remove so that each triangle keeps at most two edges, or one at a used bridge. r is
+//! the number of triangles with an extra edge minus a maximum matching among them. Reaching that
+//! number may require closed paths. The bound is therefore at least one, and exactly solved
+//! subproblems of the block may raise it.
 
 use super::blocks::BlockTree;
 use super::matching::Matching;
@@ -19,23 +19,23 @@ use super::method::BoundMethod;
 use super::subproblems::SubproblemSolver;
 use crate::dual::DualGraph;
 
-/// Limits of the work for a bound.
+/// Work limits of a bound.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundLimits {
-    /// Steps of the matching's searches.
+    /// Maximum steps of the matching's searches.
     pub(super) steps: u64,
-    /// Most triangles of a block that is tried as a whole.
+    /// Maximum triangles of a block that is solved as a whole.
     pub(super) whole: usize,
-    /// States of a subproblem at once.
+    /// Maximum states of a subproblem at once.
     pub(super) states_at_once: usize,
-    /// States in all.
+    /// Maximum states in total.
     pub(super) states: u64,
 }
 
 impl BoundLimits {
-    /// Returns the limits of a graph: 200 steps per triangle, of which scans and machine parts take
-    /// two, and 8 states per triangle, that is a second per million triangles; and a tenth of a
-    /// second for a small graph.
+    /// Returns the limits for a graph. 200 steps per triangle, where scans and machine parts need
+    /// two. 8 states per triangle, which take a second per million triangles. Small graphs get at
+    /// least a tenth of a second.
     fn of(triangle_count: usize) -> Self {
         let count = triangle_count as u64;
         Self {
@@ -55,18 +55,18 @@ pub(super) struct ComponentStrips {
     pub(super) method: BoundMethod,
 }
 
-/// Bounds the strips of each component, in the order of their lowest triangles.
+/// Computes the bound on the strips of each component, in order of their lowest triangles.
 pub(super) fn bound(graph: &DualGraph) -> Vec<ComponentStrips> {
     bound_within(graph, BoundLimits::of(graph.face_count()))
 }
 
-/// Bounds the strips of each component within limits.
+/// Computes the bound on the strips of each component within limits.
 pub(super) fn bound_within(graph: &DualGraph, limits: BoundLimits) -> Vec<ComponentStrips> {
     let blocks = BlockTree::new(graph);
     let mut solver = BlockSolver::new(&blocks, limits);
     let none = ComponentStrips { triangles: 0, strips: 0, method: BoundMethod::Exact };
     let mut components = Vec::new();
-    // The strips of the blocks of a component so far, minus the bridges used.
+    // The strips of the component's blocks so far, minus the bridges used.
     let mut so_far = none;
     for root in (0..blocks.len() as u32).rev().filter(|&node| blocks.root(node) == node) {
         let block = solver.bound(root);
@@ -86,14 +86,14 @@ pub(super) fn bound_within(graph: &DualGraph, limits: BoundLimits) -> Vec<Compon
     components
 }
 
-/// Bounds blocks, those behind a block before the block itself.
+/// Computes the bounds of blocks. The blocks behind a block are processed before it.
 struct BlockSolver<'a> {
     blocks: &'a BlockTree,
     matching: Matching,
     subproblems: SubproblemSolver,
-    /// The bridges used at each node, of those that lead away from the root.
+    /// The number of used bridges at each node that lead away from the root.
     bridges_used: Vec<u8>,
-    /// Most triangles of a block that is tried as a whole.
+    /// Maximum triangles of a block that is solved as a whole.
     whole: usize,
 }
 
@@ -101,7 +101,7 @@ struct BlockSolver<'a> {
 struct BlockBound {
     triangles: usize,
     strips: usize,
-    /// Whether the bound is the same if the bridge toward the root is used.
+    /// Whether the bound stays the same if the bridge toward the root is used.
     allows_bridge: bool,
     method: BoundMethod,
 }
@@ -118,11 +118,11 @@ impl<'a> BlockSolver<'a> {
         }
     }
 
-    /// Bounds the block with this lowest node.
+    /// Computes the bound of the block with this lowest node.
     fn bound(&mut self, root: u32) -> BlockBound {
         if self.blocks.is_single(root) {
-            // Two bridges are part of one strip; a third ends there, which is as good as not to use
-            // it.
+            // Two bridges belong to one strip. A third one ends there, which is as good as not
+            // using it.
             let used = self.bridges_used[root as usize];
             let strips = if used == 3 { 2 } else { 1 };
             return BlockBound { triangles: 1, strips, allows_bridge: used < 2, method: BoundMethod::Exact };
@@ -150,7 +150,7 @@ impl<'a> BlockSolver<'a> {
         Some(BlockBound { triangles: members.len(), strips, allows_bridge, method: BoundMethod::Exact })
     }
 
-    /// Bounds a block by its matching and by subproblems of it.
+    /// Computes the bound of a block from its matching and its subproblems.
     fn bound_in_parts(&mut self, root: u32, members: &[u32]) -> BlockBound {
         let (mut degrees, mut demand, mut taken) = (0, 0, 0);
         for &node in members {

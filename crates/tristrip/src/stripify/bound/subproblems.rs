@@ -1,20 +1,20 @@
-//! Improves the bound on a block by subproblems that are solved exactly.
+//! Improves the bound of a block by subproblems that are solved exactly.
 //!
 //! # Algorithm
-//! A small block is solved as a whole. In a large one disjoint subproblems are solved, and the path
-//! ends that they need are added up: paths may leave a subproblem over any edge, so that no end is
-//! counted twice. Among triangles of three neighbours paths find their way; ends are forced where a
-//! matching failed, and perhaps along the boundary. So:
-//! 1. The triangles that the failed searches reached, and those around them, make subproblems: as
-//!    far around as can be solved. Where none can, it is known that they contain an end for each
-//!    triangle left unmatched, together with their neighbours: the searches' even nodes make
-//!    components of odd size, more of them by that number than there are odd nodes to match them
-//!    with.
-//! 2. So do the triangles of two neighbours, with those around them that are not in a subproblem
-//!    yet. One that is too wide to be solved is halved, and its halves again.
+//! A small block is solved as a whole. In a large one, disjoint subproblems are solved and their
+//! path ends are added up. No end is counted twice, because paths may leave a subproblem over any
+//! edge. Triangles with three neighbours rarely force ends. Ends are forced where a matching
+//! failed, and sometimes along the boundary:
+//! 1. The triangles that the failed searches reached form subproblems together with their
+//!    surroundings, with the largest radius that can be solved. If none can be solved, one end is
+//!    known for each unmatched triangle, including its neighbours: the even nodes of the searches
+//!    form components of odd size, and their number exceeds the odd nodes that could be matched
+//!    with them by that count.
+//! 2. The triangles with two neighbours form subproblems together with the surrounding triangles
+//!    that are not in a subproblem yet. A subproblem that is too wide is halved recursively.
 //!
 //! # Complexity
-//! Limited by a number of states for the whole graph; 5 bytes per triangle.
+//! Limited by a number of states for the whole graph. 5 bytes per triangle.
 
 use super::blocks::BlockTree;
 use super::frontier::{FrontierNode, least_ends};
@@ -22,23 +22,23 @@ use super::matching::Matching;
 use super::neighbours::Neighbours;
 use crate::ids::OptionalId;
 
-/// Most triangles from a seed to the rim of a subproblem: for the dragon's boundaries, 3 and 4 give
-/// the same result.
+/// Maximum distance from a seed to the rim of a subproblem, in triangles. On the dragon's
+/// boundaries, 3 and 4 give the same result.
 const RADIUS: u8 = 3;
-/// Subproblems of more triangles are not tried.
+/// Larger subproblems are not tried.
 const LARGEST: usize = 2048;
-/// Halves of fewer triangles are not made.
+/// Smaller halves are not made.
 const SMALL: usize = 16;
 
-/// In the distances: not in reach of any seed.
+/// A distance value: not within reach of any seed.
 const FAR: u8 = u8::MAX;
-/// In the distances: in a subproblem.
+/// A distance value: already in a subproblem.
 const DONE: u8 = u8::MAX - 1;
 
 /// Solves subproblems of the blocks of a graph.
 #[derive(Debug)]
 pub(super) struct SubproblemSolver {
-    /// The number of each node in the current subproblem.
+    /// The index of each node in the current subproblem.
     number: Vec<OptionalId>,
     /// The distance of each node from the nearest seed.
     distance: Vec<u8>,
@@ -47,7 +47,7 @@ pub(super) struct SubproblemSolver {
 }
 
 impl SubproblemSolver {
-    /// Creates a solver for a graph, with limits of the states at once and in all.
+    /// Creates a solver for a graph, with limits for the states at once and in total.
     pub(super) fn new(node_count: usize, states_at_once: usize, states: u64) -> Self {
         Self {
             number: vec![OptionalId::NONE; node_count],
@@ -57,8 +57,8 @@ impl SubproblemSolver {
         }
     }
 
-    /// Returns the least number of path ends of a whole block, if it can be solved; `is_taken`
-    /// returns whether a bridge is used at a node.
+    /// Returns the minimum number of path ends of a whole block, or `None` if it cannot be solved.
+    /// `is_taken` returns whether a bridge is used at a node.
     pub(super) fn solve_block(
         &mut self,
         blocks: &BlockTree,
@@ -68,8 +68,8 @@ impl SubproblemSolver {
         self.solve(blocks, members, &is_taken)
     }
 
-    /// Adds up the least ends of subproblems of a block around the nodes that a matching left over,
-    /// and then along the boundary.
+    /// Adds up the minimum ends of a block's subproblems, first around the nodes that the matching
+    /// left free, then along the boundary.
     pub(super) fn least_ends_in_parts(
         &mut self,
         blocks: &BlockTree,
@@ -78,7 +78,7 @@ impl SubproblemSolver {
         is_taken: impl Fn(u32) -> bool,
     ) -> usize {
         let failed = members.iter().copied().filter(|&node| matching.has_failed(node)).collect();
-        // Nodes without a neighbour that the searches reached are outside such a subproblem.
+        // Nodes without a reached neighbour are outside such a subproblem.
         let around_failed = self.around_seeds(blocks, failed, &is_taken, |_, nodes| {
             nodes.iter().filter(|&&node| matching.has_failed(node) && matching.is_free(node)).count()
         });
@@ -89,8 +89,8 @@ impl SubproblemSolver {
         around_failed + along_boundary
     }
 
-    /// Adds up the least ends of subproblems around seeds; `known` bounds those that cannot be
-    /// solved.
+    /// Adds up the minimum ends of subproblems around seeds. `known` returns a bound for those that
+    /// cannot be solved.
     fn around_seeds(
         &mut self,
         blocks: &BlockTree,
@@ -119,7 +119,7 @@ impl SubproblemSolver {
         ends
     }
 
-    /// Lists the nodes that are at most `radius` from the seeds and in no subproblem yet.
+    /// Returns the nodes within `radius` of the seeds that are in no subproblem yet.
     fn reach(&mut self, blocks: &BlockTree, seeds: &[u32], radius: u8) -> Vec<u32> {
         let mut reached: Vec<u32> =
             seeds.iter().copied().filter(|&seed| self.distance[seed as usize] == FAR).collect();
@@ -138,7 +138,7 @@ impl SubproblemSolver {
         reached
     }
 
-    /// Collects the nodes in reach that are connected with this one, and the seeds among them.
+    /// Collects the nodes within reach that are connected to `node`, and the seeds among them.
     fn collect_connected(&mut self, blocks: &BlockTree, node: u32) -> (Vec<u32>, Vec<u32>) {
         let mut nodes = vec![node];
         let mut seeds: Vec<u32> = nodes.iter().copied().filter(|&n| self.distance[n as usize] == 0).collect();
@@ -160,7 +160,8 @@ impl SubproblemSolver {
         (nodes, seeds)
     }
 
-    /// Halves a subproblem repeatedly until its parts can be solved, and adds up their least ends.
+    /// Halves a subproblem recursively until its parts can be solved, and adds up their minimum
+    /// ends.
     fn solve_halves(&mut self, blocks: &BlockTree, nodes: &[u32], is_taken: &impl Fn(u32) -> bool) -> usize {
         if nodes.len() < 2 * SMALL || nodes.len() > LARGEST {
             return 0;

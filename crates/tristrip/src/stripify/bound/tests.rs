@@ -8,8 +8,8 @@ use crate::mesh::Mesh;
 use crate::strip::Metrics;
 use crate::stripify::{Method, StripifyOptions, plan};
 
-/// Generates a dual graph: half-edges paired at random, some of them not, and some triangles with
-/// two or three edges in common. There need not be a mesh with this graph.
+/// Generates a dual graph: random pairs of half-edges, some half-edges without a twin, and some
+/// triangles with two or three common edges. There may be no mesh with this graph.
 pub(super) fn graph(triangles: std::ops::Range<usize>) -> impl Strategy<Value = DualGraph> {
     let pairs = (triangles, 0..100_usize, any::<bool>());
     pairs.prop_flat_map(|(n, open, near)| {
@@ -22,7 +22,8 @@ pub(super) fn graph(triangles: std::ops::Range<usize>) -> impl Strategy<Value = 
                         break;
                     }
                     let a = *a.get(&free);
-                    // Pairs of near triangles make long graphs with bridges, others round ones.
+                    // Pairs of nearby triangles make long graphs with bridges; other pairs make
+                    // compact ones.
                     let others: Vec<usize> = free
                         .into_iter()
                         .filter(|&h| h / 3 != a / 3 && (!near || (h / 3).abs_diff(a / 3) < 3))
@@ -49,7 +50,7 @@ fn tree(parents: &[prop::sample::Index]) -> DualGraph {
     DualGraph::of_triangle_twins(twins)
 }
 
-/// Lists the arcs of a graph, one per pair of triangles.
+/// Returns the arcs of a graph, one per pair of triangles.
 fn arcs(graph: &DualGraph) -> Vec<(usize, usize)> {
     let half_edges = 0..graph.half_edge_count() as u32;
     let pairs = half_edges.filter_map(|h| Some((h / 3, graph.twin_of(h).filter(|&twin| h < twin)? / 3)));
@@ -59,8 +60,8 @@ fn arcs(graph: &DualGraph) -> Vec<(usize, usize)> {
     arcs
 }
 
-/// Returns the largest number of arcs of which no triangle has more than two, by trying all; with
-/// or without cycles.
+/// Returns the maximum number of arcs with at most two per triangle, by trying all subsets, with or
+/// without cycles.
 fn most_links(arcs: &[(usize, usize)], free: &mut [u8], path: &mut [usize], cycles: bool) -> usize {
     let Some((&(a, b), rest)) = arcs.split_first() else { return 0 };
     let mut most = 0;
@@ -80,8 +81,8 @@ fn most_links(arcs: &[(usize, usize)], free: &mut [u8], path: &mut [usize], cycl
     most.max(most_links(rest, free, path, cycles))
 }
 
-/// Returns the least strips of each component, by trying all covers, and the same number if cycles
-/// were allowed and free.
+/// Returns the minimum number of strips of each component, by trying all covers, and the same
+/// number if cycles were allowed and free.
 fn least_strips(graph: &DualGraph) -> Vec<(usize, usize)> {
     let (component, count) = graph.components();
     let arcs = arcs(graph);
@@ -98,7 +99,7 @@ fn least_strips(graph: &DualGraph) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Returns the least number of path ends in a subproblem, by trying all links.
+/// Returns the minimum number of path ends in a subproblem, by trying all links.
 fn least_ends_of_all(nodes: &[FrontierNode], arcs: &[(usize, usize)], free: &[u8], path: &[usize]) -> usize {
     let Some((&(a, b), rest)) = arcs.split_first() else {
         return nodes
@@ -180,8 +181,7 @@ fn bound_of(corners: Vec<u32>) -> Bound {
     Bound::of_prepared(&prepared, &DualGraph::new(prepared.faces())).unwrap()
 }
 
-/// Checks that no method's strips are below the bounds of a mesh, nor the bounds of their
-/// triangulation.
+/// Checks that no method's strips are below the bounds of the mesh or of their own triangulation.
 fn check_methods(mesh: &Mesh, methods: &[Method]) -> Result<(), TestCaseError> {
     let prepared = PreparedFaces::new(mesh, false);
     let graph = DualGraph::new(prepared.faces());
@@ -215,8 +215,8 @@ fn components_that_share_a_vertex_may_be_joined_for_free() {
     assert_eq!((touching.of(Cost::Restart), touching.of(Cost::Gl), touching.of(Cost::Degenerate)), (7, 6, 6));
 }
 
-/// The bound was 10, and 10 indices were sent, since the row of four was joined with the repeat
-/// that it needs on its own.
+/// Regression test: the bound was 10 although 10 indices were sent, because the row of four was
+/// joined with the repeat that it needs on its own.
 #[test]
 fn a_repeat_is_free_at_an_odd_position() {
     let corners = vec![1, 0, 2, 1, 2, 3, 3, 2, 4, 3, 4, 5, 7, 8, 0];
@@ -231,8 +231,8 @@ fn a_repeat_is_free_at_an_odd_position() {
 
 #[test]
 fn a_cycle_behind_a_bridge_needs_an_end() {
-    // A fan of four triangles closed around vertex 0, with a triangle at each rim edge: the cycle
-    // has two edges too many, and four triangles contain an end of a strip.
+    // A closed fan of four triangles around vertex 0, with a triangle at each rim edge. The cycle
+    // has two edges too many, and four triangles contain a strip end.
     let fan = (0..4).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 4]);
     let outer = (0..4).flat_map(|i| [1 + (i + 1) % 4, 1 + i, 5 + i]);
     let bound = bound_of(fan.chain(outer).collect());

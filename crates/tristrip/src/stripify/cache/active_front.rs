@@ -1,38 +1,37 @@
 //! The active front: the drawn triangles, the edges around them, and the cost so far. Strips grow
-//! on this state, speculatively or for good.
+//! on this state, speculatively or permanently.
 
 use super::policy::{MAX_HORIZON, PolicyWeights};
 use super::speculative::SpeculativeCache;
 use crate::dual::{DualGraph, Triangulation};
 
-/// Marks a drawn triangle. Below it, a state is the number of a triangle's neighbours that are not
-/// drawn.
+/// Marks a drawn triangle. Lower states are the number of neighbours that are not drawn.
 const DRAWN: u8 = 4;
 
-/// Anticipated costs of triangles with one open neighbour and with none, in indices: strips will
-/// end in the former, and the latter will be a strip.
+/// Anticipated costs, in indices, of triangles with one open neighbour (a strip will end there) and
+/// with none (a strip of their own).
 const LEAF: i64 = 1;
 const ISOLATED: i64 = 3;
-/// The change of the anticipated cost when a triangle is drawn, by its number of open neighbours.
+/// Change of the anticipated cost when a triangle is drawn, by its number of open neighbours.
 const DRAWING: [i64; 8] = [-ISOLATED, -LEAF, 0, 0, 0, 0, 0, 0];
-/// The change when a triangle loses an open neighbour, by the number before; from [`DRAWN`] on it
-/// is drawn itself.
+/// Change of the anticipated cost when a triangle loses an open neighbour, by the number before.
+/// From [`DRAWN`] on the triangle is drawn itself.
 const LOSING: [i64; 8] = [0, ISOLATED - LEAF, LEAF, 0, 0, 0, 0, 0];
 
-/// Wraps a corner number that may exceed 2.
+/// Wraps a corner index that may exceed 2.
 #[inline]
 fn wrapped(corner: u32) -> usize {
     (if corner >= 3 { corner - 3 } else { corner }) as usize
 }
 
 /// The current end of a strip: the last triangle, the edge over which it was entered, and the
-/// parity of the strip.
+/// parity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct StripHead {
     pub(super) triangle: u32,
     pub(super) entry: u32,
-    /// Whether the triangle has an even position, where leaving over the edge after `entry` takes
-    /// no swap.
+    /// Whether the triangle has an even position. Leaving over the edge after `entry` then takes no
+    /// swap.
     pub(super) is_even: bool,
 }
 
@@ -44,7 +43,7 @@ pub(super) struct EdgeCrossing {
     pub(super) entry: u32,
 }
 
-/// A state to return to.
+/// A state to roll back to.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrontCheckpoint<C> {
     edges: usize,
@@ -61,15 +60,15 @@ pub(super) struct ActiveFront<'a, C> {
     triangles: &'a [[u32; 3]],
     /// The number of open neighbours of each triangle, plus [`DRAWN`] if it is drawn.
     state: Vec<u8>,
-    /// Half-edges of open triangles next to drawn ones, in the order in which they became so; those
-    /// of drawn triangles are skipped.
+    /// Half-edges of open triangles next to drawn ones, oldest first. Those of triangles drawn
+    /// since are skipped.
     edges: Vec<u32>,
     edge_count: usize,
-    /// No vertices of `edges` before this position are in the cache.
+    /// No edge in `edges` before this position has its vertices in the cache.
     oldest: usize,
     /// Triangles drawn since the last [`ActiveFront::commit`].
     drawn: Vec<u32>,
-    /// No open triangle has a lower number.
+    /// All triangles with lower indices are drawn.
     lowest: u32,
     cache: C,
     weights: PolicyWeights,
@@ -77,7 +76,7 @@ pub(super) struct ActiveFront<'a, C> {
 }
 
 impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
-    /// Creates the state in which nothing is drawn.
+    /// Creates a front without drawn triangles.
     pub(super) fn new(triangulation: &'a Triangulation<'_>, cache: C, weights: PolicyWeights) -> Self {
         let (triangles, _) = triangulation.triangles().as_chunks();
         let graph = triangulation.graph();
@@ -104,7 +103,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         self.cache.entry_count()
     }
 
-    /// Returns the cost so far and the change of the anticipated cost: see [`LEAF`].
+    /// Returns the cost so far plus the change of the anticipated cost: see [`LEAF`].
     pub(super) fn cost(&self) -> i64 {
         self.cost
     }
@@ -120,13 +119,13 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         self.state[triangle as usize] < DRAWN
     }
 
-    /// Returns the vertex at a corner, whose number may exceed 2.
+    /// Returns the vertex at a corner, whose index may exceed 2.
     #[inline]
     fn corner(&self, triangle: u32, corner: u32) -> u32 {
         self.triangles[triangle as usize][wrapped(corner)]
     }
 
-    /// Returns the step over an edge, if the triangle on the other side is open.
+    /// Returns the step over an edge, or `None` unless the triangle on the other side is open.
     #[inline]
     pub(super) fn crossing(&self, triangle: u32, edge: u32) -> Option<EdgeCrossing> {
         let exit = 3 * triangle + wrapped(edge) as u32;
@@ -134,7 +133,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         self.is_open(entry / 3).then_some(EdgeCrossing { exit, entry })
     }
 
-    /// Returns the steps over the edge after the entry, and over the edge before it.
+    /// Returns the steps over the edge after the entry and over the edge before it.
     #[inline]
     pub(super) fn crossings(&self, head: StripHead) -> [Option<EdgeCrossing>; 2] {
         [1, 2].map(|turn| self.crossing(head.triangle, head.entry + turn))
@@ -146,7 +145,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         self.cost += self.weights.index + i64::from(is_miss) * self.weights.miss;
     }
 
-    /// Draws an open triangle: its neighbours lose an open neighbour.
+    /// Draws an open triangle. Its neighbours lose an open neighbour.
     #[inline]
     fn draw(&mut self, triangle: u32) {
         let state = &mut self.state[triangle as usize];
@@ -158,7 +157,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
             let before = *state;
             *state -= 1;
             anticipated += LOSING[usize::from(before & 7)];
-            // Without a branch, which would be unpredictable: what is not an edge of the front is
+            // Avoids an unpredictable branch: an entry that is not an edge of the front is
             // overwritten.
             self.edges[self.edge_count] = twin;
             self.edge_count += usize::from(before < DRAWN);
@@ -166,7 +165,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         self.cost += anticipated * self.weights.index;
     }
 
-    /// Starts a strip with a triangle, which it leaves over an edge, if at all.
+    /// Starts a strip with a triangle that it leaves over `exit`, if given.
     pub(super) fn start(&mut self, triangle: u32, exit: Option<u32>) -> StripHead {
         let exit = exit.unwrap_or(1);
         self.cost += self.weights.index;
@@ -183,7 +182,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         if is_next == is_even {
             is_even = !is_even;
         } else {
-            // A swap repeats the vertex that would otherwise be left behind.
+            // A swap repeats the vertex that would otherwise be dropped.
             self.send(self.corner(head.triangle, head.entry + u32::from(!is_even)));
         }
         let (triangle, entry) = (crossing.entry / 3, crossing.entry % 3);
@@ -192,7 +191,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         StripHead { triangle, entry, is_even }
     }
 
-    /// Returns the oldest edge of the front whose vertices are in the cache, and not among its
+    /// Returns the oldest edge of the front whose vertices are in the cache but not among its
     /// `slack` oldest entries.
     #[inline]
     pub(super) fn oldest_edge(&mut self, slack: u32) -> Option<u32> {
@@ -210,8 +209,8 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         None
     }
 
-    /// Returns the newest edge of the front, otherwise an edge of the lowest open triangle. This
-    /// cannot be rolled back.
+    /// Returns the newest edge of the front, or an edge of the lowest open triangle if the front is
+    /// empty. Cannot be rolled back.
     pub(super) fn newest_edge(&mut self) -> Option<u32> {
         while self.edge_count > 0 {
             let half_edge = self.edges[self.edge_count - 1];
@@ -241,7 +240,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         }
     }
 
-    /// Returns to a checkpoint.
+    /// Rolls back to a checkpoint.
     pub(super) fn roll_back(&mut self, checkpoint: FrontCheckpoint<C::Checkpoint>) {
         for &triangle in self.drawn[checkpoint.drawn..].iter().rev() {
             self.state[triangle as usize] -= DRAWN;
@@ -255,7 +254,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         self.cache.roll_back(checkpoint.cache);
     }
 
-    /// Makes everything drawn permanent and discards all checkpoints.
+    /// Makes all drawn triangles permanent and discards all checkpoints.
     pub(super) fn commit(&mut self) {
         self.drawn.clear();
         self.cache.commit();

@@ -2,23 +2,23 @@
 //! and in misses of a FIFO cache.
 //!
 //! # Algorithm
-//! Simulated annealing. A move replaces the strips at one or two positions of the order by none,
-//! one or two others:
+//! Simulated annealing. A move replaces the strips at one or two positions of the order by zero to
+//! two others:
 //! ```text
-//!   transfer  A ━━t  ┄u━━ B        an end t of A takes u from B, and what follows u on one side
-//!   join      A ━━t  ┄ u━━B        the same if nothing of B remains
+//!   transfer  A ━━t  ┄u━━ B        the end t of A takes u from B, with all that follows u on one side
+//!   join      A ━━t  ┄ u━━B        a transfer after which nothing of B remains
 //!   cut       A ━━━━┊━━━━          two strips, one after the other
 //!   reverse   A from its other end
 //!   reorder   A drawn before or after the strip of a neighbour, from either end
 //! ```
-//! Indices change at these positions only. Misses change until a strip starts with the same cache
-//! contents as before, since everything after it stays the same; the contents at the start of each
-//! strip are stored. This takes a few strips. A move whose effect lasts longer than [`WINDOW`]
-//! strips is rejected.
+//! Indices change only at these positions. Misses change until a strip starts with the same cache
+//! contents as before; everything after it stays the same. This usually takes a few strips. The
+//! contents at the start of each strip are stored for this comparison. A move whose effect lasts
+//! longer than [`WINDOW`] strips is rejected.
 //!
 //! # Complexity
-//! O(entries + vertices of the strips in between) time per move, which is what the effort counts;
-//! 60 bytes per triangle, and 4 bytes per strip and entry.
+//! O(entries + vertices of the strips in between) time per move, which is the unit of effort. 60
+//! bytes per triangle, and 4 bytes per strip and entry.
 
 use super::policy::PolicyWeights;
 use super::resettable_fifo::ResettableFifo;
@@ -28,18 +28,18 @@ use crate::ids::{FaceId, HalfEdge, OptionalId};
 use crate::random::{Random, metropolis};
 use crate::strip::{OPEN, Step, path_steps, send_path};
 
-/// The number of strips after a move within which the cache must have the same contents as before.
+/// Number of strips after a move within which the cache must reach the same contents as before.
 const WINDOW: usize = 48;
-/// The effort of a proposal besides its simulation, in vertices sent.
+/// Effort of a proposal without its simulation, in vertices sent.
 const PROPOSAL_EFFORT: u64 = 8;
-/// The number of temperature steps.
+/// Number of temperature steps.
 const STAGES: u64 = 64;
 /// Larger increases of the cost are never accepted.
 const RISES: usize = 64;
-/// The initial distance of the keys of consecutive strips.
+/// Initial distance between the keys of consecutive strips.
 const GAP: u64 = 1 << 20;
 
-/// Strips in drawing order: the vertices and misses of each, and the cache contents before it.
+/// Strips in drawing order, with the vertices and misses of each and the cache contents before it.
 pub(super) struct StripSequence<'a> {
     graph: &'a DualGraph,
     triangles: &'a [u32],
@@ -54,7 +54,7 @@ pub(super) struct StripSequence<'a> {
     free: Vec<u32>,
     first: OptionalId,
     fifo: ResettableFifo,
-    /// Vertices sent in simulations.
+    /// Number of vertices sent in simulations.
     sent: u64,
     /// The cost saved so far.
     saved: i64,
@@ -64,7 +64,7 @@ pub(super) struct StripSequence<'a> {
     simulated_before: Vec<u32>,
 }
 
-/// A strip in a doubly linked list. Keys rise along the list.
+/// A strip in a doubly linked list. Keys increase along the list.
 #[derive(Debug, Clone, Default)]
 struct SequencedStrip {
     steps: Vec<Step>,
@@ -82,7 +82,7 @@ struct StripPart {
     part: u32,
 }
 
-/// A strip, and the parts that replace it.
+/// A strip and the parts that replace it.
 #[derive(Debug, Clone)]
 struct StripEdit {
     strip: u32,
@@ -91,7 +91,7 @@ struct StripEdit {
 }
 
 impl<'a> StripSequence<'a> {
-    /// Creates the sequence of the paths of a cover, given the first triangle of each path in
+    /// Creates the sequence of the paths of a cover. `order` has the first triangle of each path in
     /// drawing order.
     pub(super) fn new(
         triangulation: &'a Triangulation<'_>,
@@ -137,10 +137,10 @@ impl<'a> StripSequence<'a> {
         sequence
     }
 
-    /// Tries moves at temperatures from `hottest` to `coldest`, in units of an index, until
-    /// simulations have sent `limit` vertices: the time of a move is proportional to the lengths of
-    /// its strips. Before each of the [`STAGES`], `go_on` gets the vertices sent, the number of
-    /// strips and the cost saved, and returns whether to continue.
+    /// Tries moves at temperatures from `hottest` to `coldest`, in indices, until simulations have
+    /// sent `limit` vertices. The time of a move is proportional to the lengths of its strips.
+    /// Before each of the [`STAGES`], `go_on` receives the vertices sent, the number of strips and
+    /// the cost saved, and returns whether to continue.
     pub(super) fn anneal(
         &mut self,
         random: &mut Random,
@@ -173,7 +173,7 @@ impl<'a> StripSequence<'a> {
         }
     }
 
-    /// Returns the cover, and the first triangle of each path in drawing order.
+    /// Returns the cover and the first triangle of each path in drawing order.
     pub(super) fn finish(&self) -> (PathCover, Vec<FaceId>) {
         let mut cover = PathCover::isolated(self.graph.face_count());
         let mut order = Vec::new();
@@ -200,7 +200,7 @@ impl<'a> StripSequence<'a> {
         StripEdit { strip, parts, vertices }
     }
 
-    /// Returns a random move; `None` if the random choices give no valid one.
+    /// Returns a random move, or `None` if the random choices do not give a valid one.
     fn propose(&self, random: &mut Random) -> Option<Vec<StripEdit>> {
         let a = *self.strip_of.get(random.below(self.strip_of.len()))?;
         let strip = &self.strips[a as usize].steps;
@@ -247,10 +247,10 @@ impl<'a> StripSequence<'a> {
         }
         let other = &self.strips[b as usize].steps;
         let at = other.iter().position(|step| step.triangle == taken)?;
-        // The strip in the direction in which the end that grows is the last.
+        // The strip in the direction in which the growing end comes last.
         let mut grown = if at_end { strip.clone() } else { reversed(strip) };
         grown.last_mut()?.exit = exit;
-        // What follows on one side is transferred too; the other side remains.
+        // The triangles on one side of the taken one are transferred too; the other side remains.
         let backward = random.coin();
         let (mut gained, mut remaining) = if backward {
             (reversed(&other[..=at]), other[at + 1..].to_vec())
@@ -279,8 +279,8 @@ impl<'a> StripSequence<'a> {
         if key(&a) < key(&b) { vec![a, b] } else { vec![b, a] }
     }
 
-    /// Returns the increase of the cost by a move; `None` if its effect on the cache lasts too
-    /// long. The simulation is kept for [`StripSequence::commit`].
+    /// Returns the increase of the cost by a move, or `None` if its effect on the cache lasts too
+    /// long. [`StripSequence::commit`] uses the simulation again.
     fn price(&mut self, edits: &[StripEdit]) -> Option<i64> {
         self.simulated.clear();
         self.simulated_before.clear();
@@ -394,7 +394,7 @@ impl<'a> StripSequence<'a> {
         new
     }
 
-    /// Spaces the keys evenly again.
+    /// Spaces the keys evenly.
     fn space_keys(&mut self) {
         let (mut at, mut key) = (self.first.get(), 0);
         while let Some(strip) = at {
@@ -406,7 +406,7 @@ impl<'a> StripSequence<'a> {
     }
 }
 
-/// Returns a path in the other direction.
+/// Returns a path in the opposite direction.
 fn reversed(steps: &[Step]) -> Vec<Step> {
     steps.iter().rev().map(Step::reversed).collect()
 }

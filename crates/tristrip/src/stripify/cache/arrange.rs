@@ -6,8 +6,8 @@ use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
 
-/// Orders the paths of a cover: next is the path at the oldest edge of the front whose vertices are
-/// in the cache, in its cheaper direction. Returns the first triangle of each path.
+/// Orders the paths of a cover. The next path is the one at the oldest edge of the front whose
+/// vertices are in the cache, in its cheaper direction. Returns the first triangle of each path.
 pub(super) fn arrange<C: SpeculativeCache>(mut front: ActiveFront<'_, C>, cover: &PathCover) -> Vec<FaceId> {
     let graph = front.graph();
     let numbering = cover.renumber(graph);

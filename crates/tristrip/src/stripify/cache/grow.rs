@@ -1,5 +1,5 @@
-//! Strip growth with speculative simulation: how many more triangles before a restart, and where
-//! the next strip starts.
+//! Strip growth with speculative simulation: how many more triangles to draw before a restart, and
+//! where the next strip starts.
 
 use super::active_front::{ActiveFront, EdgeCrossing, StripHead};
 use super::policy::GrowthPolicy;
@@ -7,16 +7,16 @@ use super::speculative::SpeculativeCache;
 use crate::cover::PathCover;
 use crate::ids::{FaceId, HalfEdge};
 
-/// The numbers of triangles after which a restart is simulated, besides the horizon: closely spaced
-/// at first, where it matters most.
+/// The numbers of triangles after which a restart is simulated, in addition to the horizon. They
+/// are closely spaced at first, where the number matters most.
 const LENGTHS: [u32; 15] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 52];
 
 /// Grows strips over a whole triangulation.
 pub(super) struct StripGrower<'a, C> {
     front: ActiveFront<'a, C>,
-    /// Triangles of a speculative simulation.
+    /// Number of triangles of a speculative simulation.
     horizon: u32,
-    /// The number of oldest cache entries whose vertices are not worth a restart.
+    /// Number of oldest cache entries whose vertices do not justify a restart.
     slack: u32,
     /// Strips to follow where possible.
     seed_strips: Option<&'a PathCover>,
@@ -46,7 +46,7 @@ impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
         Self { front, horizon: policy.horizon(entry_count), slack: policy.slack(entry_count), seed_strips }
     }
 
-    /// Covers all triangles. Returns the cover, and the first triangle of each path in drawing
+    /// Covers all triangles. Returns the cover and the first triangle of each path in drawing
     /// order.
     pub(super) fn run(&mut self) -> (PathCover, Vec<FaceId>) {
         let graph = self.front.graph();

@@ -1,4 +1,4 @@
-//! The variants of STRIPE and of the SGI algorithm.
+//! Variants of STRIPE and of the SGI algorithm.
 
 use crate::names::names;
 
@@ -10,10 +10,10 @@ pub enum FaceTriangulation {
     /// Completely, when a strip enters the face.
     #[default]
     Whole,
-    /// Only as far as the strip needs to leave the face over the chosen edge.
+    /// Only as far as needed for the strip to leave the face over the chosen edge.
     Partial,
-    /// As [`Self::Partial`], but a rest that would keep fewer than two free neighbours goes into
-    /// the strip. This is ours.
+    /// Like [`Self::Partial`], but the remainder of a polygon joins the strip if it would keep
+    /// fewer than two free neighbours. Not in the paper.
     Absorbing,
 }
 
@@ -21,27 +21,27 @@ pub enum FaceTriangulation {
 /// 3.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Ties {
-    /// The first found.
+    /// The first neighbour found.
     Arbitrary,
-    /// The one whose neighbours have the lowest adjacency.
+    /// The neighbour whose own neighbours have the lowest adjacency.
     LookAhead,
-    /// The one on the side opposite to the previous turn.
+    /// The neighbour on the side opposite to the previous turn.
     Alternate,
-    /// One at random, from the seed.
+    /// A random neighbour, depending on the seed.
     Random,
-    /// One that needs no swap, otherwise one at random.
+    /// A neighbour that needs no swap, otherwise a random one.
     #[default]
     Sequential,
-    /// One that needs the fewest swaps. This is ours.
+    /// A neighbour that needs the fewest swaps. Not in the paper.
     FewestSwaps,
 }
 
-/// Which of several equal neighbours the look-ahead takes, where the papers say nothing.
+/// Which of several equal neighbours the look-ahead chooses. The papers do not specify this.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum LastTie {
-    /// The first after the entry.
+    /// The first neighbour after the entry.
     First,
-    /// The last after the entry: the first before it.
+    /// The last neighbour after the entry, which is the first before it.
     #[default]
     Last,
 }

@@ -1,9 +1,9 @@
-//! The options of the methods that search for long tunnels.
+//! Options of the methods that search for long tunnels.
 
 use crate::names::names;
 
 /// The tunnels of [`Method::GuidedTunnels`](super::Method::GuidedTunnels) and
-/// [`Method::Eta`](super::Method::Eta). The default is that of the first.
+/// [`Method::Eta`](super::Method::Eta). The default is that of `GuidedTunnels`.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, Method, StripifyOptions, stripify};
@@ -19,9 +19,9 @@ use crate::names::names;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct TunnelOptions {
-    /// The maximum length of a tunnel, in edges.
+    /// Maximum length of a tunnel, in edges.
     pub length: u32,
-    /// The maximum number of triangles that the paths of a search from one end of a strip step on.
+    /// Maximum number of triangles that the paths of a search from one end of a strip visit.
     pub threshold: u32,
     /// The initial strips.
     pub start: Start,
@@ -33,15 +33,15 @@ pub struct TunnelOptions {
 pub enum Start {
     /// Isolated triangles.
     Isolated,
-    /// The strips of [`Method::Input`](super::Method::Input), with which
-    /// [`Method::Eta`](super::Method::Eta) starts by default: its paper does not name its first
-    /// phase, and from these strips the misses per triangle are nearest to the paper's.
+    /// The strips of [`Method::Input`](super::Method::Input), the default of
+    /// [`Method::Eta`](super::Method::Eta). Its paper does not specify the first phase; these
+    /// strips reproduce its misses per triangle most closely.
     Input,
     /// The strips of [`Method::Sgi`](super::Method::Sgi).
     Sgi,
-    /// The strips of [`Method::Sequential`](super::Method::Sequential), which lead guided tunnels
-    /// to the fewest strips and swaps in the shortest time: 446 strips for dragon, compared with
-    /// 461 from isolated triangles.
+    /// The strips of [`Method::Sequential`](super::Method::Sequential). Guided tunnels need the
+    /// least time with them and end with the fewest strips and swaps: 446 strips for dragon,
+    /// compared with 461 from isolated triangles.
     #[default]
     Sequential,
 }
@@ -49,24 +49,25 @@ pub enum Start {
 /// Which tunnels [`Method::Eta`](super::Method::Eta) accepts (Porcu and Scateni 2006, section 5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Acceptance {
-    /// Every tunnel up to the maximum length, as it is found.
+    /// Depth first: every tunnel up to the maximum length, as it is found.
     #[default]
     DepthFirst,
-    /// The same for one maximum length after the other, each about twice the last: 49, 99, 199 … up
-    /// to the one given: section 6.1 suggests longer tunnels where strips are left.
+    /// Depth first with increasing maximum lengths, each about twice the previous one: 49, 99, 199
+    /// … up to the given length. Section 6.1 suggests longer tunnels for the strips that remain.
     Repeated,
-    /// Tunnels of length 1, 3, 5 …: the next length when no terminal has a tunnel of the last.
+    /// Breadth first: tunnels of length 1, 3, 5 …. The length increases when no terminal has a
+    /// tunnel of the current length.
     BreadthFirst,
 }
 
-/// How far [`Method::Eta`](super::Method::Eta) writes identifiers (Porcu and Scateni 2006, section
-/// 4.1).
+/// How far [`Method::Eta`](super::Method::Eta) propagates identifiers (Porcu and Scateni 2006,
+/// section 4.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Localization {
-    /// Within the star of the terminal; to the ends of the strips when a tunnel is found.
+    /// Within the star of the terminal, and to the ends of the strips when a tunnel is found.
     Star,
-    /// The same, but a star is found only when a search without it has become long. The strips are
-    /// the same, in less time.
+    /// Like [`Self::Star`], but the star is computed only when a search without it has become long.
+    /// Takes less time for the same strips.
     #[default]
     OnDemand,
     /// To the ends of the strips, at every step of a search.
@@ -95,7 +96,7 @@ names! {
     Sequential => "sequential", "The strips of sequential";
 }
 
-/// Tunnels of up to 1000 edges, 512 triangles stepped on per search, starting from the strips of
+/// Tunnels of up to 1000 edges, 512 triangles visited per search, starting from the strips of
 /// `sequential`.
 impl Default for TunnelOptions {
     fn default() -> Self {
@@ -104,9 +105,9 @@ impl Default for TunnelOptions {
 }
 
 impl TunnelOptions {
-    /// The default of [`Method::Eta`](super::Method::Eta): up to 199 edges, 1000 triangles stepped
-    /// on per search, from the strips of `input`. The paper names no defaults; 200 is the only
-    /// length in its text (section 6.1).
+    /// The default of [`Method::Eta`](super::Method::Eta): tunnels of up to 199 edges, 1000
+    /// triangles visited per search, starting from the strips of `input`. The paper specifies no
+    /// defaults; 200 is the only length in its text (section 6.1).
     pub const ETA: Self = Self { length: 199, threshold: 1000, start: Start::Input };
 
     pub(super) const DEFAULT: Self = Self { length: 1000, threshold: 512, start: Start::Sequential };
@@ -128,8 +129,8 @@ impl TunnelOptions {
         self
     }
 
-    /// Sets the maximum number of triangles that the paths of a search from one end of a strip step
-    /// on.
+    /// Sets the maximum number of triangles that the paths of a search from one end of a strip
+    /// visit.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

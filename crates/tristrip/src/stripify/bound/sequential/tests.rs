@@ -8,8 +8,8 @@ use crate::prepare::PreparedFaces;
 use crate::strip::{emit, path_cost};
 use crate::verify::verify;
 
-/// Returns the vertices of the best strip without a swap, if there is any, by trying every
-/// triangle, exit and side of the first turn.
+/// Returns the number of vertices of the best strip without a swap, if there is one, by trying
+/// every triangle, exit and side of the first turn.
 fn least_vertices_without_swap(graph: &DualGraph) -> Option<usize> {
     let n = graph.face_count();
     let edge = |h: u32, by: u32| h - h % 3 + (h % 3 + by) % 3;
@@ -48,7 +48,7 @@ fn check(graph: &DualGraph) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Builds the dual graph of a strip's triangles; the last vertices may be the first ones again.
+/// Builds the dual graph of a strip's triangles. The last vertices may repeat the first ones.
 fn strip(vertices: &[u32]) -> DualGraph {
     let corners = vertices
         .windows(3)
@@ -65,7 +65,7 @@ proptest! {
 
     #[test]
     fn finds_strips_over_few_vertices(vertices in prop::collection::vec(0..7_u32, 3..12)) {
-        // Any sequence without immediate repeats: strips that meet themselves.
+        // Any sequence without immediate repeats, including strips that meet themselves.
         let mut distinct: Vec<u32> = Vec::new();
         for v in vertices {
             if !distinct.iter().rev().take(2).any(|&last| last == v) {
@@ -78,8 +78,8 @@ proptest! {
     }
 }
 
-/// Returns the least number of runs that cover the triangles, by trying for the first triangle left
-/// every run that contains it.
+/// Returns the minimum number of runs that cover the triangles, by trying every run that contains
+/// the first remaining triangle.
 fn least_runs(all: &[u32], left: u32) -> usize {
     if left == 0 {
         return 0;
@@ -116,8 +116,7 @@ proptest! {
 
 #[test]
 fn rows_of_a_grid_are_its_runs() {
-    // Four rows of six squares: the longest runs are the rows; those along the diagonal are
-    // shorter.
+    // Four rows of six squares. The longest runs are the rows; runs along the diagonal are shorter.
     let corner = |x: u32, y: u32| 7 * y + x;
     let squares = (0..4).flat_map(|y| (0..6).map(move |x| (x, y)));
     let corners = squares.flat_map(|(x, y)| {
@@ -156,9 +155,9 @@ struct Gadget {
     ways: [([u32; 2], [u32; 2]); 2],
 }
 
-/// Lemmas 1 and 2 for n = 4 and 5, from their statements, since the paper has them only as
-/// drawings. An exhaustive search finds no others, except for n = 5 another first way that has less
-/// in common with the second.
+/// Lemmas 1 and 2 for n = 4 and 5, constructed from their statements, because the paper shows them
+/// only as drawings. An exhaustive search finds no others, except another first way for n = 5 that
+/// has less in common with the second.
 const GADGETS: [Gadget; 4] = [
     Gadget {
         name: "lemma 1, n = 4",
@@ -197,7 +196,7 @@ fn read(obj: &str) -> (Vec<Vec<u32>>, Vec<[f64; 2]>) {
     (faces, positions)
 }
 
-/// Lists all triangulations of a polygon.
+/// Returns all triangulations of a polygon.
 fn triangulations(polygon: &[u32]) -> Vec<Vec<[u32; 3]>> {
     let n = polygon.len();
     if n < 3 {
@@ -216,8 +215,8 @@ fn triangulations(polygon: &[u32]) -> Vec<Vec<[u32; 3]>> {
         .collect()
 }
 
-/// Checks whether a strip of vertices draws each of the triangles once, with any winding, since a
-/// strip that is entered over a given edge may have to reverse it.
+/// Returns whether a strip of vertices draws each of the triangles once. Any winding is accepted,
+/// because a strip entered over a given edge may have to reverse it.
 fn draws(strip: &[u32], triangles: &[[u32; 3]]) -> bool {
     let sorted = |w: &[u32]| {
         let mut t = [w[0], w[1], w[2]];
@@ -231,8 +230,8 @@ fn draws(strip: &[u32], triangles: &[[u32; 3]]) -> bool {
     drawn == wanted
 }
 
-/// Checks whether a sequential strip enters over one oriented edge and leaves over another, by
-/// trying all sequences of vertices.
+/// Returns whether a sequential strip can enter over one oriented edge and leave over another, by
+/// trying all vertex sequences.
 fn has_way(triangles: &[[u32; 3]], enter: [u32; 2], leave: [u32; 2]) -> bool {
     let vertex_count = 1 + triangles.iter().flatten().max().unwrap();
     let between = triangles.len() as u32 - 2;
@@ -259,7 +258,7 @@ fn gadgets_have_the_two_ways_of_their_lemmas() {
             assert_eq!(with_way.len(), 1, "{}: {enter:?} to {leave:?}", gadget.name);
             let triangles = with_way[0];
             assert_eq!(triangles.len(), n);
-            // It is a triangulation in the plane, too: all triangles have the same orientation.
+            // It is also a triangulation in the plane: all triangles have the same orientation.
             for [a, b, c] in triangles.iter().map(|t| t.map(|v| positions[v as usize])) {
                 assert!((b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]), "{}", gadget.name);
             }
