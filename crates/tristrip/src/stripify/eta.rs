@@ -1,53 +1,55 @@
-//! `eta`, the enhanced tunnelling algorithm as published: tunnels within a star, identifiers
-//! rewritten node by node.
+//! `eta`: the enhanced tunnelling algorithm as published, with tunnels within a star and
+//! identifiers rewritten node by node.
 //!
 //! # Algorithm
-//! The numbers are those of section 4.1 of the paper; see [`tunnel`](super::tunnel) for the terms.
+//! The step numbers are those of section 4.1 of the paper. See [`tunnel`](super::tunnel) for the
+//! terms.
 //!
-//! 1. *The length k*: fixed, and every tunnel up to it is accepted (depth first). Where strips are
-//!    left, the search is repeated with a longer one (section 6.1): 49, 99, 199 …. Or it is 1, 3, 5
-//!    …, where the next begins when no terminal has a tunnel of the last (breadth first, section
-//!    5).
+//! 1. *The length k*: fixed; every tunnel up to it is accepted (depth first). The search may be
+//!    repeated with longer tunnels for the strips that remain (section 6.1): 49, 99, 199 ….
+//!    Alternatively k is 1, 3, 5 …, and increases when no terminal has a tunnel of the current
+//!    length (breadth first, section 5).
 //! 2. *A terminal*, in random order.
 //! 3. *Its k-star*: the triangles at most k steps away.
 //! 4. *Temporary edges* for the strips that leave the star and come back.
 //! 5. *Tunnelling*: alternating paths, depth first. A step cuts a black edge, which splits a strip,
-//!    and links the part at its near end with the tip; the part gets the identifier of the tip,
-//!    node by node, and its own again when the path is given up. No step closes a loop: both must
-//!    not be the same part of one strip. A search ends after its paths have stepped on a given
-//!    number of triangles, the forecast of section 4.2.
-//! 6. *Complement*, if a tunnel was found: the temporary edges vanish, and the strips get their
-//!    identifiers everywhere.
+//!    and links the part at its near end with the tip. The part gets the identifier of the tip,
+//!    node by node, and its old identifier again when the path is abandoned. No step closes a loop:
+//!    the part and the tip must not be on the same part of one strip. A search ends after its paths
+//!    have visited a given number of triangles, the forecast of section 4.2.
+//! 6. *Complement*, if a tunnel was found: the temporary edges are removed, and the strips get
+//!    their identifiers everywhere.
 //! 7. *The next terminal.*
 //!
-//! Without localization, steps 3, 4 and 6 fall away: identifiers are written to the end of each
-//! strip. It finds the same tunnels. On demand, a search begins without localization, and begins
-//! again within a star when it has become long: the same tunnels, too.
+//! Without localization, steps 3, 4 and 6 are omitted, and identifiers are written to the end of
+//! each strip. It finds the same tunnels. With localization on demand, a search starts without
+//! localization, and is restarted within a star when it has become long. This also finds the same
+//! tunnels.
 //!
 //! # Departures
-//! - A strip's consecutive crossings of the star's boundary are found by the position of a triangle
-//!   on its strip, kept beside the identifier; the paper does not say how it finds them.
-//! - Where the cut divides a strip that is the tip's own, one part is followed to find out whether
-//!   the tip is on it, in place of an identifier that would be written on it and taken back. As
-//!   many nodes are accessed.
-//! - The threshold counts the triangles that paths step on, not the identifiers written, so that it
-//!   cuts the same searches with and without localization.
-//! - The paper leaves open the order of terminals and paths: both are random, but an end of the
-//!   tunnel is taken first. It does not say when to end: here, when some passes over all terminals
-//!   have found nothing.
-//!
-//! - The lengths at which the search is repeated are ours; section 6.1 only says that longer
+//! - Consecutive crossings of the star's boundary by a strip are found by the position of each
+//!   triangle on its strip, which is stored with the identifier. The paper does not say how it
+//!   finds them.
+//! - Where the cut divides the tip's own strip, one part is followed to find out whether the tip is
+//!   on it, instead of writing and removing a temporary identifier. This accesses the same number
+//!   of nodes.
+//! - The threshold counts the triangles that paths visit, not the identifiers written. It ends the
+//!   same searches with and without localization.
+//! - The paper does not specify the order of terminals and paths. Here both are random, but an end
+//!   of the tunnel is tried first. It does not specify when to stop either. Here the search stops
+//!   when some passes over all terminals have found nothing.
+//! - The paper does not specify the lengths of repeated searches. Section 6.1 only says that longer
 //!   tunnels can be searched for.
 //!
-//! [`guided_tunnels`](super::guided_tunnels) is our variant.
+//! [`guided_tunnels`](super::guided_tunnels) is a variant by this library.
 //!
 //! # References
 //! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*,
 //! 2006.
 //!
 //! # Complexity
-//! A search takes O(star + threshold · star) time. At most 60 bytes per triangle, beside the cover
-//! and the dual graph.
+//! A search takes O(star + threshold · star) time. At most 60 bytes per triangle in addition to the
+//! cover and the dual graph.
 
 mod search;
 mod star;
@@ -75,30 +77,29 @@ pub(super) struct EtaOptions {
     pub(super) localization: Localization,
 }
 
-/// Passes over all terminals that find nothing, and the sum of the strips in them, before the
-/// search ends.
+/// The number of passes over all terminals without a tunnel, and the sum of the strips in them,
+/// after which the search ends.
 #[derive(Debug, Clone, Copy)]
 struct EmptyPasses {
     passes: u32,
     strips: usize,
 }
 
-/// Those with the last maximum length. With 20 passes alone, fandisk keeps a second strip for some
-/// seeds.
+/// At the last maximum length. With 20 passes alone, fandisk keeps a second strip for some seeds.
 const AT_LAST_LENGTH: EmptyPasses = EmptyPasses { passes: 20, strips: 1000 };
 
-/// Those while longer tunnels are to come, depth first and breadth first.
+/// While longer tunnels will follow, depth first and breadth first.
 const DEPTH_FIRST: EmptyPasses = EmptyPasses { passes: 3, strips: 0 };
 const BREADTH_FIRST: EmptyPasses = EmptyPasses { passes: 1, strips: 0 };
 
-/// The first maximum length, if lengths are repeated.
+/// The first maximum length of repeated searches.
 const FIRST_LENGTH: u32 = 49;
 
-/// Accesses to nodes after which a search is repeated within a star, if stars are found on demand.
-/// On bunny it saves two thirds of the time.
+/// Node accesses after which a search is repeated within a star, with localization on demand. Saves
+/// two thirds of the time on bunny.
 const SHORT_SEARCH: u64 = 256;
 
-/// Joins paths of a cover until no more tunnels are found or the watch stops it.
+/// Joins paths of a cover until no more tunnels are found or the watcher stops the search.
 pub(super) fn join(
     graph: &DualGraph,
     cover: &mut PathCover,
@@ -143,7 +144,7 @@ struct Eta<'a> {
 
 impl Eta<'_> {
     fn run(mut self, counter: &mut AccessCounter<'_>) {
-        // A path steps on a triangle for every second edge, and the threshold ends the search.
+        // A path visits a triangle for every second edge, and the threshold ends the search.
         let max_length = self
             .options
             .tunnels
@@ -161,7 +162,7 @@ impl Eta<'_> {
                 _ => AT_LAST_LENGTH,
             };
             self.search.was_cut_short = false;
-            // If no path was cut short, a longer one finds nothing else.
+            // If no path was cut short, longer paths find nothing else.
             if !self.passes(length, most_empty, counter) || length == max_length || !self.search.was_cut_short
             {
                 return;
@@ -173,8 +174,8 @@ impl Eta<'_> {
         }
     }
 
-    /// Does passes over all terminals until enough of them in succession have found nothing.
-    /// Returns whether to continue.
+    /// Makes passes over all terminals until enough consecutive passes have found nothing. Returns
+    /// whether to continue.
     fn passes(&mut self, length: u32, most_empty: EmptyPasses, counter: &mut AccessCounter<'_>) -> bool {
         let mut empty = EmptyPasses { passes: 0, strips: 0 };
         while self.cover.path_count() > self.min_path_count
@@ -223,7 +224,7 @@ impl Eta<'_> {
         true
     }
 
-    /// Searches from a terminal, and complements the tunnel if one was found.
+    /// Searches from a terminal, and complements the tunnel if one is found.
     fn search_from(&mut self, terminal: u32, length: u32, counter: &mut AccessCounter<'_>) -> SearchOutcome {
         let outcome = match self.options.localization {
             Localization::None => self.find(terminal, length, u64::MAX, counter),
@@ -236,7 +237,7 @@ impl Eta<'_> {
                 })
             }
         };
-        // No search has more accesses than `u64::MAX`.
+        // No search takes `u64::MAX` accesses.
         let outcome = outcome.unwrap_or(SearchOutcome::NotFound);
         if outcome == SearchOutcome::Found {
             let tunnel = self.search.tunnel();

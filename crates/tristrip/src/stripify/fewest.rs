@@ -1,37 +1,41 @@
-//! `fewest`: a local search for as few strips as possible. The ends of paths move until the ends of
-//! two different paths are adjacent and are joined; where that takes too long, one end is guided to
+//! `fewest`: a local search for as few strips as possible. The ends of paths move until ends of two
+//! different paths are adjacent and are joined. Where that takes too long, one end is guided to
 //! another.
 //!
 //! ```text
-//!   rotation walk  w ┄┄ v ━━ x        link w–v, cut v–x: x is the new end. One path stays one path (v inside w's own path, x on the
-//!                                     side of w: a rotation), or two paths stay two (v inside another one, x on either side)
+//!   rotation walk  w ┄┄ v ━━ x        link w–v, cut v–x: x is the new end. If v is inside w's own
+//!                                     path, x is on the side of w (a rotation) and the path stays
+//!                                     one path. If v is inside another path, x is on either side,
+//!                                     and two paths stay two.
 //!   join           w ┄┄ y             y is an end of another path: one path fewer
-//!   close          w ┄┄ h, y ┄┄ v     h is the other end of w's path: link w–h. The closed path may be opened beside any of its
-//!                                     triangles, so also at v, where the end y of another path is joined to it
-//!   guided walk    p ─ ─ a┃x ─ ─ q    cut a–x ahead of p on the way to q, walk from a, x and p until two of them join: the third is
-//!                                     the new p. Continue if it is nearer to q, or not much farther; otherwise undo
+//!   close          w ┄┄ h, y ┄┄ v     h is the other end of w's path: link w–h. The closed path can
+//!                                     be opened next to any of its triangles, for example at v, to
+//!                                     which the end y of another path is joined.
+//!   guided walk    p ─ ─ a┃x ─ ─ q    cut a–x ahead of p on the way to q, then walk from a, x and p
+//!                                     until two of them join. The third is the new p. Continue if
+//!                                     it is not much farther from q; otherwise undo.
 //! ```
 //! # Algorithm
-//! The tunnels of Stewart (2001) and of Porcu and Scateni, done as rotations of Pósa (1976): a new
-//! link at an end w requires a cut, which makes a new end, and so on. Every intermediate state is a
-//! path cover, so that no cycle can arise, and a walk may have any length. Each component is
-//! searched separately, from the cover of `sequential`, until it reaches its lower bound or the
-//! steps of the effort are used up.
+//! The tunnels of Stewart (2001) and of Porcu and Scateni, implemented as rotations of Pósa (1976):
+//! a new link at an end w requires a cut, which creates a new end, and so on. Every intermediate
+//! state is a path cover. No cycle can arise, and a walk may have any length. Each component is
+//! searched separately, starting from the cover of `sequential`, until it reaches its lower bound
+//! or uses up the steps of the effort.
 //!
-//! 1. *Tunnels* (see [`super::guided_tunnels`]): the long tunnels of `guided-tunnels` make most of
-//!    the joins in components that are not large, and work better than walks for ends at a
+//! 1. *Tunnels* (see [`super::guided_tunnels`]): in components that are not large, the long tunnels
+//!    of `guided-tunnels` make most of the joins. They work better than walks for ends at a
 //!    boundary, where walks get stuck.
-//! 2. *Rotation walks* from random ends. In a triangle of three neighbours the next step is mostly
-//!    forced; where it enters another path, the side of the cut is chosen at random. While there
-//!    are many ends, two of them meet soon.
-//! 3. *Close* paths while there are few of them: the two ends of one path meet as often as those of
-//!    different paths, and a closed path may be opened anywhere.
+//! 2. *Rotation walks* from random ends. In a triangle with three neighbours the next step is
+//!    usually forced. If it enters another path, the side of the cut is random. While there are
+//!    many ends, two of them soon meet.
+//! 3. *Close* paths while there are few of them. The two ends of one path meet as often as those of
+//!    different paths, and a closed path can be opened anywhere.
 //! 4. *Guided walks* after some time without a join. The orbits of the last few ends are often
-//!    short, so that they never meet. A cut makes two more ends, which soon join again, but in a
-//!    different way; so an end advances along the shortest way to another one. That takes a few
-//!    dozen cuts, each undone unless it leads nearer.
+//!    short and never meet. A cut creates two more ends, which soon join again, but in a different
+//!    way. This moves an end along the shortest way to another one. It takes a few dozen cuts, and
+//!    each is undone unless it leads closer.
 //!
-//! With [`SegmentedPaths`] a step takes about 0.3 µs, whatever the length of the paths.
+//! With [`SegmentedPaths`] a step takes about 0.3 µs, regardless of the length of the paths.
 //!
 //! # References
 //! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001; Porcu,
@@ -39,8 +43,8 @@
 //! Pósa: *Hamiltonian circuits in random graphs*, 1976.
 //!
 //! # Complexity
-//! A step takes O(√(n / paths)). 40 bytes per triangle beyond the cover, and 21 more for the
-//! components that are searched, if there are several.
+//! A step takes O(√(n / paths)). 40 bytes per triangle in addition to the cover, and 21 more for
+//! the searched components if there are several.
 
 mod components;
 mod distance_map;
@@ -65,20 +69,21 @@ use components::UnfinishedComponent;
 use distance_map::DistanceMap;
 use segmented_paths::{SegmentedPaths, WalkStep};
 
-/// Steps without a join after which a guided walk begins. Tuned, as all below, on horse, armadillo,
-/// buddha and david: 60 and 1000 take half as long again.
+/// Steps without a join after which a guided walk starts. This and the following constants were
+/// tuned on horse, armadillo, buddha and david; 60 and 1000 take 1.5 times as long.
 const PATIENCE: u64 = 300;
-/// Most triangles that a guided end advances at once.
+/// Maximum number of triangles that a guided end advances at once.
 const LEAP: usize = 8;
-/// Cuts without getting nearer after which a guided walk ends.
+/// Cuts without progress after which a guided walk ends.
 const ATTEMPTS: usize = 60;
-/// Most triangles that a guided end may fall back.
+/// Maximum number of triangles that a guided end may move away from its goal.
 const SLACK: u32 = 6;
-/// Most steps of each of the three ends after a cut.
+/// Maximum number of steps of each of the three ends after a cut.
 const TURN_STEPS: usize = 16;
-/// Number of nearest ends from which the goal of a guided walk is chosen.
+/// Number of nearest ends among which the goal of a guided walk is chosen.
 const NEAREST: usize = 3;
-/// Paths are closed only while there are at most this many, since the ends of all are examined.
+/// Paths are closed only while there are at most this many, because the ends of all paths are
+/// examined.
 const CLOSING_LIMIT: usize = 64;
 /// Paths are renumbered when this many of them are touched,
 const TOUCHED_LIMIT: usize = 16;
@@ -86,20 +91,20 @@ const TOUCHED_LIMIT: usize = 16;
 /// these limits:
 const SEGMENTS_PER_ROOT: usize = 4;
 const SEGMENT_LIMITS: (usize, usize) = (32, 4096);
-/// Triangles reached by a distance map that count as one step.
+/// Number of triangles reached by a distance map that count as one step.
 const REACHED_PER_STEP: u64 = 64;
 
-/// Accesses to triangles in tunnels that take about as long as a step of a walk.
+/// Number of triangle accesses of tunnels that take about as long as a step of a walk.
 const ACCESSES_PER_STEP: u64 = 64;
-/// Tunnels are tried first in components of at most this many triangles. In larger ones they take
-/// longer than walks for the same result.
+/// Maximum number of triangles of a component in which tunnels are tried first. In larger ones they
+/// take longer than walks for the same result.
 const TUNNEL_LIMIT: usize = 1 << 18;
-/// Steps per four triangles of a component at effort 0; each level doubles them.
+/// Steps per four triangles of a component at effort 0. Each level doubles them.
 const STEPS_PER_FOUR_TRIANGLES: u64 = 5;
-/// Steps of even the smallest component.
+/// Minimum number of steps of a component.
 const MIN_STEPS: u64 = 10_000;
 
-/// Chooses a cover of as few paths as the effort finds.
+/// Chooses a cover with as few paths as the effort finds.
 pub(super) fn plan<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
@@ -112,7 +117,7 @@ pub(super) fn plan<'a>(
     StripPlan::new(triangulation, cover)
 }
 
-/// Joins paths until each component meets its lower bound, or the effort is used up.
+/// Joins paths until each component meets its lower bound or the effort is used up.
 fn reduce_paths(
     graph: &DualGraph,
     cover: &mut PathCover,
@@ -137,12 +142,12 @@ fn reduce_paths(
     }
 }
 
-/// Returns the steps of a component.
+/// Returns the number of steps of a component.
 fn step_budget(triangle_count: usize, effort: Effort) -> u64 {
     MIN_STEPS + ((STEPS_PER_FOUR_TRIANGLES * triangle_count as u64) << effort.level()) / 4
 }
 
-/// Searches one component: tunnels first, then walks.
+/// Searches one component, first by tunnels, then by walks.
 fn search_component(
     component: &mut UnfinishedComponent,
     options: &StripifyOptions,
@@ -161,7 +166,7 @@ fn search_component(
     FewestSearch::new(graph, cover, Random::new(seed ^ first << 32)).run(lower_bound, budget, shared);
 }
 
-/// The progress of all components together.
+/// The progress of all components.
 struct SharedProgress<'a> {
     watch: &'a dyn Watch,
     steps: AtomicU64,
@@ -181,7 +186,7 @@ impl<'a> SharedProgress<'a> {
         }
     }
 
-    /// Adds steps and joins, and returns whether the search shall continue.
+    /// Adds steps and joins. Returns whether to continue the search.
     fn go_on(&self, steps: u64, joins: usize) -> bool {
         let strips = self.strips.fetch_sub(joins, Ordering::Relaxed) - joins;
         let steps = self.steps.fetch_add(steps, Ordering::Relaxed) + steps;
@@ -204,8 +209,8 @@ struct TunnelWatch<'a> {
 }
 
 impl TunnelWatch<'_> {
-    /// Reports what was done since the last report. Returns the steps so far, and whether the
-    /// search shall continue.
+    /// Reports the progress since the last report. Returns the steps so far, and whether to
+    /// continue the search.
     fn report(&self, steps: Option<u64>, path_count: usize) -> (u64, bool) {
         let Ok(mut reported) = self.reported.lock() else { return (0, false) };
         let steps = steps.unwrap_or(reported.0);
@@ -264,7 +269,7 @@ impl<'a> FewestSearch<'a> {
         let mean = self.triangle_count / self.paths.path_count();
         let segment_limit = (SEGMENTS_PER_ROOT * mean.isqrt()).clamp(SEGMENT_LIMITS.0, SEGMENT_LIMITS.1);
         let walk_limit = (4 * mean).clamp(16, 1024);
-        // Ends that are stuck make steps, but no segments.
+        // Ends that are stuck make steps but no segments.
         let step_limit = budget.min(self.steps + 8 * segment_limit as u64);
         while self.paths.path_count() > lower_bound
             && self.steps < step_limit
@@ -280,7 +285,7 @@ impl<'a> FewestSearch<'a> {
         }
     }
 
-    /// Walks from a random end until it joins another, for at most `limit` steps.
+    /// Walks from a random end until it joins another one, for at most `limit` steps.
     fn rotation_walk(&mut self, limit: usize) {
         let mut end = self.paths.random_end(&mut self.random);
         for _ in 0..limit {
@@ -296,7 +301,7 @@ impl<'a> FewestSearch<'a> {
         }
     }
 
-    /// Guides a random end to one nearby, as long as it gets nearer.
+    /// Guides a random end to a nearby one, as long as it gets closer.
     fn guided_walk(&mut self, segment_limit: usize) {
         let end = self.paths.random_end(&mut self.random);
         let (mut end, _) = self.paths.triangle_and_back(end);
@@ -330,8 +335,8 @@ impl<'a> FewestSearch<'a> {
         }
     }
 
-    /// Computes the distances to one of the ends nearest to this one. Returns the distance of this
-    /// end; `None` if there is no other.
+    /// Computes the distances to one of the ends nearest to `end`. Returns the distance of `end`,
+    /// or `None` if there is no other end.
     fn set_goal(&mut self, end: u32) -> Option<u32> {
         let mut ends_left = 1 + self.random.below(NEAREST);
         let paths = &self.paths;
@@ -346,7 +351,8 @@ impl<'a> FewestSearch<'a> {
     }
 
     /// Cuts a path ahead of an end, on the way to the goal, and walks from the three ends until two
-    /// are joined. Returns the three, two of which are no ends any more, or `None` if none met.
+    /// are joined. Returns the three triangles, of which two are no longer ends, or `None` if no
+    /// two met.
     fn guided_step(&mut self, end: u32) -> Option<[u32; 3]> {
         self.steps += 1;
         let leap = 1 + self.random.below(LEAP);

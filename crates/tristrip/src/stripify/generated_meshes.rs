@@ -9,8 +9,7 @@ use crate::prepare::PreparedFaces;
 /// A component of a generated mesh.
 #[derive(Debug, Clone)]
 pub(super) enum MeshPart {
-    /// Quadrilaterals in rows. Bits select which are left out, and which are cut into two
-    /// triangles.
+    /// Quadrilaterals in rows. Bits select which are omitted and which are cut into two triangles.
     Grid { width: u32, height: u32, holes: u64, cut: u64 },
     /// Quadrilaterals, closed in both directions.
     Torus { around: u32, through: u32, cut: u64 },
@@ -60,7 +59,7 @@ impl MeshPart {
 }
 
 /// Returns the cells of a lattice. One bit per cell, repeated after 64 cells, selects whether it is
-/// left out or cut into two triangles.
+/// omitted or cut into two triangles.
 fn cells(
     width: u32,
     height: u32,
@@ -78,7 +77,7 @@ fn cells(
     .collect()
 }
 
-/// Generates a part; with `all_cut` all of its faces are triangles.
+/// Generates a part. With `all_cut` all of its faces are triangles.
 fn part(all_cut: bool) -> impl Strategy<Value = MeshPart> {
     let bits = move || if all_cut { Just(u64::MAX).boxed() } else { any::<u64>().boxed() };
     let holes = || prop_oneof![Just(0), any::<u64>().prop_map(|bits| bits & bits >> 7 & bits >> 13)];

@@ -1,42 +1,41 @@
-//! `guided-tunnels`: tunnels of hundreds of edges, each searched for toward the nearest end of
-//! another strip, and ends that move.
+//! `guided-tunnels`: tunnels of hundreds of edges, each searched toward the nearest end of another
+//! strip. Ends also move.
 //!
-//! It is our variant of the enhanced tunnelling algorithm ([`eta`](super::eta)), and leaves fewer
-//! strips in less time.
+//! This variant of the enhanced tunnelling algorithm ([`eta`](super::eta)) is original to this
+//! library. It leaves fewer strips in less time.
 //!
 //! # Algorithm
 //! See [`tunnel`](super::tunnel) for the terms.
 //!
-//! 1. *The length k* grows, 3, 7, 15 …; a length is repeated while it joins many strips.
+//! 1. *The length k* grows: 3, 7, 15 …. A length is repeated while it joins many strips.
 //! 2. *A terminal*, in random order.
-//! 3. *Its star*: the triangles that alternating paths of k edges from it reach, and of these the
-//!    distances, along alternating paths, to the terminals of other strips. It ends a few steps
-//!    beyond the nearest terminal. No terminal, no search.
-//! 4. *A search*, depth first: at each step the path of the least distance first, of equals a
-//!    random one. It ends after a given number of accesses to nodes. It writes no identifiers: a
-//!    part of a strip is an interval of positions, whether it lies in the star or not.
-//! 5. *Complement*, if a tunnel was found; identifiers are written only then.
+//! 3. *Its star*: the triangles that alternating paths of k edges reach from it. Each has a
+//!    distance along alternating paths to the terminals of other strips. The star ends a few steps
+//!    beyond the nearest terminal. Without a terminal in the star there is no search.
+//! 4. *A search*, depth first. At each step the path with the smallest distance is tried first, and
+//!    ties are broken at random. The search ends after a given number of node accesses. It writes
+//!    no identifiers: a part of a strip is an interval of positions, inside or outside the star.
+//! 5. *Complement*, if a tunnel was found. Identifiers are written only then.
 //!
-//! When lengths of some dozens find few tunnels, the maximum length is used, and terminals *move*:
-//! of a search that fails, the part that came nearest to another terminal is complemented, which
-//! makes a triangle there the terminal in place of the first, with the same number of strips. It
-//! ends when that has found nothing for a while, or when no star contains a terminal of another
-//! strip.
+//! When lengths of some dozens find few tunnels, the maximum length is used, and terminals *move*.
+//! If a search fails, the part of its path that came nearest to another terminal is complemented.
+//! The number of strips stays the same, and a triangle there replaces the terminal. The search ends
+//! when this has found nothing for a while, or when no star contains a terminal of another strip.
 //!
 //! ```text
-//!   w ┄┄ v ━━ b ┄ … ┄ x        w ━━ v    b ┄ … ┄ x        b is the new terminal, and nearer to x
+//!   w ┄┄ v ━━ b ┄ … ┄ x        w ━━ v    b ┄ … ┄ x        b is the new terminal, closer to x
 //! ```
-//! A loop may be closed if the path opens it again later, one at a time. Within one long strip the
-//! rule of `eta` against loops leaves a single path at each step, and nothing to search: with that
-//! rule horse stays at 2 to 7 strips, without it it ends with 1.
+//! A path may close a loop if it opens it again later, one loop at a time. Without loops, as in
+//! `eta`, a long strip leaves only one possible path at each step, and there is nothing to search.
+//! With that rule, horse ends with 2 to 7 strips; without it, with 1.
 //!
 //! # References
 //! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*,
 //! 2006; Pósa: *Hamiltonian circuits in random graphs*, 1976 (moving an end).
 //!
 //! # Complexity
-//! A search takes O(star + threshold · length) time. At most 36 bytes per
-//! triangle, beside the cover and the dual graph.
+//! A search takes O(star + threshold · length) time. At most 36 bytes per triangle in addition to
+//! the cover and the dual graph.
 
 mod search;
 mod star;
@@ -58,19 +57,19 @@ use star::GuidedStar;
 /// A length is repeated if it joined at least one strip in this many.
 const REPEAT_SHARE: usize = 20;
 /// The length after which terminals move, and all lengths are tried at once. Tuned on bunny and
-/// dragon: a greater one leaves more strips.
+/// dragon: a larger value leaves more strips.
 const MOVING_LENGTH: u32 = 63;
-/// Passes that move terminals and join nothing, after which the search ends. Tuned on horse: 20
-/// leave it at 3 strips for one seed in twelve.
+/// Passes that move terminals without a join, after which the search ends. Tuned on horse: 20
+/// leaves 3 strips for one seed in twelve.
 const MAX_FRUITLESS_PASSES: u32 = 40;
-/// Of these, one in this many starts with all terminals, the others with those that had a terminal
-/// of another strip in their star.
+/// One of this many such passes starts with all terminals. The others start with the terminals that
+/// had a terminal of another strip in their star.
 const FULL_PASS_INTERVAL: u32 = 5;
-/// Loops that may be closed at a time while terminals move; before, none. Tuned on bunny and horse:
-/// two lead away from tunnels.
+/// Maximum number of loops closed at a time while terminals move; before that, none. Tuned on bunny
+/// and horse: two lead away from tunnels.
 const MAX_LOOPS: u32 = 1;
 
-/// Joins paths of a cover until no more tunnels are found or the watch stops it.
+/// Joins paths of a cover until no more tunnels are found or the watcher stops the search.
 pub(super) fn join(
     graph: &DualGraph,
     cover: &mut PathCover,

@@ -2,12 +2,12 @@
 //! than the input.
 //!
 //! # Algorithm
-//! Triangles keep their order; polygons become fans. Each triangle is linked to the previous one if
-//! the two share an edge. A triangle list that was expanded from strips becomes these strips again,
-//! or longer ones.
+//! Triangles keep their order, and polygons become fans. Each triangle is linked to the previous
+//! one if they share an edge. A triangle list that was expanded from strips becomes the same strips
+//! again, or longer ones.
 //!
 //! # Complexity
-//! O(n) time, 1 byte per triangle.
+//! O(n) time and 1 byte per triangle.
 
 use super::StripPlan;
 use crate::cover::PathCover;

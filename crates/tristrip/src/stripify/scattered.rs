@@ -1,34 +1,35 @@
-//! Meshes whose faces stand in random order: our own methods process the faces in another order, in
-//! which neighbours are near in memory.
+//! Meshes with faces in random order: this library's own methods process the faces in another
+//! order, in which neighbours are close in memory.
 //!
-//! A method reads a face, then its neighbours. Scans, grids and stored strips have most neighbours
-//! a few faces away. Where files list their faces at random, each step waits for memory: a million
-//! triangles then take five to ten times as long. The published methods, and `input`, process the
-//! faces in the order of the mesh, which is part of their definition.
+//! A method reads a face, then its neighbours. In scans, grids and stored strips, most neighbours
+//! are a few faces away. In files with randomly ordered faces each step waits for memory, and a
+//! million triangles take five to ten times as long. The published methods and `input` process the
+//! faces in mesh order, which is part of their definition.
 //!
 //! # Algorithm
-//! 1. Of faces at equal distances in the order, count those with a near neighbour. If they are few,
-//!    the faces are scattered.
-//! 2. Breadth-first search over the dual graph from each face in turn gives the new order.
-//! 3. The faces and the dual graph are copied in that order; half-edges keep their twins.
+//! 1. Sample faces at equal distances in the order and count those with a nearby neighbour. If
+//!    there are few, the faces are scattered.
+//! 2. A breadth-first search over the dual graph from each face in turn gives the new order.
+//! 3. Copy the faces and the dual graph in that order. Half-edges keep their twins.
 //!
 //! # Complexity
-//! A few thousand accesses to find out; O(n) to reorder, 12 bytes per corner for faces and graph.
+//! A few thousand accesses for the test. O(n) time for reordering, and 12 bytes per corner for
+//! faces and graph.
 
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
 use crate::prepare::PreparedFaces;
 
-/// Meshes of fewer faces fit in the caches of processors.
+/// Smaller meshes fit in processor caches. Counted in faces.
 const MINIMUM: usize = 1 << 16;
-/// Faces whose numbers differ by no more are near.
+/// Faces are near each other if their indices differ by at most this.
 const NEAR: u32 = 1 << 10;
-/// The number of faces that are examined.
+/// Number of faces sampled.
 const SAMPLES: usize = 1 << 12;
-/// Faces are scattered if at most one in so many has a near neighbour.
+/// Faces are scattered if at most one in this many has a nearby neighbour.
 const FEW: usize = 8;
 
-/// Returns faces and their graph in an order in which neighbours are near; `None` if they are
+/// Returns faces and their graph in an order in which neighbours are near, or `None` if they are
 /// already.
 pub(super) fn gather<'a>(
     prepared: &PreparedFaces<'_>,
@@ -88,8 +89,8 @@ mod tests {
     use crate::verify::verify;
     use proptest::prelude::*;
 
-    /// Returns a grid of squares, each of two triangles or one polygon, in the order of the rows or
-    /// at random.
+    /// Returns a grid of squares, each of two triangles or one polygon, in row order or random
+    /// order.
     fn grid(side: u32, are_triangles: bool, at_random: bool) -> Mesh {
         let corners = |i: u32| {
             let v = i / side * (side + 1) + i % side;
@@ -138,7 +139,7 @@ mod tests {
     }
 
     proptest! {
-        /// Every face comes once, and half-edges keep their twins.
+        /// Every face occurs once, and half-edges keep their twins.
         #[test]
         fn the_graph_connects_the_same_faces(polygons in generated_meshes::polygons(false, 1..9)) {
             let vertex_count = polygons.iter().flatten().max().map_or(0, |&v| v as usize + 1);

@@ -1,38 +1,38 @@
-//! `sequential`: our fast method. A greedy stripper chooses each step by the cost of what it leaves
-//! behind; then a local search joins the remaining ends of strips.
+//! `sequential`: this library's fast method. A greedy stripper chooses each step by the cost of
+//! what it leaves behind. Then a local search joins the remaining ends of strips.
 //!
 //! # Algorithm
-//! A strip costs one index per triangle, one more per swap, and three more for its start. So swaps
-//! are cheap and ends of strips are expensive: a triangle that is left with a single free neighbour
-//! becomes an end, which costs half of the three indices.
+//! A strip costs one index per triangle, one more per swap, and three more for its start. Swaps are
+//! cheap and ends of strips are expensive. A triangle with a single free neighbour becomes an end,
+//! which costs half of the three indices.
 //!
 //! ```text
 //!          ╱╲  s   leaving over s takes a swap, over f none
 //!         ╱ t╲     continue to f, unless this leaves s with one free neighbour, and f would keep two:
 //!   enter ────── f then the swap (1) is cheaper than the end (1.5) at s
 //! ```
-//! 1. *Seed*: a triangle with the fewest free neighbours, of several the last added, so that the
-//!    free region is stripped from its boundary, next to the previous strip. While no triangle has
-//!    lost a neighbour, the first in the order of the input.
-//! 2. *Run*: the winding fixes the first turn of a strip, so that each exit of the seed gives one
-//!    run, which is extended backward over the edge that needs no swap. All exits are tried, and
-//!    the run of the lowest cost per triangle is taken.
+//! 1. *Seed*: a triangle with the fewest free neighbours, the last added in a tie. The free region
+//!    is thereby stripped from its boundary, next to the previous strip. While no triangle has lost
+//!    a neighbour, the first triangle in input order is used.
+//! 2. *Run*: the winding fixes the first turn of a strip, so each exit of the seed gives one run.
+//!    It is extended backward over the edge that needs no swap. All exits are tried, and the run
+//!    with the lowest cost per triangle is chosen.
 //! 3. *Local search* at every end of a strip: see the module `local_search`. It also joins isolated
 //!    triangles to their neighbours.
 //!
-//! On regular meshes, especially grids, a swap at the end of a row saves a strip here and loses one
-//! elsewhere, and the order of the input is often better. Such meshes are recognized by their low
+//! On regular meshes, especially grids, a swap at the end of a row saves a strip in one place and
+//! costs one elsewhere. The input order is often better. Such meshes are recognized by their low
 //! cost. For these and for small meshes, where the time is negligible, the steps are repeated with
-//! other policies for seeds and swaps, the cheapest cover is kept, and plateau passes follow:
-//! passes of the local search that also take zero-gain moves, which lead to moves that lower the
+//! other policies for seeds and swaps, and the cheapest cover is kept. Plateau passes follow:
+//! passes of the local search that also apply zero-gain moves, which lead to moves that lower the
 //! cost.
 //!
 //! Differences from the greedy methods of Evans et al. (1996): ties between neighbours are broken
 //! by cost instead of a fixed rule, and a local search improves the strips.
 //!
 //! # Complexity
-//! O(n) time. Memory beyond the triangles, the dual graph and the cover: 9 bytes per triangle, and
-//! 4 per triangle that has lost a neighbour and waits as a seed.
+//! O(n) time. Memory in addition to the triangles, the dual graph and the cover: 9 bytes per
+//! triangle, and 4 per triangle in the seed lists.
 
 #[cfg(feature = "rayon")]
 mod components;
@@ -58,22 +58,22 @@ use policy::Policy;
 use rayon::prelude::*;
 use stages::{CoveredTriangulation, strip};
 
-/// Regular meshes of more triangles are stripped with the default policy only, so that the time per
-/// triangle stays the same.
+/// Regular meshes with more triangles use only the default policy, so the time per triangle stays
+/// the same.
 const LARGE: usize = 1 << 19;
-/// Meshes whose strips cost less than this many percent beyond one index per triangle count as
-/// regular. Tuned on the test models: grids and surfaces of revolution have 0–5, fandisk 15.
+/// Meshes whose strips cost less than this percentage in addition to one index per triangle count
+/// as regular. Tuned on the test models: grids and surfaces of revolution have 0–5, fandisk 15.
 const REGULAR_PERCENT: i64 = 6;
-/// The minimum and maximum number of plateau passes on small and regular meshes. In between, the
-/// number is a quarter of the mean strip length in triangles, so that meshes with few ends get more
-/// passes. Tuned on the test models.
+/// Minimum and maximum number of plateau passes on small and regular meshes. In between, the number
+/// is a quarter of the mean strip length in triangles, so meshes with few ends get more passes.
+/// Tuned on the test models.
 const PLATEAU_PASSES: (usize, usize) = (8, 64);
-/// Meshes of more triangles get the minimum number of plateau passes.
+/// Meshes with more triangles get the minimum number of plateau passes.
 const PLATEAU_LIMIT: usize = 1 << 17;
-/// Rounds in which plateau passes and the choice of diagonals alternate.
+/// Number of rounds that alternate between plateau passes and the choice of diagonals.
 const ROUNDS: usize = 4;
-/// Meshes of fewer triangles are stripped by one thread: a policy takes less than a tenth of a
-/// millisecond there.
+/// Meshes with fewer triangles are stripped by one thread: a policy takes less than a tenth of a
+/// millisecond.
 #[cfg(feature = "rayon")]
 const THREADING_MINIMUM: usize = 1024;
 
@@ -88,8 +88,8 @@ pub(super) fn plan<'a>(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) ->
     StripPlan::new(polygons.into_triangulation(), cover)
 }
 
-/// Covers triangles with the default policy; connected components are processed in parallel where
-/// that saves time.
+/// Covers triangles with the default policy. Connected components are processed in parallel if that
+/// saves time.
 fn strip_triangles(graph: &DualGraph) -> CoveredTriangulation<&DualGraph> {
     #[cfg(feature = "rayon")]
     if let Some((cover, cost)) = components::cover(graph) {
@@ -113,8 +113,8 @@ fn cover<T: MutableTriangulation>(
     let (lowest, policy, mut stripped) = if first.0 == least {
         (first.0, first.1, default)
     } else {
-        // Only the price of each policy is kept, and the best policy is run again: this costs time
-        // but saves memory.
+        // Keep only the price of each policy, and run the best policy again. This takes time but
+        // saves memory.
         drop(default);
         let for_polygons: &[Policy] = if T::HAS_POLYGONS { &Policy::POLYGON_ALTERNATIVES } else { &[] };
         let alternatives = [&Policy::ALTERNATIVES, for_polygons].concat();
@@ -127,12 +127,12 @@ fn cover<T: MutableTriangulation>(
     (stripped.triangulation, stripped.cover)
 }
 
-/// Returns a price that no cover is below: that of one strip per component without swaps.
+/// Returns a lower bound of the price: one strip per component without swaps.
 fn least_price(graph: &DualGraph) -> usize {
     graph.face_count() + policy::STRIP_COST as usize * graph.components().1
 }
 
-/// Runs plateau passes and optimizes the diagonals in turns.
+/// Alternates between plateau passes and optimizing the diagonals.
 fn search_plateaus<T: MutableTriangulation>(stripped: &mut CoveredTriangulation<T>) {
     let CoveredTriangulation { triangulation, cover, .. } = stripped;
     let count = cover.len();
@@ -145,8 +145,8 @@ fn search_plateaus<T: MutableTriangulation>(stripped: &mut CoveredTriangulation<
     }
 }
 
-/// Returns the policy of the lowest price, of equal ones the first. `first` is the one whose price
-/// is known. Policies after one of the least possible price are skipped.
+/// Returns the policy with the lowest price, the first one in a tie. `first` is the policy whose
+/// price is known. Policies after one with the lowest possible price are skipped.
 #[cfg_attr(
     not(feature = "rayon"),
     expect(unused_variables, reason = "the triangle count decides whether to use threads")

@@ -56,8 +56,8 @@ impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
         loop {
             let mut more = self.best_length(head);
             if more == 0 {
-                // One more triangle if possible: the vertices sent for the first triangle depend on
-                // it.
+                // One more triangle if possible, because it determines the vertices sent for the
+                // first one.
                 more = 1;
                 let edge = self.front.oldest_edge(self.slack);
                 let Some(edge) = edge.or_else(|| self.front.newest_edge()) else { break };
@@ -80,8 +80,8 @@ impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
         &self.front
     }
 
-    /// Returns the next step of a strip: that of the seed strips, otherwise around the vertex of
-    /// the front on its side.
+    /// Returns the next step of a strip: that of the seed strips if there is one, otherwise a turn
+    /// around the vertex on the front's side.
     #[inline]
     fn crossing(&self, head: StripHead) -> Option<EdgeCrossing> {
         let [next, previous] = self.front.crossings(head);
@@ -108,10 +108,11 @@ impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
         Some(self.front.advance(head, crossing))
     }
 
-    /// Simulates after how many more triangles a restart is cheapest; 0 for a restart at once.
+    /// Returns the number of further triangles after which a restart is cheapest, by simulation.
+    /// Returns 0 for an immediate restart.
     fn best_length(&mut self, head: Option<StripHead>) -> u32 {
         let Some(mut head) = head.filter(|&head| self.crossing(head).is_some()) else { return 0 };
-        // For good, so that no simulation scans again what was drawn since the last restart.
+        // Permanently, so no simulation scans again what was drawn since the last restart.
         self.front.oldest_edge(self.slack);
         let base = self.front.checkpoint();
         let paid = self.front.cost();

@@ -1,9 +1,9 @@
-//! The policies of strip growth: weights of indices and misses, seed strips, horizons, and which
-//! policies an effort tries.
+//! The policies of strip growth: weights of indices and misses, seed strips, horizons, and the
+//! policies that an effort tries.
 
 use crate::stripify::Objective;
 
-/// The cost of an index and of a miss.
+/// The costs of an index and of a miss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct PolicyWeights {
     pub(super) index: i64,
@@ -23,14 +23,14 @@ pub(super) enum SeedStrips {
 pub(super) struct GrowthPolicy {
     pub(super) seeds: SeedStrips,
     pub(super) weights: PolicyWeights,
-    /// Triangles of a speculative simulation, in sixteenths of the cache entries.
+    /// Number of triangles of a speculative simulation, in sixteenths of the cache entries.
     horizon: u32,
-    /// Number of oldest cache entries whose vertices are not worth a restart, in sixteenths of all
+    /// Number of oldest cache entries whose vertices do not justify a restart, in sixteenths of all
     /// entries.
     slack: u32,
 }
 
-/// Bounds of the horizon in triangles. Longer simulations take more time and gain nothing.
+/// Limits of the horizon, in triangles. Longer simulations take more time without a gain.
 pub(super) const MAX_HORIZON: u32 = 64;
 const MIN_HORIZON: u32 = 12;
 
@@ -38,9 +38,9 @@ const fn policy(seeds: SeedStrips, index: i64, miss: i64, horizon: u32, slack: u
     GrowthPolicy { seeds, weights: PolicyWeights { index, miss }, horizon, slack }
 }
 
-/// The policies for balanced costs, the first for every effort. They were selected on bunny,
-/// fandisk, horse and armadillo with a FIFO cache of 16 entries. The weights of growth differ from
-/// those of the objective, since seed strips alone save indices.
+/// The policies for balanced costs. Every effort uses the first one. Selected on bunny, fandisk,
+/// horse and armadillo with a FIFO cache of 16 entries. The weights of growth differ from those of
+/// the objective, because seed strips alone save indices.
 const BALANCED: [GrowthPolicy; 8] = [
     policy(SeedStrips::None, 8, 1, 32, 2),
     policy(SeedStrips::Sequential, 1, 1, 24, 2),
@@ -80,7 +80,7 @@ impl GrowthPolicy {
         (entry_count.saturating_mul(self.horizon) / 16).clamp(MIN_HORIZON, MAX_HORIZON)
     }
 
-    /// Returns the number of oldest entries of a cache whose vertices are not worth a restart.
+    /// Returns the number of oldest cache entries whose vertices do not justify a restart.
     pub(super) fn slack(self, entry_count: u32) -> u32 {
         entry_count.saturating_mul(self.slack) / 16
     }

@@ -1,19 +1,19 @@
 //! A FIFO vertex cache that can be set to any contents, for order annealing.
 //!
-//! The module `speculative` says why this is not the same mechanism as its FIFO cache.
+//! The module `speculative` explains why this is separate from its FIFO cache.
 
-/// An entry that is not in use, in stored contents.
+/// Marks an unused entry in stored contents.
 const EMPTY: u32 = u32::MAX;
 
 /// A FIFO vertex cache. Contents are stored as one vertex per entry, the newest last.
 #[derive(Debug)]
 pub(super) struct ResettableFifo {
     entry_count: u64,
-    /// The clock at the miss that loaded each vertex. The clock never goes back, so that nothing
-    /// needs to be cleared.
+    /// The clock at the miss that loaded each vertex. The clock never decreases, so nothing needs
+    /// to be cleared.
     loaded_at: Vec<u64>,
     clock: u64,
-    /// The loaded vertices, the newest last.
+    /// The loaded vertices, newest last.
     log: Vec<u32>,
 }
 
@@ -38,7 +38,7 @@ impl ResettableFifo {
         }
     }
 
-    /// Looks up vertices in order and loads each on a miss. Returns the number of misses.
+    /// Looks up vertices in order and loads them on misses. Returns the number of misses.
     pub(super) fn access(&mut self, vertices: &[u32]) -> u32 {
         let before = self.clock;
         for &vertex in vertices {

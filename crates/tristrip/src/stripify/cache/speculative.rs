@@ -1,16 +1,16 @@
 //! Vertex caches whose accesses can be undone, for speculative simulation.
 //!
 //! The FIFO cache of the module `resettable_fifo` and the simulators of `vertex_cache` are
-//! separate, since one mechanism would cost speed. Here, an access logs the old stamp so that it
-//! can be undone in O(1), and the stamps are 32-bit, which halves the memory traffic. There, a
-//! simulation starts from stored contents and needs the contents after it, so that only misses are
-//! logged; the clock advances at every start and needs 64 bits. The simulators of `vertex_cache`
-//! count misses of several caches in vector lanes and log nothing. The only common part is the
-//! comparison of a stamp with the clock.
+//! separate, because a shared mechanism would be slower. Here, an access logs the old stamp to undo
+//! it in O(1), and 32-bit stamps halve the memory traffic. In `resettable_fifo`, a simulation
+//! starts from stored contents and needs the contents after it, so only misses are logged; its
+//! clock advances at every start and needs 64 bits. The simulators of `vertex_cache` count the
+//! misses of several caches in vector lanes and log nothing. Only the comparison of a stamp with
+//! the clock is common.
 
 /// A vertex cache in which accesses after a checkpoint can be undone.
 pub(super) trait SpeculativeCache {
-    /// A state to return to. Checkpoints are rolled back in reverse order, each any number of
+    /// A state to roll back to. Checkpoints are rolled back in reverse order, each any number of
     /// times.
     type Checkpoint: Copy;
 
@@ -27,18 +27,18 @@ pub(super) trait SpeculativeCache {
     /// Returns a checkpoint of the current state.
     fn checkpoint(&mut self) -> Self::Checkpoint;
 
-    /// Returns to a checkpoint.
+    /// Rolls back to a checkpoint.
     fn roll_back(&mut self, checkpoint: Self::Checkpoint);
 
     /// Makes all accesses permanent and discards all checkpoints.
     fn commit(&mut self);
 }
 
-/// The largest number of entries of a cache whose misses are numbered from it on: the misses of the
-/// largest mesh do not overflow.
+/// Maximum number of entries. Misses are counted from the number of entries, and must not overflow
+/// on the largest mesh.
 const MAX_ENTRIES: u32 = 1 << 30;
 
-/// A FIFO cache. Each vertex has the number of the miss that loaded it.
+/// A FIFO cache. Each vertex stores the number of the miss that loaded it.
 #[derive(Debug)]
 pub(super) struct SpeculativeFifo {
     entry_count: u32,
@@ -50,7 +50,7 @@ pub(super) struct SpeculativeFifo {
 }
 
 impl SpeculativeFifo {
-    /// Creates an empty cache. More entries than [`MAX_ENTRIES`] count as so many.
+    /// Creates an empty cache. The number of entries is limited to [`MAX_ENTRIES`].
     pub(super) fn new(entry_count: u32, vertex_count: usize) -> Self {
         let entry_count = entry_count.min(MAX_ENTRIES);
         Self { entry_count, misses: entry_count, loaded_at: vec![0; vertex_count], log: Vec::new() }
@@ -58,10 +58,10 @@ impl SpeculativeFifo {
 }
 
 impl SpeculativeCache for SpeculativeFifo {
-    /// The length of the log, and the number of misses.
+    /// The length of the log and the number of misses.
     type Checkpoint = (usize, u32);
 
-    /// Without a branch, which would be unpredictable: a hit writes the old value again.
+    /// Avoids an unpredictable branch: a hit writes the old value again.
     #[inline]
     fn access(&mut self, vertex: u32) -> bool {
         let loaded_at = &mut self.loaded_at[vertex as usize];
@@ -99,13 +99,13 @@ impl SpeculativeCache for SpeculativeFifo {
     }
 }
 
-/// An LRU cache: the vertices in one list, the newest last. Caches are small, so that a linear
-/// search is faster than maintaining an index.
+/// An LRU cache as a list of vertices, newest last. Caches are small, so a linear search is faster
+/// than an index.
 #[derive(Debug)]
 pub(super) struct SpeculativeLru {
     entry_count: u32,
     entries: Vec<u32>,
-    /// The entries at each checkpoint, one after the other.
+    /// The entries at each checkpoint, concatenated.
     saved: Vec<u32>,
 }
 
@@ -117,7 +117,7 @@ impl SpeculativeLru {
 }
 
 impl SpeculativeCache for SpeculativeLru {
-    /// The start of the saved entries, and their number.
+    /// The start and number of the saved entries.
     type Checkpoint = (usize, usize);
 
     #[inline]

@@ -1,5 +1,5 @@
-//! Tests on generated meshes of many kinds: growth, speculative simulation and order annealing; and
-//! on meshes with known results.
+//! Tests of growth, speculative simulation and order annealing on generated meshes of many kinds
+//! and on meshes with known results.
 
 use proptest::prelude::*;
 
@@ -26,8 +26,8 @@ fn options(objective: Objective, vertex_cache: VertexCache) -> StripifyOptions {
     options.with_objective(objective).with_vertex_cache(vertex_cache)
 }
 
-/// Returns a grid of `columns` × `rows` squares, each cut along the same diagonal, its triangles in
-/// scattered order.
+/// Returns a grid of `columns` × `rows` squares, all cut along the same diagonal, with its
+/// triangles in scattered order.
 fn grid(columns: u32, rows: u32) -> Mesh {
     let vertex = |x: u32, y: u32| y * (columns + 1) + x;
     let squares = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
@@ -48,8 +48,8 @@ fn strips(mesh: &Mesh, options: &StripifyOptions) -> Strips {
     plan(&prepared, &graph, options).unwrap().strips()
 }
 
-/// Returns the strips in the order that the active front prices: the repeated vertex of a swap
-/// after the vertex that it precedes.
+/// Returns the strips in the vertex order that the active front prices: the repeated vertex of a
+/// swap comes after the vertex that it precedes.
 fn priced(strips: &Strips) -> Strips {
     let mut priced = Strips::default();
     for strip in strips.iter() {

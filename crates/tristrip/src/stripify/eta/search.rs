@@ -1,5 +1,4 @@
-//! A search of `eta` from one terminal: alternating paths, depth first, none of which closes a
-//! loop.
+//! A search of `eta` from one terminal: depth first along alternating paths that close no loop.
 
 use super::tagged_strips::{TagLink, TaggedStrips, UndoStep};
 use crate::cover::PathCover;
@@ -9,28 +8,28 @@ use crate::random::Random;
 use crate::stripify::tunnel::accesses::{AccessCounter, SearchOutcome};
 use crate::stripify::tunnel::path_tags::TunnelStep;
 
-/// Where a search ends without a tunnel.
+/// Limits after which a search ends without a tunnel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SearchLimits {
-    /// The maximum length of a tunnel, in edges.
+    /// Maximum length of a tunnel, in edges.
     pub(super) length: u32,
-    /// The maximum number of triangles that the paths step on.
+    /// Maximum number of triangles that the paths visit.
     pub(super) threshold: u32,
-    /// The maximum number of accesses to nodes, those by identifiers included.
+    /// Maximum number of node accesses, including those by identifiers.
     pub(super) accesses: u64,
 }
 
 /// A search from one terminal.
 #[derive(Debug, Default)]
 pub(super) struct EtaSearch {
-    /// The tunnel so far, and what undoes each step.
+    /// The tunnel so far, and the data to undo each step.
     steps: Vec<TunnelStep>,
     undo_steps: Vec<UndoStep>,
     /// The steps to try, each with the number of steps before it.
     candidates: Vec<(usize, TunnelStep)>,
-    /// The steps from the tip.
+    /// The possible steps from the tip.
     next: Vec<TunnelStep>,
-    /// Whether a path was not followed because of its length or the threshold.
+    /// Whether a path was not followed because of the length or the threshold.
     pub(super) was_cut_short: bool,
 }
 
@@ -40,8 +39,8 @@ impl EtaSearch {
         &self.steps
     }
 
-    /// Searches for a tunnel. If none is found, the strips are as before; otherwise they are
-    /// complemented. Returns `None`, with the strips as before, if it takes more accesses than the
+    /// Searches for a tunnel. If one is found the strips are complemented, otherwise they are
+    /// restored. Returns `None` and restores the strips if the search takes more accesses than the
     /// limit.
     pub(super) fn find(
         &mut self,
@@ -100,8 +99,8 @@ impl EtaSearch {
         }
     }
 
-    /// Adds the steps from the tip: an end of the tunnel is tried first, the others in random
-    /// order.
+    /// Adds the possible steps from the tip. An end of the tunnel is tried first, the others in
+    /// random order.
     fn add_candidates(
         &mut self,
         (graph, cover): (&DualGraph, &PathCover),

@@ -1,14 +1,14 @@
-//! The k-star of a terminal: the triangles at most k steps away, and the strips within it, bridged
-//! where they leave it and come back.
+//! The k-star of a terminal: the triangles at most k steps away. Temporary edges bridge strips
+//! where they leave the star and return.
 //!
 //! ```text
-//!      star │ outside            Between two crossings of the same strip, one temporary edge replaces
-//!   ━━ a ━━━┿━ o ━ o             what lies outside. A strip that ends outside keeps a crossing
-//!      ┊    │      ┃             that has no other: there it neither continues nor ends.
+//!      star │ outside            Between two crossings of the same strip, one temporary edge
+//!   ━━ a ━━━┿━ o ━ o             replaces the outside. A strip that ends outside keeps a
+//!      ┊    │      ┃             single crossing, where it neither continues nor ends.
 //!   ━━ c ━━━┿━ o ━ o
 //! ```
 //! # Complexity
-//! O(star + crossings · log crossings) time; 8 bytes per triangle, and 32 per crossing.
+//! O(star + crossings · log crossings) time. 8 bytes per triangle and 32 per crossing.
 
 use super::tagged_strips::{TagLink, TaggedStrips};
 use crate::cover::PathCover;
@@ -20,13 +20,13 @@ use crate::stripify::tunnel::path_tags::PathTags;
 #[derive(Debug, Default)]
 pub(super) struct EtaStar {
     stamp: u32,
-    /// The stamp of the star in which each triangle last was.
+    /// The stamp of the last star that contained each triangle.
     stamps: Vec<u32>,
     triangles: Vec<u32>,
     crossings: Vec<StarCrossing>,
 }
 
-/// Where a strip crosses the boundary of a star.
+/// A crossing of a strip and the boundary of a star.
 #[derive(Debug, Clone, Copy)]
 struct StarCrossing {
     path: u32,
@@ -36,13 +36,13 @@ struct StarCrossing {
     triangle: u32,
     /// The half-edge that leads outside.
     half_edge: u32,
-    /// What replaces it.
+    /// The link that replaces it.
     link: TagLink,
 }
 
 impl EtaStar {
     /// Finds the star of a terminal, and replaces the links that cross its boundary. Returns the
-    /// number of accesses to nodes.
+    /// number of node accesses.
     pub(super) fn build(
         &mut self,
         (graph, cover, tags): (&DualGraph, &PathCover, &PathTags),
@@ -90,7 +90,7 @@ impl EtaStar {
     }
 
     /// Finds the triangles at most `length` steps away, breadth first. Returns the range of those
-    /// that are exactly as far.
+    /// exactly that far away.
     fn find(
         &mut self,
         graph: &DualGraph,
@@ -101,7 +101,7 @@ impl EtaStar {
         self.stamps.resize(triangle_count, 0);
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
-            // After 2³² stars the stamps start again from 1.
+            // After 2³² stars the stamps start from 1 again.
             self.stamps.fill(0);
             self.stamp = 1;
         }

@@ -1,32 +1,32 @@
-//! Strips as a search of `eta` sees them: the links of each triangle, and its identifier, rewritten
-//! node by node.
+//! The strips of an `eta` search: the links of each triangle, and its identifier, rewritten node by
+//! node.
 //!
 //! ```text
-//!   ┄┄ v ━━ b        the step to b cuts v from b, and writes the tip's identifier on v and on what is beyond it
+//!   ┄┄ v ━━ b        the step to b cuts v–b, and writes the tip's identifier on v and beyond
 //!      ┃
 //! ```
 //! # Complexity
-//! 20 bytes per triangle. A step takes time linear in the part of the strip that it writes on.
+//! 20 bytes per triangle. The time of a step is linear in the part of the strip that it writes to.
 
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge};
 use crate::stripify::tunnel::path_tags::{PathTags, TunnelStep};
 
-/// What a side of a triangle is linked with.
+/// What a side of a triangle is linked to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TagLink {
-    /// Nothing: the triangle is the end of a strip there.
+    /// Nothing: the triangle is the end of a strip.
     Free,
     /// The rest of the strip, which ends outside the star.
     Outside,
     /// The triangle across a half-edge.
     Black(u32),
-    /// A triangle at which the strip comes back into the star.
+    /// A triangle at which the strip returns into the star.
     Temporary(u32),
 }
 
-/// The links and the identifiers of triangles.
+/// The links and identifiers of triangles.
 #[derive(Debug)]
 pub(super) struct TaggedStrips {
     links: Vec<[TagLink; 2]>,
@@ -36,16 +36,16 @@ pub(super) struct TaggedStrips {
     accesses: u64,
 }
 
-/// What undoes a step.
+/// The data to undo a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct UndoStep {
     step: TunnelStep,
-    /// The identifier of the part that the step linked with the tip.
+    /// The old identifier of the part that the step linked to the tip.
     tag: u32,
 }
 
 impl TaggedStrips {
-    /// Enters the strips of a cover, each with the number of its path as its identifier.
+    /// Creates the strips of a cover. The identifier of a strip is the number of its path.
     pub(super) fn new(cover: &PathCover, tags: &PathTags) -> Self {
         let triangles = 0..cover.len() as u32;
         let link = |edge: Option<HalfEdge>| edge.map_or(TagLink::Free, |h| TagLink::Black(h.0));
@@ -70,8 +70,8 @@ impl TaggedStrips {
         self.links[triangle as usize]
     }
 
-    /// Returns whether a tunnel may end with a red edge between these: whether the second is the
-    /// end of another strip.
+    /// Returns whether a tunnel may end with a red edge from `tip` to `x`: whether `x` is the end
+    /// of another strip.
     #[inline]
     pub(super) fn may_end(&self, tip: u32, x: u32) -> bool {
         self.links(x).contains(&TagLink::Free) && self.tags[x as usize] != self.tags[tip as usize]
@@ -82,15 +82,15 @@ impl TaggedStrips {
         std::mem::take(&mut self.accesses)
     }
 
-    /// Cuts `v` from `b`, its neighbour on its strip, links it with the tip, and writes
-    /// identifiers. Returns `None`, and changes nothing, if that would close a loop.
+    /// Cuts `v` from its neighbour `b`, links it to the tip, and writes identifiers. Returns `None`
+    /// and changes nothing if that would close a loop.
     pub(super) fn step(&mut self, graph: &DualGraph, step: TunnelStep) -> Option<UndoStep> {
         let (tip, v) = (step.red / 3, graph.twin_of(step.red)? / 3);
         let black = step.black.get()?;
         let (tag, tip_tag) = (self.tags[v as usize], self.tags[tip as usize]);
         self.cut(graph, black);
         if tag == tip_tag {
-            // Both are on one strip: no loop if the cut parts them.
+            // Both are on one strip: there is no loop if the cut separates them.
             if self.leads_to(graph, v, tip) {
                 self.link(graph, black);
                 return None;
@@ -112,7 +112,7 @@ impl TaggedStrips {
         self.link(graph, black);
     }
 
-    /// Links the tip with the end of another strip, and writes the tip's identifier on that.
+    /// Links the tip to the end of another strip, and writes the tip's identifier to that strip.
     pub(super) fn end(&mut self, graph: &DualGraph, red: u32) {
         let Some(twin) = graph.twin_of(red) else { return };
         self.write(graph, twin / 3, self.tags[red as usize / 3]);
@@ -145,7 +145,7 @@ impl TaggedStrips {
         }
     }
 
-    /// Writes an identifier on every triangle of a strip, from one of its ends on.
+    /// Writes an identifier to every triangle of a strip, starting at one of its ends.
     fn write(&mut self, graph: &DualGraph, end: u32, tag: u32) {
         let mut at = StripPosition::at_end(end);
         loop {
@@ -158,7 +158,7 @@ impl TaggedStrips {
         }
     }
 
-    /// Returns whether a triangle is on the strip that has this end.
+    /// Returns whether a triangle is on the strip with this end.
     fn leads_to(&mut self, graph: &DualGraph, end: u32, triangle: u32) -> bool {
         let mut at = StripPosition::at_end(end);
         loop {
@@ -173,7 +173,8 @@ impl TaggedStrips {
         }
     }
 
-    /// Returns the next position on a strip, if there is one within the star.
+    /// Returns the next position on a strip, or `None` at the end of the strip or of its part
+    /// within the star.
     #[inline]
     fn next(&self, graph: &DualGraph, at: StripPosition) -> Option<StripPosition> {
         let [first, second] = self.links(at.triangle);

@@ -1,13 +1,12 @@
-//! The components of a dual graph that are above their lower bound, each with a graph and a cover
-//! of its own, so that they can be searched in parallel.
+//! The components of a dual graph that are above their lower bound. Each has its own graph and
+//! cover, so they can be searched in parallel.
 
 use crate::cover::PathCover;
 use crate::csr::Csr;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge};
 
-/// A component whose triangles are numbered from 0, in the order of their numbers in the whole
-/// graph.
+/// A component whose triangles are numbered from 0, in the order of the whole graph.
 #[derive(Debug)]
 pub(super) struct UnfinishedComponent {
     triangles: Vec<u32>,
@@ -16,7 +15,7 @@ pub(super) struct UnfinishedComponent {
     lower_bound: usize,
 }
 
-/// Lists the components that have more paths than their lower bound; `lower_bounds` are in the
+/// Returns the components that have more paths than their lower bound. `lower_bounds` is in the
 /// order of [`DualGraph::components`].
 pub(super) fn unfinished(
     graph: &DualGraph,
@@ -25,7 +24,7 @@ pub(super) fn unfinished(
 ) -> Vec<UnfinishedComponent> {
     let (component_of, count) = graph.components();
     let by_component = Csr::group(component_of.iter().copied(), count);
-    // The number of each triangle within its component.
+    // The index of each triangle within its component.
     let mut number = vec![0; component_of.len()];
     by_component.rows().for_each(|row| row.iter().zip(0..).for_each(|(&t, n)| number[t as usize] = n));
     let end_count = |row: &[u32]| row.iter().map(|&t| 2 - cover.degree(FaceId(t))).sum::<usize>();
@@ -61,13 +60,13 @@ impl UnfinishedComponent {
         self.triangles.len()
     }
 
-    /// Returns the first triangle in the whole graph, which identifies the component whatever the
-    /// other components are.
+    /// Returns the first triangle of the component in the whole graph. It identifies the component
+    /// independently of the others.
     pub(super) fn first_triangle(&self) -> u32 {
         self.triangles[0]
     }
 
-    /// Returns a number of paths that no cover is below.
+    /// Returns a lower bound on the number of paths.
     pub(super) fn lower_bound(&self) -> usize {
         self.lower_bound
     }
@@ -86,7 +85,7 @@ impl UnfinishedComponent {
         }
         for (n, &t) in (0..).zip(&self.triangles) {
             for half_edge in self.cover.edges(FaceId(n)).into_iter().flatten() {
-                // Refused from the other side.
+                // The call from the other side returns `false`.
                 cover.link(graph, HalfEdge(3 * t + half_edge.0 % 3));
             }
         }

@@ -1,10 +1,10 @@
-//! Distances over shared edges to a goal nearby, by breadth-first search: they guide an end to
+//! Distances over shared edges to a nearby goal, by breadth-first search. They guide an end to
 //! another one.
 
 use crate::dual::DualGraph;
 use crate::random::Random;
 
-/// In the distances: not reached by the last search.
+/// A distance value: not reached by the last search.
 const UNREACHED: u32 = u32::MAX;
 
 /// Distances in edges to the goal of the last search, and the triangles that it reached.
@@ -20,7 +20,7 @@ impl<'a> DistanceMap<'a> {
         Self { graph, distances: vec![UNREACHED; graph.face_count()], reached: Vec::new() }
     }
 
-    /// Returns the distance of a triangle from the goal; `None` if the search did not reach it.
+    /// Returns the distance of a triangle from the goal, or `None` if the search did not reach it.
     pub(super) fn distance(&self, t: u32) -> Option<u32> {
         let distance = self.distances[t as usize];
         (distance != UNREACHED).then_some(distance)
@@ -31,8 +31,8 @@ impl<'a> DistanceMap<'a> {
         self.reached.len()
     }
 
-    /// Searches from `goal` until a triangle is reached for which `stop` holds, and returns that
-    /// one.
+    /// Searches from `goal` until it reaches a triangle for which `stop` returns `true`, and
+    /// returns that triangle.
     pub(super) fn search_from(&mut self, goal: u32, mut stop: impl FnMut(u32) -> bool) -> Option<u32> {
         for &t in &self.reached {
             self.distances[t as usize] = UNREACHED;
@@ -58,8 +58,8 @@ impl<'a> DistanceMap<'a> {
         None
     }
 
-    /// Goes at most `steps` steps toward the goal, but not into it. Among equally short ways it
-    /// chooses at random.
+    /// Moves at most `steps` steps toward the goal, but not into it. Chooses at random among
+    /// shortest ways.
     pub(super) fn toward_goal(&self, mut t: u32, steps: usize, random: &mut Random) -> u32 {
         for _ in 0..steps {
             let distance = self.distances[t as usize];

@@ -1,25 +1,23 @@
-//! Paths as lists of segments: many rotations, joins and cuts between two numberings, each without
-//! visiting the triangles.
+//! Paths as lists of segments. Many rotations, joins and cuts are possible between two
+//! renumberings, without visiting the triangles.
 //!
 //! ```text
 //!   as numbered    path 0  ●━●━●━●━●━●━●━●      path 1  ○━○━○━○
 //!   as they are    path    [0: 0–2] [0: 7–5] [1: 1–3]      path    [1: 0–0] [0: 4–3]
 //! ```
 //! # Algorithm
-//! Each triangle has the path and the position that it had at the last numbering. A path as it is
-//! now is a list of *segments*, each a range of positions of one numbered path, forward or
-//! backward. A rotation at an end splits one segment and reverses those after it; no triangle is
-//! visited. The segment of a triangle is found by its numbered position among the segments of all
-//! changed paths. When there are many segments, [`SegmentedPaths::renumber_touched`] numbers the
-//! changed paths; each path keeps the positions of its first segment if that begins a numbered
-//! path.
+//! Each triangle stores its path and position at the last numbering. A current path is a list of
+//! *segments*. Each segment is a range of positions of a numbered path, forward or backward. A
+//! rotation at an end splits one segment and reverses those after it; no triangle is visited. The
+//! segment of a triangle is found by its numbered position among the segments of all changed paths.
+//! When there are many segments, [`SegmentedPaths::renumber_touched`] renumbers the changed paths.
+//! Each path keeps the positions of its first segment if that is the start of a numbered path.
 //!
-//! The links of the cover are changed along with the segments, so that the cover is correct at any
-//! time.
+//! The links of the cover change along with the segments, so the cover is always valid.
 //!
 //! # Complexity
-//! A change takes O(segments); renumbering takes O(triangles of the paths that were touched). 12
-//! bytes per triangle, and up to 8 more while paths grow; 24 bytes per path.
+//! A change takes O(segments). Renumbering takes O(triangles of the touched paths). 12 bytes per
+//! triangle, up to 8 more while paths grow, and 24 bytes per path.
 
 mod segment;
 mod steps;
@@ -31,17 +29,17 @@ use crate::dual::DualGraph;
 use crate::random::Random;
 use segment::{PathPosition, Segment, SegmentedPath};
 
-/// No edge, where [`PathCover::packed_edges`] names an edge of a triangle.
+/// The value of [`PathCover::packed_edges`] for a missing link.
 const NO_EDGE: u32 = 3;
 
-/// A change of the links, by the half-edge.
+/// A change of a link, by its half-edge.
 #[derive(Debug, Clone, Copy)]
 enum LinkChange {
     Linked(u32),
     Cut(u32),
 }
 
-/// A state to return to.
+/// A saved state.
 #[derive(Debug, Default)]
 struct SavedPaths {
     changed: Vec<SegmentedPath>,
@@ -56,22 +54,22 @@ struct SavedPaths {
 pub(super) struct WalkEnd {
     /// The changed path whose tail is the end.
     path: usize,
-    /// The half-edge that a step must not link, since that would undo the last one.
+    /// The half-edge that a step must not link, because it would undo the previous step.
     back: Option<u32>,
 }
 
 /// The result of a step from an end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum WalkStep {
-    /// Two paths were joined: there is one path less.
+    /// Two paths were joined.
     Joined,
-    /// There is a new end.
+    /// The end moved.
     Moved(WalkEnd),
-    /// The only way from this end is back.
+    /// The only step from this end leads back.
     Stuck,
 }
 
-/// The paths of a cover, for many changes.
+/// The paths of a cover, prepared for many changes.
 #[derive(Debug)]
 pub(super) struct SegmentedPaths<'a> {
     graph: &'a DualGraph,
@@ -80,17 +78,17 @@ pub(super) struct SegmentedPaths<'a> {
     positions: Vec<PathPosition>,
     /// The triangles of each numbered path.
     paths: Vec<Vec<u32>>,
-    /// Numbers of the paths in use, and the index of each in this list.
+    /// The numbers of the paths in use, and the index of each in this list.
     alive: Vec<u32>,
     alive_at: Vec<u32>,
-    /// Numbers not in use.
+    /// Unused path numbers.
     spare: Vec<u32>,
     path_count: usize,
-    /// Numbered paths touched since the numbering; `marks` is `mark` for them.
+    /// Numbered paths touched since the numbering. Their `marks` equal `mark`.
     touched: Vec<u32>,
     marks: Vec<u32>,
     mark: u32,
-    /// The paths that the touched ones have become; the first `changed_count` are in use.
+    /// The current paths made of the touched ones. The first `changed_count` are in use.
     changed: Vec<SegmentedPath>,
     changed_count: usize,
     segment_count: usize,
@@ -100,7 +98,7 @@ pub(super) struct SegmentedPaths<'a> {
 }
 
 impl<'a> SegmentedPaths<'a> {
-    /// Numbers the paths of a cover of the triangles of a graph.
+    /// Numbers the paths of a cover.
     pub(super) fn new(graph: &'a DualGraph, cover: &'a mut PathCover) -> Self {
         let mut paths = Self {
             graph,
@@ -129,7 +127,7 @@ impl<'a> SegmentedPaths<'a> {
         self.path_count
     }
 
-    /// Counts the segments since the numbering: the cost of a change.
+    /// Counts the segments since the numbering, which determine the cost of a change.
     pub(super) fn segment_count(&self) -> usize {
         self.segment_count
     }
@@ -139,7 +137,7 @@ impl<'a> SegmentedPaths<'a> {
         self.touched.len()
     }
 
-    /// Numbers all paths, in the order of their lower ends.
+    /// Numbers all paths, in order of their lower ends.
     fn number(&mut self) {
         let mut is_numbered = vec![false; self.positions.len()];
         for start in 0..self.positions.len() as u32 {
@@ -169,19 +167,20 @@ impl<'a> SegmentedPaths<'a> {
         self.marks.resize(self.path_count, 0);
     }
 
-    /// Returns the edges over which a triangle is linked, `NO_EDGE` last.
+    /// Returns the edges over which a triangle is linked. `NO_EDGE` comes last.
     #[inline]
     fn linked_edges(&self, t: u32) -> (u32, u32) {
         let (a, b) = self.cover.packed_edges(t);
         if a == NO_EDGE { (b, a) } else { (a, b) }
     }
 
-    /// Chooses an end of any path, and reverses the path if necessary so that the end is its tail.
+    /// Chooses a random end of a random path. Reverses the path if necessary, so the end is its
+    /// tail.
     pub(super) fn random_end(&mut self, random: &mut Random) -> WalkEnd {
         let number = self.alive[random.below(self.alive.len())];
         let mut path = self.changed_count;
         if self.marks[number as usize] == self.mark {
-            // The numbered path has changed: any of the changed paths will do.
+            // The numbered path has changed: choose any of the changed paths.
             while path == self.changed_count || self.changed[path].segments.is_empty() {
                 path = random.below(self.changed_count);
             }
@@ -199,8 +198,8 @@ impl<'a> SegmentedPaths<'a> {
         (self.changed[end.path].tail, end.back)
     }
 
-    /// Prepares a walk from the end of a path, whose first step must not link the half-edge `back`;
-    /// `None` if the triangle is no end.
+    /// Prepares a walk from the end of a path. Its first step must not link the half-edge `back`.
+    /// Returns `None` if the triangle is not an end.
     pub(super) fn walk_end(&mut self, end: u32, back: Option<u32>) -> Option<WalkEnd> {
         if !self.is_end(end) {
             return None;
@@ -212,7 +211,7 @@ impl<'a> SegmentedPaths<'a> {
         Some(WalkEnd { path, back })
     }
 
-    /// Makes a changed path, as yet of one segment, of a numbered path that was not touched yet.
+    /// Converts an untouched numbered path to a changed path of one segment.
     fn touch(&mut self, number: u32) -> usize {
         self.marks[number as usize] = self.mark;
         self.touched.push(number);
@@ -236,7 +235,7 @@ impl<'a> SegmentedPaths<'a> {
         self.changed_count - 1
     }
 
-    /// Finds the changed path of a triangle, and the index of its segment.
+    /// Returns the changed path of a triangle and the index of its segment.
     fn locate(&mut self, t: u32) -> (usize, usize) {
         let at = self.positions[t as usize];
         if self.marks[at.path as usize] == self.mark {
@@ -249,7 +248,7 @@ impl<'a> SegmentedPaths<'a> {
         (self.touch(at.path), 0)
     }
 
-    /// Returns the half-edge from a triangle of two links toward the tail of its path, or toward
+    /// Returns the half-edge from a triangle inside a path toward the tail of the path, or toward
     /// its head.
     fn half_edge_toward(&self, (path, i): (usize, usize), t: u32, tail: bool) -> u32 {
         let segments = &self.changed[path].segments;
@@ -271,7 +270,7 @@ impl<'a> SegmentedPaths<'a> {
         3 * t + if self.positions[over_a as usize] == next { a } else { b }
     }
 
-    /// Saves the state, to return to until the paths are renumbered.
+    /// Saves the state. It can be restored until the paths are renumbered.
     pub(super) fn save(&mut self) {
         let count = self.changed_count;
         let saved = &mut self.saved;
@@ -288,7 +287,7 @@ impl<'a> SegmentedPaths<'a> {
         self.journal.clear();
     }
 
-    /// Returns to the state that was saved.
+    /// Restores the saved state.
     pub(super) fn restore(&mut self) {
         while let Some(change) = self.journal.pop() {
             match change {
@@ -308,22 +307,22 @@ impl<'a> SegmentedPaths<'a> {
         }
     }
 
-    /// Returns the half-edge on the other side of a half-edge that has one.
+    /// Returns the twin of a half-edge. The twin must exist.
     #[inline]
     pub(super) fn twin(&self, half_edge: u32) -> u32 {
         self.graph.twins()[half_edge as usize]
     }
 
-    /// Checks whether a path ends at this triangle.
+    /// Returns whether a path ends at this triangle.
     pub(super) fn is_end(&self, t: u32) -> bool {
         self.linked_edges(t).1 == NO_EDGE
     }
 
-    /// Numbers the paths that were touched since the last numbering.
+    /// Renumbers the paths that were touched since the last numbering.
     pub(super) fn renumber_touched(&mut self) {
         let mut changed = std::mem::take(&mut self.changed);
-        // For each path: the numbered path whose beginning it keeps, the number of triangles kept,
-        // and the triangles after them.
+        // For each path: the numbered path whose start it keeps, the number of triangles kept, and
+        // the triangles after them.
         let mut moved: Vec<(Option<u32>, usize, Vec<u32>)> = Vec::new();
         for path in changed[..self.changed_count].iter_mut().filter(|path| !path.segments.is_empty()) {
             let starts = |s: &Segment| s.low == 0 && !s.reversed;
@@ -378,7 +377,7 @@ impl<'a> SegmentedPaths<'a> {
         self.journal.clear();
     }
 
-    /// Takes a path number that is not in use.
+    /// Returns an unused path number.
     fn new_number(&mut self) -> u32 {
         let number = self.spare.pop().unwrap_or_else(|| {
             self.paths.push(Vec::new());

@@ -1,5 +1,5 @@
-//! The search over whole meshes. Where a heuristic has to find the optimum, the inputs are the same
-//! in every run.
+//! Tests of the search on whole meshes. Where a heuristic must find the optimum, the inputs are the
+//! same in every run.
 
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
@@ -37,7 +37,7 @@ fn small_graph(triangles: &[Vec<u32>]) -> DualGraph {
     DualGraph::new(PreparedFaces::new(&mesh, false).faces())
 }
 
-/// Builds a closed lattice of triangles: every triangle has three neighbours.
+/// Builds a closed lattice of triangles in which every triangle has three neighbours.
 fn torus(around: u32, through: u32) -> Mesh {
     let v = |x: u32, y: u32| y % through * around + x % around;
     let corners = (0..through).flat_map(|y| (0..around).map(move |x| (x, y))).flat_map(|(x, y)| {
@@ -55,7 +55,7 @@ fn walk(graph: &DualGraph, cover: &mut PathCover, seed: u64, budget: u64) {
     assert_eq!(shared.strips.into_inner(), cover.path_count());
 }
 
-/// Returns the least number of paths, by trying all covers.
+/// Returns the minimum number of paths, by trying all covers.
 fn fewest_by_brute_force(graph: &DualGraph) -> usize {
     fn go(graph: &DualGraph, cover: &mut PathCover, arcs: &[HalfEdge], least: &mut usize) {
         *least = (*least).min(cover.path_count());
@@ -183,7 +183,7 @@ fn ends_when_the_effort_is_used_up() {
     let mut steps = Vec::new();
     for level in [0, 4] {
         let furthest = Furthest(AtomicU64::new(0), AtomicU64::new(0));
-        // No cover has zero paths, so that only the effort ends the search.
+        // No cover has zero paths, so only the effort ends the search.
         reduce_paths(
             &graph,
             &mut PathCover::isolated(graph.face_count()),
@@ -200,7 +200,7 @@ fn ends_when_the_effort_is_used_up() {
 
 #[test]
 fn another_component_does_not_change_the_cover() {
-    // The first of two lattices in one mesh is covered as it is alone.
+    // The first of two lattices in one mesh is covered as if it were alone.
     let one = torus(12, 9);
     let corners = one.faces().corners();
     let count = one.positions().len() as u32;

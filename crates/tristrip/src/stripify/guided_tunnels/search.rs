@@ -1,5 +1,5 @@
-//! A search of `eta` from one terminal: depth first within its star, the path nearest to another
-//! terminal first.
+//! A search of `guided-tunnels` from one terminal: depth first within its star. The path closest to
+//! another terminal is tried first.
 
 use super::star::GuidedStar;
 use crate::random::Random;
@@ -8,14 +8,14 @@ use crate::stripify::tunnel::context::SearchContext;
 use crate::stripify::tunnel::partial_tunnel::PartialTunnel;
 use crate::stripify::tunnel::path_tags::TunnelStep;
 
-/// How far a search goes.
+/// Limits of a search.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TunnelLimits {
-    /// The maximum length of a tunnel, in edges.
+    /// Maximum length of a tunnel, in edges.
     pub(super) length: u32,
-    /// The maximum number of accesses to nodes.
+    /// Maximum number of node accesses.
     pub(super) accesses: u32,
-    /// The maximum number of loops that are closed at a time.
+    /// Maximum number of loops closed at a time.
     pub(super) loops: u32,
 }
 
@@ -23,9 +23,9 @@ pub(super) struct TunnelLimits {
 #[derive(Debug, Default)]
 pub(super) struct GuidedSearch {
     tunnel: PartialTunnel,
-    /// The part of a tunnel, without a loop, that came nearest to a terminal.
+    /// The loop-free part of a tunnel that came closest to a terminal.
     nearest: Vec<TunnelStep>,
-    /// The steps from the tip: the distance after it, a random number, and the step.
+    /// The possible steps from the tip: the distance after the step, a random number, and the step.
     sorted: Vec<(u32, u64, TunnelStep)>,
 }
 
@@ -54,7 +54,7 @@ impl GuidedSearch {
                     sorted.push((distance, random.next_u64(), step));
                 }
             });
-            // The best is tried first, so it is added last.
+            // The best step is tried first, so it is added last.
             sorted.sort_unstable_by_key(|&(distance, random, _)| std::cmp::Reverse((distance, random)));
             tunnel.add_candidates(sorted.iter().map(|&(_, _, step)| step));
         };
@@ -79,8 +79,8 @@ impl GuidedSearch {
         self.tunnel.steps()
     }
 
-    /// Returns the part of a tunnel that came nearest to another terminal, for a search that found
-    /// none.
+    /// Returns the part of a tunnel that came closest to another terminal. For searches without a
+    /// tunnel.
     pub(super) fn nearest(&self) -> &[TunnelStep] {
         &self.nearest
     }

@@ -1,9 +1,9 @@
-//! The star of a terminal: the triangles that alternating paths reach, and how far it is from there
-//! to a terminal of another strip.
+//! The star of a terminal: the triangles that alternating paths reach, and their distances to
+//! terminals of other strips.
 //!
 //! ```text
-//!          11 ╲                  The tip of a tunnel has a distance: that of the shortest alternating path on from it, if there were
-//!   w ┄┄ v ━━ 9 ┄┄ ▪ ━━ 7 ┄ …    no loops. From `w` the way over v leads to tips at distances 9 and 11.
+//!          11 ╲                  The distance of a tip is the length of the shortest alternating
+//!   w ┄┄ v ━━ 9 ┄┄ ▪ ━━ 7 ┄ …    path from it, ignoring loops. From `w` the way over v leads to tips
 //! ```
 //!
 //! # Complexity
@@ -12,11 +12,11 @@
 use crate::stripify::tunnel::accesses::AccessCounter;
 use crate::stripify::tunnel::context::{DualArc, SearchContext};
 
-/// Edges that the star extends beyond the nearest terminal. Tuned on fandisk, cessna and bunny: 0
-/// leaves half as many strips again, 20 takes a third more time and gains nothing.
+/// Number of edges that the star extends beyond the nearest terminal. Tuned on fandisk, cessna and
+/// bunny: 0 leaves 1.5 times as many strips, and 20 takes a third more time without a gain.
 const MARGIN: u32 = 6;
 
-/// The k-star of a terminal. Entries of an earlier star have an older stamp.
+/// The k-star of a terminal. Entries of earlier stars have older stamps.
 #[derive(Debug, Default)]
 pub(super) struct GuidedStar {
     stamp: u32,
@@ -31,7 +31,7 @@ pub(super) struct GuidedStar {
 }
 
 impl GuidedStar {
-    /// Builds the star of a terminal. Returns whether another strip has a terminal in it.
+    /// Builds the star of a terminal. Returns whether it contains a terminal of another strip.
     pub(super) fn build(
         &mut self,
         context: &SearchContext<'_>,
@@ -41,7 +41,7 @@ impl GuidedStar {
     ) -> bool {
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
-            // After 2³² stars the stamps start again from 1.
+            // After 2³² stars the stamps start from 1 again.
             self.reached.fill(0);
             self.distance.fill((0, 0));
             self.stamp = 1;
@@ -87,7 +87,7 @@ impl GuidedStar {
         }
     }
 
-    /// Measures the distances from the terminals back, breadth first.
+    /// Computes the distances from the terminals, breadth first.
     fn measure_distances(&mut self, context: &SearchContext<'_>) {
         self.queue.clear();
         for i in 0..self.terminals.len() {
@@ -113,8 +113,8 @@ impl GuidedStar {
         }
     }
 
-    /// Returns the length of the shortest alternating path on from a triangle that has just been
-    /// cut off, if there were no loops.
+    /// Returns the length of the shortest alternating path from a triangle that has just been cut
+    /// off, ignoring loops.
     pub(super) fn distance(&self, triangle: u32) -> Option<u32> {
         let (stamp, distance) = self.distance[triangle as usize];
         (stamp == self.stamp).then_some(distance)
@@ -129,9 +129,9 @@ mod tests {
     use crate::stripify::tunnel::tests::graph_and_cover;
     use proptest::prelude::*;
 
-    /// Computes, by repeated relaxation over all triangles, the edges from the terminal to each
-    /// triangle over a black edge at last, and from each such triangle to a terminal that a path of
-    /// at most `limit` edges reaches.
+    /// Computes, by repeated relaxation over all triangles, the number of edges from the terminal
+    /// to each triangle reached over a black edge. Also computes, from each such triangle, the
+    /// number of edges to a terminal that a path of at most `limit` edges reaches.
     fn naive_star(
         context: &SearchContext<'_>,
         terminal: u32,
@@ -160,7 +160,7 @@ mod tests {
                 let is_reached = out[a].is_some_and(|length: u32| length < limit);
                 if is_reached && context.is_terminal(v) && context.tags.path(v) != context.tags.path(terminal)
                 {
-                    // Any red edge leads to it from there on.
+                    // From there any red edge leads to it.
                     context.red_edges(v).for_each(|red| back[red.target() as usize] = Some(1));
                 }
             }

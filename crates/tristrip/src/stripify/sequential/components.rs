@@ -1,39 +1,38 @@
-//! Strips the connected components of a large mesh in parallel, with exactly the cover that one
-//! thread finds.
+//! Strips the connected components of a large mesh in parallel. The cover is exactly that of a
+//! single thread.
 //!
 //! ```text
 //!   triangle    0 1 2 3 4 5 6 7 8         group 0: components a, b    group 1: component c
 //!   component   a a b a b c c c c    ─▶   0 1 2 3 4                   5 6 7 8
-//!                        ▲                each renumbered from 0 and stripped; then its links are copied back
+//!                        ▲                each renumbered from 0 and stripped; links copied back
 //!                        no shared edge leads across this boundary
 //! ```
 //! # Algorithm
-//! 1. *Split* the triangles, in the order of the input, at boundaries that no shared edge leads
-//!    across, so that each group has whole components and at least a minimum number of triangles.
-//!    If one group holds nearly all triangles, nothing is gained, and the mesh is left to one
-//!    thread.
-//! 2. *Strip* each group, with a dual graph of its own, the groups in parallel.
-//! 3. *Copy back* the links, which name a triangle's own edges and need no renumbering, and add up
-//!    the costs.
+//! 1. *Split* the triangles, in input order, at boundaries that no shared edge crosses. Each group
+//!    has whole components and at least a minimum number of triangles. If one group contains nearly
+//!    all triangles, parallelism gains nothing, and one thread strips the mesh.
+//! 2. *Strip* the groups in parallel, each with its own dual graph.
+//! 3. *Copy back* the links and add up the costs. Links are edge numbers within a triangle and need
+//!    no renumbering.
 //!
-//! Files of many parts store them one after the other; components that are interleaved usually are
-//! so with their neighbours. To collect components from all over the mesh, a search would have to
-//! number them first, which takes a fifth of the time of the whole method. This is too much for
+//! Files with many parts store them one after the other, and interleaved components are usually
+//! interleaved with their neighbours. Collecting components from all over the mesh would require a
+//! search that numbers them first. This takes a fifth of the time of the whole method, too much for
 //! meshes of one component, which most large meshes are.
 //!
-//! The cover depends neither on the groups nor on the number of threads, because no step lets one
-//! component affect another:
-//! - The next seed is the valid candidate with the fewest free neighbours, the last added. The top
-//!   of the candidate lists for all components is also the top of the lists of its own component.
-//!   An entry is dropped if its triangle has been taken or has lost a neighbour since; triangles
-//!   never gain neighbours, so that the time of dropping does not matter.
-//! - If there are no candidates, the first free triangle is taken. It is the first free one of its
-//!   component, as the order is kept. The triangles before it are taken, or belong to components
-//!   without candidates.
-//! - Tentative runs mark triangles with a number that is new each time; marks are only compared
+//! The cover depends neither on the groups nor on the number of threads, because components do not
+//! affect each other in any step:
+//! - The next seed is the valid candidate with the fewest free neighbours, the last added in a tie.
+//!   The top of the candidate lists of all components is also the top of the lists of its own
+//!   component. An entry is dropped if its triangle has been taken or has lost a neighbour since.
+//!   Triangles never gain neighbours, so it does not matter when an entry is dropped.
+//! - Without candidates, the first free triangle is taken. It is the first free one of its
+//!   component, because the order is kept. The triangles before it are taken, or belong to
+//!   components without candidates.
+//! - Tentative runs mark triangles with a number that is new each time. Marks are compared only
 //!   with the newest number.
 //! - The local search processes ends in the order of the triangles and reaches only along links and
-//!   shared edges. Numbers of strips are only compared with those of the same component.
+//!   shared edges. Strip numbers are compared only within a component.
 //! - The random choice between equal moves would couple components, but is only used in plateau
 //!   passes, which run on the whole mesh.
 //!
@@ -41,8 +40,8 @@
 //! of the last tentative run, which may have been in another component.
 //!
 //! # Complexity
-//! O(n) time, of which splitting is sequential: one pass over the twins. 12 bytes per triangle of
-//! the groups in progress, beyond the memory of [`super`].
+//! O(n) time. Splitting is sequential: one pass over the twins. 12 bytes per triangle of the groups
+//! in progress, in addition to the memory of [`super`].
 
 use std::ops::Range;
 
@@ -53,17 +52,17 @@ use super::stages::strip;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 
-/// Meshes of at most this many triangles are left to one thread: they take a few milliseconds.
+/// Meshes with at most this many triangles are stripped by one thread, in a few milliseconds.
 const SMALL: usize = 65_536;
-/// Minimum number of triangles of a group: about a millisecond of work, long compared with the
-/// overhead of a task, and still many tasks for a large mesh.
+/// Minimum number of triangles per group: about a millisecond of work. This is long compared with
+/// the overhead of a task, and gives many tasks for a large mesh.
 const GROUP: usize = 16_384;
-/// If one group holds more than this many percent of the triangles, the others take little time
-/// beside it.
+/// If one group contains more than this percentage of the triangles, the others take little time in
+/// comparison.
 const NEARLY_ALL_PERCENT: usize = 80;
 
 /// Covers a large mesh of several components with the default policy, on the threads of the current
-/// pool. Returns the cover and its cost as [`strip`] does; `None` if one thread is as fast.
+/// pool. Returns the cover and its cost like [`strip`], or `None` if one thread is as fast.
 pub(super) fn cover(graph: &DualGraph) -> Option<(PathCover, i64)> {
     if graph.face_count() <= SMALL || rayon::current_num_threads() == 1 {
         return None;
@@ -95,8 +94,8 @@ fn cover_in_groups(graph: &DualGraph, group_size: usize) -> Option<(PathCover, i
     Some((whole, total))
 }
 
-/// Splits the triangles at boundaries that no shared edge crosses, into groups of at least
-/// `group_size` except for the last.
+/// Splits the triangles at boundaries that no shared edge crosses. All groups except the last have
+/// at least `group_size` triangles.
 fn split(graph: &DualGraph, group_size: usize) -> Vec<Range<usize>> {
     let mut groups = Vec::new();
     let (mut start, mut reach) = (0, 0); // `reach` is the half-edge after the last twin so far.
@@ -130,7 +129,8 @@ mod tests {
 
     #[test]
     fn splits_only_between_components() {
-        // Components of two triangles: 0 and 1, then 2 and 4, 3 and 5 interleaved, then 6 alone.
+        // Components of two triangles: 0 and 1, then 2 and 4 interleaved with 3 and 5, then 6
+        // alone.
         let mut twins = vec![None; 21];
         for (a, b) in [(0, 5), (7, 12), (9, 16)] {
             (twins[a], twins[b]) = (Some(b as u32), Some(a as u32));

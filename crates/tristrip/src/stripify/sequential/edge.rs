@@ -1,4 +1,4 @@
-//! The edges of a triangle, numbered 0 to 2 in its winding.
+//! The edges of a triangle, numbered 0 to 2 in winding order.
 
 /// Returns the next edge of the triangle.
 #[inline]

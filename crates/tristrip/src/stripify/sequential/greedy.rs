@@ -1,4 +1,4 @@
-//! The greedy stripper: takes strips off the free triangles, one after the other. These are steps 1
+//! The greedy stripper removes strips from the free triangles, one at a time. It implements steps 1
 //! and 2 of [`super`].
 
 use super::edge::{next, previous};
@@ -6,7 +6,7 @@ use super::mutable_triangulation::MutableTriangulation;
 use super::policy::{Policy, PolygonCuts, STRIP_COST, SeedOrder, SwapPolicy};
 use crate::cover::PathCover;
 
-/// Marks a triangle that a strip has taken, instead of its number of free neighbours.
+/// Marks a triangle of a strip, in place of its number of free neighbours.
 const TAKEN: u8 = 0xff;
 
 /// The state of the stripper between steps.
@@ -21,7 +21,7 @@ pub(super) struct GreedyStripper<T> {
     tentative_count: u32,
     strip_count: u32,
     swap_count: u64,
-    /// Triangles that had 0, 1 and 2 free neighbours when they were added; for each list, the
+    /// Triangles that had 0, 1 and 2 free neighbours when they were added. Each list has the
     /// position of its first unused entry.
     candidates: [(Vec<u32>, usize); 3],
     /// All triangles before this one are taken or are candidates.
@@ -34,7 +34,7 @@ pub(super) struct GreedyStrips<T> {
     pub(super) cover: PathCover,
     /// The strip of each triangle.
     pub(super) strip_of: Vec<u32>,
-    /// Cost beyond one index per triangle, without swaps at the starts of strips.
+    /// Cost in addition to one index per triangle, without swaps at the starts of strips.
     pub(super) cost: u64,
 }
 
@@ -130,8 +130,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         Some(self.first_untouched as u32 - 1)
     }
 
-    /// Returns the exit of a free triangle whose run has the lowest cost per triangle, of equal
-    /// ones the first.
+    /// Returns the exit of a free triangle whose run has the lowest cost per triangle, the first
+    /// one in a tie.
     fn best_exit(&mut self, seed: u32) -> Option<u32> {
         let mut best: Option<(u32, RunCost)> = None;
         for exit in 3 * seed..3 * seed + 3 {
@@ -149,8 +149,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         best.map(|(exit, _)| exit)
     }
 
-    /// Takes a triangle for the strip; `next_entry` is the half-edge by which the strip will enter
-    /// the next triangle.
+    /// Adds a triangle to the strip. `next_entry` is the half-edge through which the strip will
+    /// enter the next triangle.
     #[inline]
     fn take(&mut self, t: u32, next_entry: Option<u32>) {
         self.free[t as usize] = TAKEN;
@@ -167,8 +167,7 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         }
     }
 
-    /// Extends a strip from a taken triangle over its half-edge `exit`: takes and links triangles
-    /// until none is free.
+    /// Extends a strip from a taken triangle over its half-edge `exit`, until no triangle is free.
     fn grow(&mut self, mut exit: u32, mut even: bool) {
         while let Some(entry) = self.enter(exit, even) {
             self.cover.link_unchecked(exit, entry);
@@ -239,8 +238,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         self.triangulation.graph().twin_of(half_edge)
     }
 
-    /// Crosses a half-edge. Returns the half-edge by which the next triangle is entered, after a
-    /// polygon is triangulated for the run.
+    /// Crosses a half-edge. Triangulates a polygon for the run if necessary. Returns the half-edge
+    /// through which the next triangle is entered.
     #[inline]
     fn enter(&mut self, exit: u32, even: bool) -> Option<u32> {
         if self.policy.cuts == PolygonCuts::Before {
@@ -260,8 +259,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         self.twin(exit)
     }
 
-    /// Checks whether to swap although going straight is possible, from the free neighbours that
-    /// both next triangles keep.
+    /// Returns whether to swap although going straight is possible, from the number of free
+    /// neighbours that both next triangles keep.
     #[inline]
     fn saves_an_end(&self, straight: u8, swap: u8) -> bool {
         self.policy.swaps == SwapPolicy::Lookahead && swap == 1 && straight == 2
@@ -287,7 +286,7 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
     }
 }
 
-/// Returns the exits of the triangle that a run enters by a half-edge.
+/// Returns the exits of the triangle that a run enters through a half-edge.
 #[inline]
 fn fork(entry: u32, even: bool) -> Fork {
     let (base, edge) = (entry / 3 * 3, entry % 3);

@@ -1,19 +1,19 @@
-//! Local search at the ends of strips: small moves of a cover, each of which lowers its cost.
+//! Local search at the ends of strips: small moves of a cover that lower its cost.
 //!
 //! ```text
 //!   w ┄┄ v ━━ a ┄┄ x      cut v–a, link w–v, and link a–x too if it saves a strip
 //!        ┃    ┃
 //!        b    c           *join*: v is an end; nothing is cut
-//!                         *rotation*: a is the new end instead of w; the same number of strips, fewer swaps
+//!                         *rotation*: a is an end instead of w; as many strips, fewer swaps
 //!                         *tunnel*: a has a neighbour x that is an end: one strip fewer
 //! ```
 //! # Algorithm
 //! The ends w are processed in the order of their triangles. All joins, rotations and tunnels of
-//! length three that begin at w are priced by the swaps on the links around them and the strips
-//! that they save. The cheapest one that leaves all paths open is applied if it lowers the cost;
-//! then the new end is processed. A path stays open if the end that its part leads to is not the
+//! length three that start at w are priced by the swaps on the surrounding links and the strips
+//! that they save. The cheapest move that leaves all paths open is applied if it lowers the cost.
+//! Then the new end is processed. A path stays open if the end that its part leads to is not the
 //! end that it is linked to. This is certain if the two were on strips that no move has mixed
-//! since. Otherwise the search walks to the end; beyond a limit the end counts as unknown, and the
+//! since. Otherwise the search walks to the end. Beyond a limit the end counts as unknown, and the
 //! move is rejected.
 //!
 //! The tunnel is that of Stewart (2001); a rotation is that of Pósa (1976), extended to two paths.
@@ -23,7 +23,7 @@
 //! Porcu, Scateni: *An Iterative Stripification Algorithm Based on Dual Graph Operations*, 2003.
 //!
 //! # Complexity
-//! O(ends · walk limit) time; 4 bytes per triangle for its initial strip, and 4 per strip.
+//! O(ends · walk limit) time. 4 bytes per triangle for its initial strip, and 4 per strip.
 
 use super::edge::next;
 use super::policy::STRIP_COST;
@@ -33,18 +33,18 @@ use crate::random::Random;
 use crate::strip::OPEN;
 use crate::union_find::UnionFind;
 
-/// Maximum number of steps of a walk to the end of a path, after which a move is rejected. Tuned on
-/// bunny, horse and armadillo: 64 costs 0.2 % more indices, 1024 saves less than 0.1 %.
+/// Maximum number of steps of a walk to the end of a path, beyond which a move is rejected. Tuned
+/// on bunny, horse and armadillo: 64 costs 0.2 % more indices, and 1024 saves less than 0.1 %.
 const WALK_LIMIT: u32 = 256;
 
 /// The seed of the choices between equal moves.
 const SEED: u64 = 0;
 
-/// Applies moves until none at any end lowers the cost; `strip_of` is the path of each triangle.
-/// Then runs plateau passes, which also apply moves of zero gain, one at random of equal ones.
-/// Returns by how much the cost fell according to the prices of the moves: where the two parts that
-/// a tunnel links are neighbours, one link is priced as before the move, and the tunnel may save
-/// one less.
+/// Applies moves until none lowers the cost at any end. `strip_of` is the path of each triangle.
+/// Then runs plateau passes, which also apply zero-gain moves and choose at random among equal
+/// ones. Returns the reduction of the cost according to the prices of the moves. If the two parts
+/// that a tunnel links are neighbours, one link is priced as before the move, and the tunnel may
+/// save one less.
 pub(super) fn improve(
     graph: &DualGraph,
     cover: &mut PathCover,
@@ -73,7 +73,7 @@ pub(super) fn improve(
     saved
 }
 
-/// One move: link over `link`; before, cut over `cut`; after, link over `join`.
+/// One move: cut over `cut`, link over `link`, then link over `join`.
 #[derive(Debug, Clone, Copy)]
 struct StripMove {
     link: u32,
@@ -88,7 +88,7 @@ struct EndSearch<'a> {
     cover: &'a mut PathCover,
     /// The initial strip of each triangle.
     strip_of: Vec<u32>,
-    /// Strips that moves have mixed: triangles whose strips are in different sets are on different
+    /// Strips that moves have mixed. Triangles whose strips are in different sets are on different
     /// paths.
     mixed: UnionFind,
     random: Random,
@@ -121,15 +121,14 @@ impl EndSearch<'_> {
         if a == edge { b } else { a }
     }
 
-    /// Returns the twin of a half-edge that is known to have one, because a link or a move crosses
-    /// it.
+    /// Returns the twin of a half-edge that must have one, because a link or a move crosses it.
     #[inline]
     fn across(&self, half_edge: u32) -> u32 {
         self.graph.twins()[half_edge as usize]
     }
 
-    /// Returns the swap on a link: 1 where the two triangles turn to the same side, each given its
-    /// edge other than the link.
+    /// Returns the swap on a link: 1 if the two triangles turn to the same side. `here` and `there`
+    /// are their edges other than the link.
     #[inline]
     fn swap(&self, link: u32, here: u32, there: u32) -> i32 {
         if here == OPEN || there == OPEN {
@@ -139,7 +138,7 @@ impl EndSearch<'_> {
         i32::from((link % 3 == next(here)) == (there == next(entry)))
     }
 
-    /// Returns the swap on the link of `t` over `edge` if its other linked edge were `other`.
+    /// Returns the swap on the link of `t` over `edge` if the other linked edge were `other`.
     #[inline]
     fn swap_with(&self, t: u32, edge: u32, other: u32) -> i32 {
         if edge == OPEN {
@@ -150,8 +149,8 @@ impl EndSearch<'_> {
         self.swap(link, other, self.other(twin / 3, twin % 3))
     }
 
-    /// Returns the end of the path that leaves `t` over `edge`; `t` itself if `edge` is `OPEN`,
-    /// `None` beyond the walk limit.
+    /// Returns the end of the path that leaves `t` over `edge`. Returns `t` itself if `edge` is
+    /// `OPEN`, and `None` beyond the walk limit.
     #[inline]
     fn end_beyond(&self, mut t: u32, mut edge: u32) -> Option<u32> {
         for _ in 0..WALK_LIMIT {
@@ -171,8 +170,8 @@ impl EndSearch<'_> {
         self.mixed.find(self.strip_of[t as usize])
     }
 
-    /// Returns the cheapest move at an end, of those that cost at most `highest_price` and leave
-    /// every path open.
+    /// Returns the cheapest move at an end that costs at most `highest_price` and leaves every path
+    /// open.
     fn best_move(&mut self, w: u32, highest_price: i32) -> Option<StripMove> {
         let inner_w = self.linked_edge(w);
         let root_w = self.root(w);
@@ -207,7 +206,7 @@ impl EndSearch<'_> {
                     + self.swap_with(a, beyond_a, edge_a);
                 let rotated =
                     at_w + self.swap(link, inner_w, kept) + self.swap_with(v, kept, edge_v) - before;
-                // A link to `a` itself is impossible: no edge would be left to leave it.
+                // Linking to `a` itself is impossible: no edge would be left to leave it.
                 if a == w {
                     continue;
                 }
@@ -242,8 +241,8 @@ impl EndSearch<'_> {
         best
     }
 
-    /// Checks whether a price is lower than the best, or, where equal prices are allowed, equal to
-    /// it and chosen at random.
+    /// Returns whether a price is lower than the best. A price equal to the best is accepted at
+    /// random if equal prices are allowed.
     #[inline]
     fn beats(&mut self, price: i32, best: i32, highest: i32, equals: &mut usize) -> bool {
         if price < best || highest < 0 {

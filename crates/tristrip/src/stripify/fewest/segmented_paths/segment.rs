@@ -31,8 +31,8 @@ impl Segment {
         if self.reversed { self.low } else { self.high }
     }
 
-    /// Splits the segment after a position, in its own direction. The second part is `None` if that
-    /// is the last position.
+    /// Splits the segment after a position, in its own direction. The second part is `None` if the
+    /// position is the last one.
     pub(super) fn split_after(self, position: u32) -> (Self, Option<Self>) {
         if position == self.last() {
             (self, None)
@@ -48,8 +48,8 @@ impl Segment {
     }
 }
 
-/// A path as it is now, from its head to its tail. It has no segments after it was joined to
-/// another path.
+/// A current path, from its head to its tail. It has no segments after it was joined to another
+/// path.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SegmentedPath {
     pub(super) segments: Vec<Segment>,
@@ -58,7 +58,7 @@ pub(super) struct SegmentedPath {
 }
 
 impl SegmentedPath {
-    /// Copies another path into this one and keeps the allocation.
+    /// Copies another path into this one, reusing the allocation.
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.segments.clone_from(&other.segments);
         (self.head, self.tail) = (other.head, other.tail);

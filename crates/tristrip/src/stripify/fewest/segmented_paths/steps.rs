@@ -1,11 +1,11 @@
-//! The changes of paths: steps of a walk, and cuts. Each changes the links of the cover and the
+//! Changes of paths: steps of a walk, and cuts. Each changes the links of the cover and the
 //! segments of the paths together.
 //!
 //! ```text
-//!   rotate      w ┄┄ v ━━ x         the segments after v are reversed, so that x is the tail
+//!   rotate      w ┄┄ v ━━ x         the segments after v are reversed; x is the new tail
 //!   take part   w ┄┄ v ━━ x         v's part moves from its path to w's; x is the new end of the rest
 //!   append      w ┄┄ y              y's path is appended to w's
-//!   close       w ┄┄ h, y ┄┄ v      the segments up to v move behind the others, and y's path behind them
+//!   close       w ┄┄ h, y ┄┄ v      the segments up to v move to the end, followed by y's path
 //! ```
 
 use super::segment::reverse_segments;
@@ -13,8 +13,8 @@ use super::{LinkChange, NO_EDGE, SegmentedPaths, WalkEnd, WalkStep};
 use crate::random::Random;
 
 impl SegmentedPaths<'_> {
-    /// Divides a path's segments after a triangle in segment `i`. Returns the index of the segment
-    /// at which the second part begins.
+    /// Splits a path's segments after a triangle in segment `i`. Returns the index of the first
+    /// segment of the second part.
     fn split_after(&mut self, path: usize, i: usize, t: u32) -> usize {
         let segments = &mut self.changed[path].segments;
         let (first, second) = segments[i].split_after(self.positions[t as usize].position);
@@ -38,12 +38,12 @@ impl SegmentedPaths<'_> {
         self.journal.push(LinkChange::Cut(half_edge));
     }
 
-    /// Does one step from an end, but not back: joins it to an adjacent end of another path if
-    /// there is one, otherwise moves the end by two triangles.
+    /// Makes one step from an end, but not back. Joins the end to an adjacent end of another path
+    /// if there is one, otherwise moves it by two triangles.
     ///
     /// If the two ends of a path are adjacent, the path can be closed and opened anywhere else.
-    /// That is done if the end of another path is adjacent to it, and only while there are at most
-    /// `closing_limit` paths, since all their ends are examined.
+    /// This is done if the end of another path is adjacent to it, and only while there are at most
+    /// `closing_limit` paths, because all their ends are examined.
     pub(in crate::stripify::fewest) fn step(
         &mut self,
         end: WalkEnd,
@@ -95,7 +95,7 @@ impl SegmentedPaths<'_> {
     }
 
     /// Rotates a path at its tail (Pósa): links the tail to `v`, inside the path, and cuts v's link
-    /// on the side toward the tail. Refused if v is linked to the tail.
+    /// on the side of the tail. Returns `None` if v is linked to the tail.
     fn rotate(&mut self, id: usize, half_edge: u32, at: (usize, usize)) -> Option<WalkEnd> {
         let v = self.twin(half_edge) / 3;
         let toward_tail = self.half_edge_toward(at, v, true);
@@ -112,8 +112,8 @@ impl SegmentedPaths<'_> {
         Some(WalkEnd { path: id, back: Some(back) })
     }
 
-    /// Links the tail of a path to `v`, inside another one, and cuts v's link toward the other's
-    /// head or its tail. The path takes v's part; the other part has the new end.
+    /// Links the tail of a path to `v`, inside another path, and cuts v's link toward the other
+    /// path's head or tail. The path takes v's part; the other part has the new end.
     fn take_part(&mut self, id: usize, half_edge: u32, at: (usize, usize), toward_tail: bool) -> WalkEnd {
         let v = self.twin(half_edge) / 3;
         let other = at.0;
@@ -121,8 +121,8 @@ impl SegmentedPaths<'_> {
         let back = self.twin(cut);
         self.cut(cut);
         self.link(half_edge);
-        // The other path is reversed if the cut is toward its tail, so that v's part is always the
-        // second one.
+        // Reverse the other path if the cut is toward its tail: v's part is then always the second
+        // one.
         let mut i = at.1;
         if toward_tail {
             self.changed[other].reverse();
@@ -144,7 +144,7 @@ impl SegmentedPaths<'_> {
         WalkEnd { path: other, back: Some(back) }
     }
 
-    /// Appends a path, from its end `v`, to the tail of another.
+    /// Appends a path, starting at its end `v`, to the tail of another path.
     fn append(&mut self, id: usize, other: usize, v: u32) {
         if self.changed[other].head != v {
             self.changed[other].reverse();
@@ -156,7 +156,7 @@ impl SegmentedPaths<'_> {
         self.path_count -= 1;
     }
 
-    /// Closes a path across `closing` and opens it beside the end of another path, to which it is
+    /// Closes a path across `closing` and opens it next to the end of another path, to which it is
     /// joined. Returns whether there was such an end.
     fn close(&mut self, id: usize, closing: u32) -> bool {
         for y in self.other_ends(id) {
@@ -187,7 +187,7 @@ impl SegmentedPaths<'_> {
         false
     }
 
-    /// Lists the ends of all paths but one.
+    /// Returns the ends of all paths except one.
     fn other_ends(&self, id: usize) -> Vec<u32> {
         let mut ends = Vec::with_capacity(2 * self.path_count);
         for (other, path) in self.changed[..self.changed_count].iter().enumerate() {
@@ -204,15 +204,15 @@ impl SegmentedPaths<'_> {
         ends
     }
 
-    /// Cuts the path after a triangle, toward its tail. Returns the half-edge that was cut; `None`
-    /// if the path ends there.
+    /// Cuts the path after a triangle, toward its tail. Returns the half-edge that was cut, or
+    /// `None` if the path ends there.
     pub(in crate::stripify::fewest) fn cut_after(&mut self, t: u32) -> Option<u32> {
         let at = self.locate(t);
         if t == self.changed[at.0].tail {
             return None;
         }
         let cut = match self.linked_edges(t) {
-            // A head has one link only.
+            // A head has only one link.
             (edge, NO_EDGE) => 3 * t + edge,
             _ => self.half_edge_toward(at, t, true),
         };

@@ -1,4 +1,4 @@
-//! Random changes, after each of which the segments are compared with the links.
+//! Random changes. After each of them the segments are compared with the links.
 
 use proptest::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::dual::DualGraph;
 use crate::stripify::generated_meshes::triangle_graph;
 
 impl SegmentedPaths<'_> {
-    /// Lists the triangles of each path by its segments, from head to tail.
+    /// Returns the triangles of each path by its segments, from head to tail.
     fn by_segments(&self) -> Vec<Vec<u32>> {
         let triangles_of = |s: &Segment| {
             let mut part = self.paths[s.path as usize][s.low as usize..=s.high as usize].to_vec();
@@ -47,7 +47,7 @@ impl SegmentedPaths<'_> {
     }
 }
 
-/// Lists all half-edges that are linked.
+/// Returns all linked half-edges.
 fn links(cover: &PathCover) -> Vec<crate::HalfEdge> {
     let faces = (0..cover.len() as u32).map(crate::FaceId);
     let mut links: Vec<_> = faces.flat_map(|face| cover.edges(face).into_iter().flatten()).collect();
@@ -55,7 +55,7 @@ fn links(cover: &PathCover) -> Vec<crate::HalfEdge> {
     links
 }
 
-/// Does a number of random changes.
+/// Makes a number of random changes.
 fn change_at_random(paths: &mut SegmentedPaths<'_>, graph: &DualGraph, random: &mut Random, count: usize) {
     let mut end = paths.random_end(random);
     for _ in 0..count {
