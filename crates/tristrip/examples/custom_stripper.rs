@@ -1,5 +1,5 @@
-//! A stripper of your own: chooses a path cover of the dual graph, and proves its strips:
-//! `cargo run -p tristrip --example custom_stripper`.
+//! Implements a custom stripper: chooses a path cover of the dual graph, and proves the strips. Run
+//! with `cargo run -p tristrip --example custom_stripper`.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
 use std::error::Error;
@@ -21,10 +21,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let graph = DualGraph::new(prepared.faces());
     let triangulation = Triangulation::fans(&prepared, &graph)?;
 
-    // 2. The method: paths are joined across shared edges, the longest edges first.
+    // 2. The method: join paths across shared edges, longest edges first.
     let mut edges: Vec<(f32, HalfEdge)> = Vec::new();
     for (h, twin) in (0_u32..).zip(triangulation.graph().half_edge_twins()) {
-        // Each shared edge once.
+        // Visit each shared edge once.
         if twin.is_some_and(|twin| h < twin.0) {
             edges.push((squared_length(&mesh, triangulation.triangles(), h), HalfEdge(h)));
         }

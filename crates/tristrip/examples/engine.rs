@@ -1,4 +1,4 @@
-//! Draws a mesh at the detail that a camera needs, in two ways:
+//! Draws a mesh at the detail that a camera needs, in two ways. Run with
 //! `cargo run --release -p tristrip --example engine`.
 #![allow(clippy::print_stdout, reason = "an example prints its results")]
 
@@ -19,10 +19,10 @@ fn main() -> Result<(), tristrip::Error> {
     // ANCHOR_END: build
 
     // ANCHOR: level
-    // Once per instance: a cursor with an index buffer of its own.
+    // Once per instance: a cursor with its own index buffer.
     let mut cursor = model.cursor::<u16>()?;
 
-    // In every frame: the coarsest level with an error of at most one pixel.
+    // Per frame: the coarsest level with an error of at most one pixel.
     for distance in [50.0, 500.0, 5000.0] {
         let view = View::of_camera(distance, 45.0, 1080.0)?;
         cursor.follow_pixels(1.0, view, Hysteresis::default())?;
@@ -35,17 +35,17 @@ fn main() -> Result<(), tristrip::Error> {
     // ANCHOR_END: level
 
     // ANCHOR: view
-    // Once per mesh: a merge tree, and the strips over it.
+    // Once per mesh: a merge tree, and strips over it.
     let tree =
         merge_tree(&mesh, strips.to_list(), MergeOrder::Quadric, &SimplifyOptions::default())?.sequence;
     let model = Arc::new(SkipStrips::new(&strips, &tree, mesh.positions())?);
 
-    // Once per camera: a view. In every frame: an update.
+    // Once per camera: a view. Per frame: an update.
     let mut view = model.view();
     let criteria = ViewCriteria::default().with_pixels(1.0).with_budget(5_000);
     for x in [0.0, 25.0, 50.0, 75.0, 100.0] {
         let camera = Camera::new([x, 20.0, -10.0], [50.0, 0.0, 50.0])?;
-        // Upload update.changed, the ranges of view.indices() that differ from the last frame.
+        // Upload update.changed, the ranges of view.indices() that differ from the previous frame.
         let update = view.update(&camera, &criteria)?;
         println!("x {x}: {} triangles, {} ranges to upload", view.triangle_count(), update.changed.len());
     }

@@ -1,4 +1,4 @@
-//! Strips an index buffer of 16 bits, without positions:
+//! Converts a 16-bit index buffer into strips, without positions. Run with
 //! `cargo run -p tristrip --example index_buffer`.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 

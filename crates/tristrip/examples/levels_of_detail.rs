@@ -1,8 +1,8 @@
-//! Draws a mesh at another level of detail in every frame:
+//! Draws a mesh at another level of detail in every frame. Run with
 //! `cargo run --release -p tristrip --example levels_of_detail`.
 //!
-//! The mesh flies away from the eye and comes back. In each frame its error may cover one pixel,
-//! and only the ranges of the index buffer that changed would be sent to the graphics processor.
+//! The mesh moves away from the camera and returns. In each frame its error may cover one pixel.
+//! Only the changed ranges of the index buffer would be uploaded to the GPU.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
 use std::sync::Arc;
@@ -12,9 +12,9 @@ use tristrip::lod::{Encoding, LevelCursor, LevelModel, ProgressiveStrips, View};
 use tristrip::simplify::{SimplifyOptions, simplify_triangles};
 use tristrip::{Faces, Layout, Mesh, StripifyOptions, stripify};
 
-/// Frames of the flight.
+/// Number of frames of the flight.
 const FRAMES: usize = 600;
-/// Rows of the image.
+/// Number of rows of the image.
 const ROWS: f32 = 1080.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -30,13 +30,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh =
         Mesh::new((0..side * side).map(at).collect::<Vec<_>>(), Faces::from_polygons(cells.map(quad))?)?;
 
-    // Once: strips of the full mesh, the collapses, and the model of all levels.
+    // Once: the strips of the full mesh, the collapses, and the model of all levels.
     let strips = stripify(&mesh, &StripifyOptions::default())?;
     let sequence = simplify_triangles(&mesh, strips.to_list(), &SimplifyOptions::default())?.sequence;
     let model = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?);
     println!("{} levels, {} kB", model.levels().collapse_count() + 1, model.memory() / 1000);
 
-    // In every frame: a level, its strips, and what changed in the buffer.
+    // Per frame: a level, its strips, and the changes of the buffer.
     let mut cursor = model.cursor();
     let mut buffer: Vec<u16> = Vec::new();
     let (mut triangles, mut sent) = (0, 0);

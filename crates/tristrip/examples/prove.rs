@@ -1,4 +1,4 @@
-//! Proves strips, and shows what the proof says of wrong ones:
+//! Proves strips, and shows the result for incomplete ones. Run with
 //! `cargo run -p tristrip --example prove`.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
@@ -19,7 +19,7 @@ fn main() -> Result<(), tristrip::Error> {
     }
     // ANCHOR_END: prove
 
-    // Without its first strip the cube is not complete.
+    // Without its first strip the cube is incomplete.
     let mut wrong = Strips::default();
     strips.iter().skip(1).for_each(|strip| wrong.push(strip));
     match verify(&mesh, &wrong) {

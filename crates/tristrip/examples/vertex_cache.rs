@@ -1,4 +1,4 @@
-//! Orders strips for a vertex cache, and counts its misses:
+//! Orders strips for a vertex cache, and counts its misses. Run with
 //! `cargo run --release -p tristrip --example vertex_cache`.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 

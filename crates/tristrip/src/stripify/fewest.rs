@@ -87,8 +87,8 @@ const NEAREST: usize = 3;
 const CLOSING_LIMIT: usize = 64;
 /// Paths are renumbered when this many of them are touched,
 const TOUCHED_LIMIT: usize = 16;
-/// or when the number of segments exceeds this multiple of the root of the mean path length, within
-/// these limits:
+/// or when the number of segments exceeds this multiple of the square root of the mean path length,
+/// within these limits:
 const SEGMENTS_PER_ROOT: usize = 4;
 const SEGMENT_LIMITS: (usize, usize) = (32, 4096);
 /// Number of triangles reached by a distance map that count as one step.

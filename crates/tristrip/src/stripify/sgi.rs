@@ -1,33 +1,34 @@
-//! `sgi`: the SGI algorithm, a greedy method that leaves few triangles isolated and to which later
-//! methods are compared.
+//! `sgi`: the SGI algorithm, a greedy method that leaves few isolated triangles. Later methods are
+//! compared with it.
 //!
-//! A strip continues to the neighbour with the fewest free neighbours, so that no region is cut
-//! off. Swaps are not avoided: they cost one bit in the library that the algorithm was written for.
+//! A strip continues to the neighbour with the fewest free neighbours, which avoids cutting off
+//! regions. Swaps are not avoided, because they cost one bit in the library that the algorithm was
+//! written for.
 //!
 //! ```text
-//!   ╲  1 ╱╲  2 ╱        The strip is at the triangle in the middle. The left neighbour has one free neighbour,
-//!    ╲  ╱● ╲  ╱         the right neighbour has two: the strip turns left.
+//!   ╲  1 ╱╲  2 ╱        The strip is at the triangle in the middle. The left neighbour has
+//!    ╲  ╱● ╲  ╱         one free neighbour, the right one has two: the strip turns left.
 //!     ╲╱────╲╱
 //! ```
 //!
 //! # Algorithm
-//! 1. Polygons are triangulated first, by alternate left and right turns: the algorithm works on
-//!    triangles only.
+//! 1. Polygons are triangulated first, by alternate left and right turns, because the algorithm
+//!    works only on triangles.
 //! 2. A strip starts at a free triangle with the fewest free neighbours.
 //! 3. It continues to the free neighbour with the fewest free neighbours. Ties are broken by the
 //!    fewest free neighbours of a neighbour's neighbour (one level of look-ahead), then by the
-//!    winding: the last tie, see [`LastTie`].
+//!    winding (the last tie, see [`LastTie`]).
 //! 4. At a dead end it continues from its start in the same way.
 //!
-//! The implementation follows section 3 of the paper. Where that says "arbitrary", the start is the
-//! triangle that lost a neighbour most recently.
+//! The implementation follows section 3 of the paper. Where the paper says "arbitrary", the start
+//! is the triangle that lost a neighbour most recently.
 //!
 //! # References
 //! Akeley, Haeberli, Burns: `tomesh.c`, SGI Developer's Toolbox CD, 1990; Evans, Skiena, Varshney:
 //! *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 3 and figure 4.
 //!
 //! # Complexity
-//! O(n) time, by a bucket queue; 22 bytes per triangle.
+//! O(n) time with a bucket queue; 22 bytes per triangle.
 
 use super::{LastTie, StripPlan, stripe};
 use crate::dual::DualGraph;
@@ -60,7 +61,7 @@ mod tests {
         graph: &'a DualGraph,
         cover: PathCover,
         taken: Vec<bool>,
-        /// The last time that a triangle lost a neighbour.
+        /// The last time at which each triangle lost a neighbour.
         changed: Vec<i64>,
         clock: i64,
         last_tie: LastTie,
@@ -87,7 +88,7 @@ mod tests {
             }
         }
 
-        /// The half-edges of a face after its entry.
+        /// Returns the half-edges of a face after its entry.
         fn exits(entry: HalfEdge) -> [HalfEdge; 2] {
             [1, 2].map(|i| HalfEdge(entry.0 / 3 * 3 + (entry.0 + i) % 3))
         }
@@ -95,7 +96,7 @@ mod tests {
         fn grow(&mut self, mut exits: Vec<HalfEdge>) -> Option<HalfEdge> {
             let mut first = None;
             loop {
-                // Of equal neighbours the first in this order is taken.
+                // Of equal neighbours the first in this order is chosen.
                 if self.last_tie == LastTie::Last {
                     exits.reverse();
                 }
@@ -140,7 +141,7 @@ mod tests {
         check(&plan(&prepared, &graph, last_tie))
     }
 
-    /// Two triangles per cell of a grid, some with the other diagonal, some left out.
+    /// Two triangles per cell of a grid, some with the other diagonal, some omitted.
     fn any_triangles() -> impl Strategy<Value = Vec<[u32; 3]>> {
         prop::collection::vec(0..9_u8, 49).prop_map(|kinds| {
             let cut = |(i, kind): (usize, u8)| {
@@ -190,8 +191,8 @@ mod tests {
 
     #[test]
     fn starts_at_the_fewest_neighbours() {
-        // Three arms of two triangles around one triangle: one strip covers two of the arms from
-        // end to end, another the third.
+        // Three arms of two triangles around a triangle: one strip covers two arms from end to end,
+        // another one the third.
         let star = [[0, 1, 2], [1, 0, 3], [2, 1, 4], [0, 2, 5], [3, 0, 6], [4, 1, 7], [5, 2, 8]];
         assert_eq!(with_plan(&star, LastTie::Last, |plan| plan.cover.path_count()), 2);
     }

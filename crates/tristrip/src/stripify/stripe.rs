@@ -1,8 +1,8 @@
-//! STRIPE: strips that choose how polygons are cut, locally by adjacency and globally by patches of
-//! quadrilaterals.
+//! STRIPE: strips that choose the triangulation of polygons, locally by adjacency and globally by
+//! patches of quadrilaterals.
 //!
-//! It was the first published method that takes polygons, and gains from the freedom to choose
-//! their diagonals.
+//! It was the first published method for polygons, and benefits from the freedom to choose their
+//! diagonals.
 //!
 //! ```text
 //!  static            whole face              partial face
@@ -14,22 +14,22 @@
 //! ```
 //!
 //! # Algorithm
-//! *Local* (section 3.1): from a face with the fewest neighbours to a neighbour with the fewest
-//! neighbours, and so on, in both directions; [`Ties`] chooses among several. Faces are cut
-//! beforehand, or when a strip passes: see [`FaceTriangulation`].
+//! *Local* (section 3.1): a strip goes from a face with the fewest neighbours to a neighbour with
+//! the fewest neighbours, and so on, in both directions. [`Ties`] breaks ties. Faces are cut in
+//! advance, or when a strip passes: see [`FaceTriangulation`].
 //!
 //! *Global* (section 3.2):
 //! 1. The largest rectangular patches of quadrilaterals are found, down to a cutoff.
-//! 2. Each row of a patch becomes a strip, or column, whichever is longer; or the whole patch
+//! 2. Each row or column of a patch becomes a strip, whichever is longer; or the whole patch
 //!    becomes one strip ([`Patches`]).
-//! 3. The local algorithm covers the rest.
+//! 3. The local algorithm covers the remaining faces.
 //!
-//! Where the paper is silent: of the faces with the fewest neighbours, strips start at the one that
-//! has had so few for the longest time; the first face of a strip is cut for the second. Step 3
-//! takes whole faces, with the ties of the method; step 2 takes all patches before the strips of
-//! full patches grow.
+//! The paper leaves some choices open. Here, strips start at the face that has had the fewest
+//! neighbours for the longest time. The first face of a strip is cut for the second. Step 3 takes
+//! whole faces, with the ties of the method. Step 2 takes all patches before the strips of full
+//! patches grow.
 //!
-//! Our own global method, with fewer vertices, is [`quad_rows`].
+//! [`quad_rows`] is this library's own global method, with fewer vertices.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering* (the
@@ -38,8 +38,8 @@
 //! Real-Time Rendering*, 2000.
 //!
 //! # Complexity
-//! O(n) time, O(n log n) at worst with partial faces; patches take a few rounds of O(n). About 40
-//! bytes per triangle beside the triangulation.
+//! O(n) time, or O(n log n) in the worst case with partial faces. Patches take a few rounds of
+//! O(n). About 40 bytes per triangle in addition to the triangulation.
 
 mod local;
 mod patch;
@@ -112,7 +112,7 @@ pub(super) fn plan_global<'a>(
     Ok(triangulator.finish())
 }
 
-/// Checks that patches have a least size.
+/// Checks that the minimum size of patches is not zero.
 fn check_cutoff(cutoff: u32) -> Result<(), Error> {
     if cutoff == 0 {
         return Err(Error::Parameter {
@@ -124,7 +124,7 @@ fn check_cutoff(cutoff: u32) -> Result<(), Error> {
     Ok(())
 }
 
-/// Covers triangles by least adjacency, ties by one level of look-ahead.
+/// Covers triangles by the lowest adjacency. One level of look-ahead breaks ties.
 pub(super) fn cover_by_look_ahead(graph: &DualGraph, last_tie: LastTie) -> PathCover {
     let rules = StripRules { last_tie, starts: QueueOrder::LastChanged, ..StripRules::PUBLISHED };
     cover(graph, rules.with_ties(Ties::LookAhead), 0)

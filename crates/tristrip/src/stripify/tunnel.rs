@@ -1,18 +1,18 @@
-//! `tunnel`: fewer strips by tunnels, alternating paths between the ends of strips.
+//! `tunnel`: fewer strips by tunnels, which are alternating paths between the ends of strips.
 //!
-//! The edges of the dual graph within strips are black, all others red. A *tunnel* leads from a
-//! terminal, which is the end of a strip or an isolated triangle, over a red edge, a black one, and
-//! so on, and over a red one to another terminal. Complementing it, red to black and black to red,
-//! leaves one strip fewer.
+//! The edges of the dual graph within strips are black, all others red. A *terminal* is the end of
+//! a strip or an isolated triangle. A *tunnel* leads from a terminal to another terminal and
+//! alternates between red and black edges, starting and ending with red ones. Complementing it (red
+//! to black and black to red) leaves one strip fewer.
 //!
 //! ```text
 //!   w ┄┄ v ━━ b ┄┄ x         w ━━ v    b ━━ x
 //!        ┃    ┃        ─▶         ┃    ┃          three strips become two
 //!        c    d                   c    d
 //! ```
-//! `baseline` is the operator as it was first described; [`eta`](super::eta) is the search that
-//! makes it local, and [`guided_tunnels`](super::guided_tunnels) ours. The first and the last find
-//! loops by `path_tags` and `path_intervals`.
+//! `baseline` is the original operator. [`eta`](super::eta) is the published search that makes it
+//! local, and [`guided_tunnels`](super::guided_tunnels) is this library's variant. `tunnel` and
+//! `guided_tunnels` find loops by `path_tags` and `path_intervals`.
 //!
 //! # References
 //! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001 (the
@@ -48,8 +48,7 @@ pub(super) fn plan<'a>(
     plan
 }
 
-/// Plans strips by joining initial strips. The triangulation is that of the strips that it starts
-/// from.
+/// Plans strips by joining initial strips. The triangulation is that of the initial strips.
 pub(super) fn plan_joined<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,

@@ -199,7 +199,7 @@ struct StripPosition {
 }
 
 impl StripPosition {
-    /// Returns the position at an end of a strip, which has one link at most.
+    /// Returns the position at an end of a strip. An end has at most one link.
     fn at_end(triangle: u32) -> Self {
         Self { triangle, back: TagLink::Free }
     }

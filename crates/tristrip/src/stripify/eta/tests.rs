@@ -19,7 +19,7 @@ use crate::stripify::watch::{Progress, Watch};
 use crate::stripify::{Acceptance, Localization, Method, Start, StripifyOptions, TunnelOptions, plan};
 use crate::verify::verify;
 
-/// The default, with other tunnels.
+/// Returns the default options with other tunnels.
 fn eta(tunnels: TunnelOptions) -> EtaOptions {
     EtaOptions { tunnels, acceptance: Acceptance::default(), localization: Localization::default() }
 }
@@ -34,7 +34,7 @@ fn joined(graph: &DualGraph, cover: &PathCover, options: EtaOptions, seed: u64) 
     cover
 }
 
-/// Returns whether a terminal has a tunnel of at most `length` edges no step of which closes a
+/// Returns whether a terminal has a tunnel of at most `length` edges without a step that closes a
 /// loop, by cutting and linking on the cover itself.
 fn has_tunnel(graph: &DualGraph, cover: &PathCover, length: usize) -> bool {
     fn follow(
@@ -81,7 +81,7 @@ fn has_tunnel(graph: &DualGraph, cover: &PathCover, length: usize) -> bool {
     terminals.any(|t| follow(graph, cover, &mut changed, t, length, &mut Vec::new()))
 }
 
-/// Returns the number of steps from a triangle to each other.
+/// Returns the number of steps from a triangle to every other one.
 fn distances(graph: &DualGraph, from: u32) -> Vec<u32> {
     let mut distances = vec![u32::MAX; graph.face_count()];
     distances[from as usize] = 0;
@@ -137,8 +137,8 @@ proptest! {
         }
     }
 
-    /// Within the star every strip keeps the order of its triangles, and continues where it comes
-    /// back.
+    /// Within the star every strip keeps the order of its triangles, and continues where it
+    /// returns.
     #[test]
     fn temporary_edges_bridge_what_lies_outside((graph, cover) in graph_and_cover(), length in 0..6_u32, at in any::<prop::sample::Index>()) {
         prop_assume!(!cover.is_empty());
@@ -179,7 +179,7 @@ fn makes_few_strips_of_a_closed_grid() {
     assert!(covers.iter().all(|cover| cover.path_count() <= 3), "{:?}", covers.map(|c| c.path_count()));
 }
 
-/// Localization is what makes the accesses of a search independent of the lengths of strips.
+/// Localization makes the accesses of a search independent of the lengths of strips.
 #[test]
 fn localization_saves_accesses_where_strips_are_long() {
     #[derive(Default)]

@@ -1,4 +1,4 @@
-//! Tests of `eta` over generated graphs and closed grids.
+//! Tests of `guided-tunnels` over generated graphs and closed grids.
 
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;

@@ -256,7 +256,7 @@ impl EndSearch<'_> {
         self.random.below(*equals) == 0
     }
 
-    /// Checks whether a tunnel closes no path. The cut between v and a leaves two parts of a path,
+    /// Returns whether a tunnel closes no path. The cut between v and a leaves two parts of a path,
     /// one with v and one with a.
     fn tunnel_is_open(&mut self, w: u32, v: (u32, u32), a: (u32, u32), x: u32) -> bool {
         let root_v = self.root(v.0);

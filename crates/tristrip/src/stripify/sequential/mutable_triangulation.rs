@@ -1,25 +1,25 @@
-//! Triangulations that the strips may change: fixed triangles, or polygons that are triangulated as
-//! a strip enters them.
+//! Triangulations that strips may change: fixed triangles, or polygons that are triangulated when a
+//! strip enters them.
 //!
 //! ```text
-//!   d ─── c      A strip enters over a–b; its next free turn is to the left or to the right. One of the diagonals
-//!   │     │      a–c and b–d lets it cross to c–d without a swap.
+//!   d ─── c      A strip enters over a–b; its next free turn is to the left or to the right.
+//!   │     │      One of the diagonals a–c and b–d leads to c–d without a swap.
 //!   a ─── b
 //! ```
 //! # Algorithm
 //! *Entry*: a polygon of at most 64 corners without taken triangles is triangulated by alternate
-//! turns from the edge where a run enters it. The first turn is the one that is free there.
+//! turns, starting at the edge where a run enters it. The first turn is the free one.
 //!
 //! *Choice of diagonals*: once the paths are known, each quadrilateral that a path crosses from one
-//! edge to the opposite one may still have either diagonal. Dynamic programming over the last turn
-//! finds the best choice for all of them along a path.
+//! edge to the opposite one may have either diagonal. Dynamic programming over the last turn finds
+//! the best choice along a path.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996,
 //! section 3.1 (dynamic whole-face triangulation).
 //!
 //! # Complexity
-//! O(corners) time; 28 bytes per triangle and 4 per corner.
+//! O(corners) time. 28 bytes per triangle and 4 per corner.
 
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, Triangulation};
@@ -27,23 +27,23 @@ use crate::ids::{HalfEdge, OptionalId};
 use crate::mesh::Faces;
 use crate::strip::Step;
 
-/// Polygons of more corners keep their first triangulation: every tentative run that enters one
-/// would triangulate it again.
+/// Polygons with more corners keep their first triangulation, because every tentative run that
+/// enters one would triangulate it again.
 const RETRIANGULATION_LIMIT: usize = 64;
 
-/// The triangulation that a greedy stripper works on.
+/// The triangulation of a greedy stripper.
 pub(super) trait MutableTriangulation {
     /// Whether faces may be larger than triangles.
     const HAS_POLYGONS: bool;
-    /// Up to this number of triangles every policy is run. Polygon meshes are modelled by hand and
-    /// worth more time.
+    /// Maximum number of triangles up to which every policy is run. Polygon meshes are usually
+    /// modelled by hand and worth more time.
     const SMALL: usize = if Self::HAS_POLYGONS { 32_768 } else { 8192 };
 
     /// Returns the dual graph of the current triangles.
     fn graph(&self) -> &DualGraph;
 
-    /// Triangulates the polygon that a run enters over `exit` so that its first turn is free, if
-    /// none of its triangles is touched. Returns its new triangles.
+    /// Triangulates the polygon that a run enters over `exit` so that the first turn is free,
+    /// unless one of its triangles is touched. Returns its new triangles.
     fn enter(
         &mut self,
         exit: u32,
@@ -80,13 +80,12 @@ pub(super) struct PolygonTriangulation<'a> {
     graph: DualGraph,
     triangles: Vec<u32>,
     face_of: Vec<u32>,
-    /// The half-edge of a triangle on each edge of a face, indexed by the corner where the edge
-    /// begins.
+    /// The half-edge of a triangle on each edge of a face, by the corner where the edge starts.
     at_corner: Vec<OptionalId>,
 }
 
 impl<'a> PolygonTriangulation<'a> {
-    /// Triangulates every face from its first edge.
+    /// Triangulates every face, starting at its first edge.
     pub(super) fn new(faces: &'a Faces, face_graph: &'a DualGraph) -> Self {
         let triangle_count = faces.triangle_count();
         let mut face_of = Vec::with_capacity(triangle_count);
@@ -105,22 +104,22 @@ impl<'a> PolygonTriangulation<'a> {
         polygons
     }
 
-    /// Returns the triangles.
+    /// Returns the triangulation.
     pub(super) fn into_triangulation(self) -> Triangulation<'a> {
         Triangulation::from_parts(self.triangles, self.graph)
     }
 
-    /// Triangulates a face by alternate turns from the edge that begins at one of its corners;
-    /// `even` selects the first turn. The triangles are numbered in the order of a strip from that
-    /// edge, which enters each of them over its edge 0.
+    /// Triangulates a face by alternate turns, starting at the edge of the corner `from`. `even`
+    /// selects the first turn. The triangles are numbered in the order of a strip that enters each
+    /// of them over its edge 0.
     fn triangulate(&mut self, face: usize, from: u32, even: bool) {
         let range = self.faces.range(face);
         let (start, size) = (range.start as u32, range.len() as u32);
         let before = |corner: u32| if corner == 0 { size - 1 } else { corner - 1 };
         let after = |corner: u32| if corner + 1 == size { 0 } else { corner + 1 };
         let first = self.first_triangle(face);
-        // The entry and the side of the first triangle's other boundary edge tell all
-        // triangulations apart.
+        // The entry and the side of the first triangle's other boundary edge identify a
+        // triangulation.
         let (second, second_edge) = if even { (before(from), 2) } else { (after(from), 1) };
         let at = |corner: u32| self.at_corner[(start + corner) as usize];
         if [at(from), at(second)] == [3 * first, 3 * first + second_edge].map(OptionalId::some) {
@@ -140,8 +139,8 @@ impl<'a> PolygonTriangulation<'a> {
             if let Some(diagonal) = diagonal {
                 self.pair(diagonal, Some(base));
             }
-            // Of the other two edges, one is on the boundary of the face; of the last triangle,
-            // both are.
+            // One of the other two edges is on the boundary of the face. For the last triangle both
+            // are.
             let mut corners =
                 [entry_corner.take(), (after(q) == r).then_some(q), (after(r) == p).then_some(r)];
             for (half_edge, corner) in (base..).zip(&mut corners) {
@@ -162,14 +161,14 @@ impl<'a> PolygonTriangulation<'a> {
         }
     }
 
-    /// Returns the first triangle of a face: each previous face has two triangles fewer than
+    /// Returns the first triangle of a face. Each previous face has two triangles fewer than
     /// corners.
     fn first_triangle(&self, face: usize) -> u32 {
         (self.faces.range(face).start - 2 * face) as u32
     }
 
-    /// Returns the edge of the face that a half-edge lies on, counted within the face; `None` for a
-    /// diagonal.
+    /// Returns the edge of the face that contains a half-edge, counted within the face, or `None`
+    /// for a diagonal.
     fn face_edge(&self, face: usize, half_edge: u32) -> Option<u32> {
         self.at_corner[self.faces.range(face)]
             .iter()
@@ -177,7 +176,7 @@ impl<'a> PolygonTriangulation<'a> {
             .map(|edge| edge as u32)
     }
 
-    /// Makes two half-edges twins, or one a boundary.
+    /// Makes two half-edges twins, or one half-edge a boundary.
     fn pair(&mut self, half_edge: u32, twin: Option<u32>) {
         self.graph.set_twin(half_edge, twin);
         if let Some(twin) = twin {
@@ -185,8 +184,8 @@ impl<'a> PolygonTriangulation<'a> {
         }
     }
 
-    /// Returns the edges of a quadrilateral over which a path enters and leaves two neighbouring
-    /// triangles of it, if these edges are opposite.
+    /// Returns the edges of a quadrilateral over which a path enters and leaves its two triangles,
+    /// or `None` unless these edges are opposite.
     fn crossing(&self, step: Step, then: Step) -> Option<QuadCrossing> {
         let face = self.face_of[step.triangle as usize];
         let range = self.faces.range(face as usize);
@@ -198,8 +197,8 @@ impl<'a> PolygonTriangulation<'a> {
         (entry ^ exit == 2).then_some(QuadCrossing { face, entry, exit })
     }
 
-    /// Sets the diagonal of a crossed quadrilateral so that the path first turns as given, then the
-    /// other way.
+    /// Sets the diagonal of a crossed quadrilateral so that the path turns in the given direction
+    /// first, then in the other.
     fn set_diagonal(&mut self, cover: &mut PathCover, crossing: QuadCrossing, first_turn: bool) {
         let first = self.first_triangle(crossing.face as usize);
         self.triangulate(crossing.face as usize, crossing.entry, first_turn);
@@ -280,7 +279,7 @@ impl MutableTriangulation for PolygonTriangulation<'_> {
     }
 }
 
-/// Chooses the first turn of each passage so that a strip along the path takes the fewest swaps, in
+/// Chooses the first turn of each passage so that a strip along the path has the fewest swaps, in
 /// the better direction.
 fn choose_turns(passages: &[Passage], chosen: &mut Vec<bool>) {
     let forward = cheapest_turns(passages, true);
@@ -292,8 +291,7 @@ fn choose_turns(passages: &[Passage], chosen: &mut Vec<bool>) {
 /// Finds the cheapest turns by dynamic programming over the last turn, for a strip from the start
 /// or the end of the path.
 fn cheapest_turns(passages: &[Passage], from_start: bool) -> (u32, Vec<bool>) {
-    // The turn that is free right after the first triangle of a strip, in the direction of the
-    // path.
+    // The turn that is free after the first triangle of a strip, in the direction of the path.
     let free_first = !from_start;
     let mut cost = [0_u32; 2]; // by the last turn
     let mut came_from: Vec<[bool; 2]> = Vec::with_capacity(passages.len());
@@ -337,9 +335,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Counts the swaps of a strip along the turns of a path, from its start or from its end.
+    /// Counts the swaps of a strip along the turns of a path, from its start or its end.
     fn swaps(turns: &[bool], from_start: bool) -> usize {
-        // From the end, the turns are in the opposite order, each to the other side.
+        // From the end, the turns are in the opposite order, and each is to the other side.
         let sent: Vec<bool> =
             if from_start { turns.to_vec() } else { turns.iter().rev().map(|turn| !turn).collect() };
         // The first turn is free to the previous edge, each later one to the side opposite to the
@@ -380,7 +378,7 @@ mod tests {
             choose_turns(&passages, &mut chosen);
             let chosen = turns(&passages, &chosen);
             prop_assert_eq!(swaps(&chosen, true).min(swaps(&chosen, false)), forward.min(backward));
-            // Fixed turns stay.
+            // Fixed turns do not change.
             for (passage, first) in passages.iter().zip(cheapest_turns(&passages, true).1) {
                 prop_assert!(!matches!(passage, Passage::Fixed(turn) if *turn != first));
             }

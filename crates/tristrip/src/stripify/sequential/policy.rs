@@ -1,16 +1,16 @@
 //! The policies of the greedy stripper: seed order, swaps, time of triangulation and look-ahead.
 
-/// Cost of a strip beyond one index per triangle: two vertices and the restart.
+/// Cost of a strip in addition to one index per triangle: two vertices and the restart.
 pub(super) const STRIP_COST: u32 = 3;
 
 /// Which free triangle seeds the next strip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SeedOrder {
-    /// Of those with the fewest free neighbours, the last added.
+    /// The last added of the triangles with the fewest free neighbours.
     LastAdded,
-    /// Of those with the fewest free neighbours, the first added.
+    /// The first added of the triangles with the fewest free neighbours.
     FirstAdded,
-    /// The first in the order of the input.
+    /// The first in input order.
     Input,
 }
 
@@ -19,7 +19,7 @@ pub(super) enum SeedOrder {
 pub(super) enum SwapPolicy {
     /// Where it saves the end of a strip, and at a dead end.
     Lookahead,
-    /// At a dead end: where the run can only continue by a swap.
+    /// At a dead end: where the run can continue only by a swap.
     DeadEnd,
     /// Never.
     Never,
@@ -40,20 +40,20 @@ pub(super) struct Policy {
     pub(super) seeds: SeedOrder,
     pub(super) swaps: SwapPolicy,
     pub(super) cuts: PolygonCuts,
-    /// The maximum number of triangles of a tentative run.
+    /// Maximum number of triangles of a tentative run.
     pub(super) lookahead: u32,
 }
 
 impl Policy {
-    /// The policy that is best on irregular meshes. A longer look-ahead gains nothing there and
-    /// takes more time.
+    /// The best policy on irregular meshes. A longer look-ahead gains nothing there and takes more
+    /// time.
     pub(super) const DEFAULT: Self = Self {
         seeds: SeedOrder::LastAdded,
         swaps: SwapPolicy::Lookahead,
         cuts: PolygonCuts::OnEntry,
         lookahead: 16,
     };
-    /// The default with a longer look-ahead, for regular meshes. It also bounds the time.
+    /// The default with a longer look-ahead, for regular meshes. The limit also bounds the time.
     const LONG: Self = Self { lookahead: 512, ..Self::DEFAULT };
     /// The other policies. Each is the best on some regular or small mesh.
     pub(super) const ALTERNATIVES: [Self; 5] = [
@@ -63,7 +63,7 @@ impl Policy {
         Self { seeds: SeedOrder::FirstAdded, swaps: SwapPolicy::Never, ..Self::LONG },
         Self { seeds: SeedOrder::Input, swaps: SwapPolicy::Never, ..Self::LONG },
     ];
-    /// The other policies for polygons: some quadrilateral grids align better when triangulated in
+    /// Further policies for polygons: some quadrilateral grids align better when triangulated in
     /// advance.
     pub(super) const POLYGON_ALTERNATIVES: [Self; 2] = [
         Self { cuts: PolygonCuts::Before, ..Self::LONG },

@@ -11,7 +11,7 @@ use crate::cover::PathCover;
 pub(super) struct CoveredTriangulation<T> {
     pub(super) triangulation: T,
     pub(super) cover: PathCover,
-    /// Cost beyond one index per triangle, without swaps at the starts of strips.
+    /// Cost in addition to one index per triangle, without swaps at the starts of strips.
     pub(super) cost: i64,
 }
 

@@ -1,4 +1,4 @@
-//! Tests of the whole method on generated and on constructed meshes.
+//! Tests of the whole method on generated and constructed meshes.
 
 use proptest::prelude::*;
 
@@ -17,8 +17,8 @@ use crate::stripify::generated_meshes::MeshPart;
 pub(in crate::stripify) use crate::stripify::generated_meshes::{mesh, polygons, triangle_graph};
 use crate::verify::verify;
 
-/// Returns the cost of a cover beyond one index per triangle, without swaps at the starts of
-/// strips.
+/// Returns the cost of a cover in addition to one index per triangle, without swaps at the starts
+/// of strips.
 fn cost_inside(graph: &DualGraph, cover: &PathCover) -> u64 {
     let with_starts: usize = cover
         .path_starts(graph)
@@ -33,7 +33,7 @@ fn start_swap(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
         .walk(graph, start)
         .filter_map(|(_, entry, exit)| Some((exit?.0 + 3 - entry?.0) % 3 == 1))
         .collect();
-    // The first turn of a strip is to the previous edge; from the other end every turn is to the
+    // The first turn of a strip is to the previous edge. From the other end every turn is to the
     // other side.
     let forward = turns.first().is_some_and(|&to_next| to_next);
     let backward = turns.last().is_some_and(|&to_next| !to_next);
@@ -94,8 +94,8 @@ fn check_steps<T: MutableTriangulation>(triangulation: T) -> Result<usize, TestC
     Ok(optimized)
 }
 
-/// Checks the steps, that the strips of the whole method are proven, and that they cost no more
-/// than those of the default policy.
+/// Checks the steps, the proof of the strips of the whole method, and that they cost no more than
+/// those of the default policy.
 fn check_whole(polygons: &[Vec<u32>]) -> Result<(), TestCaseError> {
     let mesh = mesh(polygons);
     let prepared = PreparedFaces::new(&mesh, false);
@@ -141,10 +141,10 @@ proptest! {
 
 #[test]
 fn a_tunnel_joins_two_strips() {
-    //     0 ─── 1 ─── 2        Triangles w = 0, v = 1, a = 2, x = 3 in a row, b = 4 below v and c = 5 above a. Strips
-    //      ╲ w ╱ ╲ a ╱ ╲       w, b ━ v ━ a ━ c and x: no two ends are neighbours, but after a cut of v–a, w–v and a–x can
-    //       ╲ ╱ v ╲ ╱ x ╲      be linked, which gives two strips.
-    //        3 ─── 4 ─── 5
+    //     0 ─── 1 ─── 2        Triangles w = 0, v = 1, a = 2, x = 3 in a row, b = 4 below v and
+    //      ╲ w ╱ ╲ a ╱ ╲       c = 5 above a. Strips w, b ━ v ━ a ━ c and x: no two ends are
+    //       ╲ ╱ v ╲ ╱ x ╲      neighbours, but after cutting v–a, w–v and a–x can be linked,
+    //        3 ─── 4 ─── 5     which gives two strips.
     let faces = [[0, 3, 1], [1, 3, 4], [1, 4, 2], [2, 4, 5], [3, 6, 4], [1, 2, 7]];
     let graph = DualGraph::new(&Faces::from_triangles(faces.concat()).unwrap());
     let mut cover = PathCover::isolated(6);
@@ -183,7 +183,7 @@ fn any_number_of_threads_finds_the_same_strips() {
     use crate::stripify::{Method, StripifyOptions, stripify};
     let quads = MeshPart::Torus { around: 40, through: 30, cut: 0x00ff_00f0_1111_2222 };
     let meshes = [
-        // Large and irregular: components in parallel. Small, regular, or of polygons: policies in
+        // Large and irregular: components in parallel. Small, regular or polygonal: policies in
         // parallel.
         mesh(&grids(40, 32)),
         mesh(&grids(3, 25)),

@@ -1,27 +1,26 @@
-//! The local algorithms: a strip continues with the neighbour that has the fewest neighbours
-//! itself.
+//! The local algorithms: a strip continues to the neighbour that has the fewest neighbours.
 //!
 //! # Algorithm
 //! 1. A strip starts at a free face with the fewest free neighbours.
-//! 2. It continues with a free neighbour of the strip's end that has the fewest free neighbours;
-//!    the rule for ties chooses among several. Where polygons are not cut beforehand, all edges of
-//!    the polygon are candidates.
-//! 3. When it is stuck it is reversed, and grows from its start.
+//! 2. It continues with a free neighbour of its end that has the fewest free neighbours. The rule
+//!    for ties chooses among several. Unless polygons are cut in advance, all edges of the polygon
+//!    are candidates.
+//! 3. At a dead end the strip is reversed and grows from its start.
 //!
-//! [`StripRules::PUBLISHED`] is this algorithm. Our own rules, which send fewer vertices:
-//! - [`StripRules::absorbs_rests`]: a part of a polygon that would keep fewer than two free
-//!   neighbours goes into the strip. A triangle with one neighbour left ends a strip, one with none
-//!   is a strip, and costs three vertices where a swap costs one.
-//! - [`Ties::FewestSwaps`]: of several exits that all need a swap, one of those with the fewest.
-//! - [`ExitRule::FewSwaps`]: swaps weigh in the choice.
-//! - [`Diagonals::Together`]: whether an exit needs a swap depends on the best order of turns in
-//!   all polygons passed so far, not on one that was fixed at each of them.
+//! [`StripRules::PUBLISHED`] is this algorithm. This library's own rules send fewer vertices:
+//! - [`StripRules::absorbs_rests`]: the remainder of a polygon joins the strip if it would keep
+//!   fewer than two free neighbours. A triangle with one remaining neighbour ends a strip. A
+//!   triangle without neighbours is a strip and costs three vertices, while a swap costs one.
+//! - [`Ties::FewestSwaps`]: if several exits all need a swap, one with the fewest is chosen.
+//! - [`ExitRule::FewSwaps`]: swaps are weighted in the choice.
+//! - [`TurnDiagonals::Together`]: whether an exit needs a swap depends on the best order of turns
+//!   in all polygons passed so far, not on an order that was fixed at each of them.
 //!
 //! # References
 //! Section 3.1 of the paper; see [`super`].
 //!
 //! # Complexity
-//! O(n) for triangles and for whole polygons, O(n log n) at worst where parts are cut out.
+//! O(n) for triangles and for whole polygons, O(n log n) in the worst case where parts are cut out.
 
 use super::polygon_triangulator::{StripFace, StripSink};
 use super::queue::QueueOrder;
@@ -37,10 +36,10 @@ const SWAP_WEIGHT: u32 = 2;
 /// How the exit of a strip is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ExitRule {
-    /// Least adjacency; the inner rule breaks ties.
+    /// Lowest adjacency. The inner rule breaks ties.
     Adjacency(Ties),
-    /// Least sum of adjacency and weighted swaps; of ties, the exit whose face has neighbours of
-    /// the most adjacency.
+    /// Lowest sum of adjacency and weighted swaps. Ties go to the exit whose face has neighbours of
+    /// the highest adjacency.
     FewSwaps,
 }
 
@@ -48,18 +47,18 @@ pub(super) enum ExitRule {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StripRules {
     pub(super) exit: ExitRule,
-    /// Which exit is taken where the look-ahead leaves several.
+    /// Which exit is chosen if the look-ahead leaves several.
     pub(super) last_tie: LastTie,
     pub(super) diagonals: TurnDiagonals,
-    /// Where a strip starts, of the faces with the fewest neighbours.
+    /// Where a strip starts, among the faces with the fewest neighbours.
     pub(super) starts: QueueOrder,
-    /// Whether a rest of a polygon goes into the strip if it would keep fewer than two free
+    /// Whether the remainder of a polygon joins the strip if it would keep fewer than two free
     /// neighbours.
     pub(super) absorbs_rests: bool,
 }
 
 impl StripRules {
-    /// The algorithm of the paper, with its sequential ties.
+    /// The algorithm of the paper with its sequential ties.
     pub(super) const PUBLISHED: Self = Self {
         exit: ExitRule::Adjacency(Ties::Sequential),
         last_tie: LastTie::Last,
@@ -74,12 +73,12 @@ impl StripRules {
     }
 }
 
-/// Which faces strips along paths take, beside those of the paths.
+/// Which faces strips along paths take in addition to those of the paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PathEnds {
     /// None.
     Fixed,
-    /// Those to which they grow at both ends.
+    /// The faces to which they grow at both ends.
     Growing,
 }
 
@@ -92,7 +91,7 @@ pub(super) struct LocalStripper<'a> {
     strip: Vec<StripFace>,
     /// The swaps up to the entry of the strip's last face.
     swaps: LeastSwaps,
-    /// The side to which the strip turned last: the turn of which it needed fewer.
+    /// The side of the strip's last turn: the turn that it needed fewer of.
     side: Option<usize>,
     tied: Vec<ExitCandidate>,
 }
@@ -122,7 +121,7 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Builds strips from all faces that remain.
+    /// Builds strips from all remaining faces.
     pub(super) fn strip_all(&mut self, sink: &mut impl StripSink) {
         while let Some(face) = self.remaining.fewest_neighbours() {
             self.strip.clear();
@@ -133,10 +132,10 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Builds strips along paths through whole faces, each given by the half-edges that lead from
-    /// one face to the next and one more. Faces that are in a strip already divide a path; sections
-    /// of fewer than `min_length` faces are skipped. The strips grow, if they do, after the faces
-    /// of all sections have been taken.
+    /// Builds strips along paths through whole faces. A path is a list of half-edges that lead from
+    /// one face to the next, plus one more. Faces that are already in a strip divide a path.
+    /// Sections of fewer than `min_length` faces are skipped. If strips grow, they grow after the
+    /// faces of all sections have been taken.
     pub(super) fn strip_along(
         &mut self,
         paths: &[Vec<u32>],
@@ -178,7 +177,7 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Checks whether a half-edge's face is whole and in no strip.
+    /// Returns whether the face of a half-edge is whole and in no strip.
     fn is_untouched_at(&self, half_edge: u32) -> bool {
         self.remaining.is_untouched(self.remaining.original_face(half_edge))
     }
@@ -210,7 +209,7 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Extends the strip for as long as it can be extended.
+    /// Extends the strip as far as possible.
     fn grow(&mut self) {
         while let Some(exit) = self.choose_exit() {
             self.leave(exit);
@@ -237,7 +236,7 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Adds a face that the strip has passed to the swaps, and notes its side.
+    /// Adds a face that the strip has passed to the swaps, and stores the strip's side.
     fn count_face(&mut self, counts: TurnCounts) {
         self.swaps = self.swaps.passing(counts, self.rules.diagonals);
         if counts[A] != counts[B] {
@@ -245,7 +244,7 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Reverses the strip, so that it can grow from its start.
+    /// Reverses the strip so that it can grow from its start.
     fn reverse(&mut self) {
         self.strip.reverse();
         for face in &mut self.strip {
@@ -256,7 +255,7 @@ impl<'a> LocalStripper<'a> {
         self.recount_swaps();
     }
 
-    /// Counts the swaps of the whole strip from its first face.
+    /// Counts the swaps of the whole strip, starting at its first face.
     fn recount_swaps(&mut self) {
         (self.swaps, self.side) = (LeastSwaps::FREE, None);
         for i in 1..self.strip.len().saturating_sub(1) {
@@ -295,7 +294,7 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Lists the best exits, in order around the face.
+    /// Lists the best exits in order around the face.
     fn list_exits(&mut self, face: u32, entry: Option<u32>) {
         self.tied.clear();
         let size = self.remaining.size(face);
@@ -341,7 +340,7 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Determines which part of a face a strip takes on its way from an entry to an exit.
+    /// Determines which part of a face a strip takes between an entry and an exit.
     fn set_counts(&self, exit: &mut ExitCandidate, entry: u32, size: u32) {
         exit.counts = [exit.offset - 1, size - 1 - exit.offset];
         if self.remaining.is_partial() {
@@ -358,13 +357,13 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Chooses one of the tied exits at random.
+    /// Chooses a random one of the tied exits.
     fn pick(&mut self) -> Option<ExitCandidate> {
         let draw = u128::from(self.random.next_u64()) * self.tied.len() as u128;
         self.tied.get((draw >> 64) as usize).copied()
     }
 
-    /// Returns the least adjacency of the faces after the one that an exit leads to.
+    /// Returns the lowest adjacency of the faces after the one that an exit leads to.
     fn look_ahead(&self, exit: &ExitCandidate) -> u32 {
         let mut corner = exit.next_entry;
         let mut least = u32::MAX;
@@ -377,7 +376,7 @@ impl<'a> LocalStripper<'a> {
         least
     }
 
-    /// Returns how far an exit turns to the side to which the strip turned last.
+    /// Returns how far an exit turns to the side of the strip's last turn.
     fn turns_to_last_side(&self, exit: &ExitCandidate) -> i64 {
         let [a, b] = exit.counts.map(i64::from);
         match self.side {

@@ -1,47 +1,47 @@
-//! Patches: rectangular regions of quadrilaterals, the largest first.
+//! Patches: rectangular regions of quadrilaterals, largest first.
 //!
 //! # Algorithm
-//! A straight path leaves a quadrilateral across the edge opposite to its entry. So every half-edge
-//! of a quadrilateral is a direction through it, and these directions form lines, open or closed.
+//! A straight path leaves a quadrilateral across the edge opposite to its entry. Every half-edge of
+//! a quadrilateral is therefore a direction through it, and these directions form open or closed
+//! lines.
 //!
 //! ```text
 //!        north                   ┌───┬───┐
-//!      ┌───────┐                 │   │   │      the grid height of h: in how many rows, from this one northward, the
-//! west │   q   │ h: east     ┌───┼───┼───┤      columns of the two quadrilaterals that h joins are neighbours; here 2
-//!      └───────┘             │   │ h─┼─▶ │
+//!      ┌───────┐                 │   │   │      the grid height of h: the number of rows, from this
+//! west │   q   │ h: east     ┌───┼───┼───┤      one northward, in which the two columns that h joins
+//!      └───────┘             │   │ h─┼─▶ │      are neighbours; here 2
 //!        south               └───┴───┴───┘
 //! ```
 //! 1. The grid height of every quad half-edge is computed from that of the half-edge above it.
-//! 2. The grid heights along a line are a histogram: a patch with its south row on the line is as
-//!    high as the least grid height between its columns. The largest patches are found with a
-//!    stack.
-//! 3. All patches as large as the largest are taken, except those that meet one already taken.
+//! 2. The grid heights along a line are a histogram. A patch with its south row on the line is as
+//!    high as the lowest grid height between its columns. A stack finds the largest patches.
+//! 3. All patches as large as the largest are taken, except those that meet a patch already taken.
 //!    Steps 1 to 3 are repeated until the largest is below the cutoff.
 //!
-//! The paper traverses the faces once for each patch. Here a round takes many. When the work
-//! exceeds a fixed amount, a round takes patches of at least half the largest's size, so that the
-//! time stays near linear for any input; on a grid of a million quadrilaterals with holes that
+//! The paper traverses the faces once per patch. Here a round takes many patches. When the work
+//! exceeds a fixed amount, a round takes all patches of at least half the largest size. This keeps
+//! the time nearly linear for any input. On a grid of a million quadrilaterals with holes it
 //! changed the cost by less than 0.1 %.
 //!
 //! # References
 //! Section 3.2 of the paper; see [`super`].
 //!
 //! # Complexity
-//! O(n) per round, and a few rounds each time that the largest patch halves. 45 bytes per
+//! O(n) per round, with a few rounds each time the size of the largest patch halves. 45 bytes per
 //! quadrilateral.
 
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge, OptionalId};
 
-/// The grid height of half-edges on the column that is being followed.
+/// Marks the grid heights of half-edges on the column being followed.
 const ON_COLUMN: u32 = u32::MAX;
-/// Quadrilaterals examined before a round may take patches that are not the largest.
+/// Number of examined quadrilaterals after which a round may take patches that are not the largest.
 const EXACT_WORK: usize = 500_000;
 
-/// A rectangular patch: where it starts, and how far it extends.
+/// A rectangular patch: where it starts and how far it extends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Patch {
-    /// The eastward half-edge of its south-west quadrilateral.
+    /// The eastward half-edge of the south-west quadrilateral.
     corner: u32,
     width: u32,
     height: u32,
@@ -53,14 +53,14 @@ impl Patch {
     }
 }
 
-/// Finds patches. Quadrilateral q has the quad half-edges 4q to 4q + 3, in its winding.
+/// Finds patches. Quadrilateral q has the quad half-edges 4q to 4q + 3, in winding order.
 #[derive(Debug)]
 pub(super) struct PatchFinder {
-    /// The quad half-edge on the other side of each one, where there is a quadrilateral.
+    /// The quad half-edge on the other side of each one, if there is a quadrilateral.
     twins: Vec<OptionalId>,
-    /// The face's first corner.
+    /// The first corner of each quadrilateral's face.
     corners: Vec<u32>,
-    /// Whether a quadrilateral is in no patch, and those that are in none.
+    /// Whether each quadrilateral is in no patch, and the list of those.
     free: Vec<bool>,
     free_quads: Vec<u32>,
     /// By quad half-edge.
@@ -91,8 +91,8 @@ impl PatchFinder {
     }
 
     /// Finds all patches of at least `cutoff` quadrilaterals, in the order in which they are found.
-    /// Each is returned as its rows, and these as the half-edges across which their quadrilaterals
-    /// are left from west to east; rows are not shorter than columns.
+    /// A patch is returned as a list of rows. A row is a list of the half-edges across which its
+    /// quadrilaterals are left from west to east. Rows are at least as long as columns.
     pub(super) fn find(mut self, cutoff: u32) -> Vec<Vec<Vec<u32>>> {
         let cutoff = u64::from(cutoff.max(1));
         let mut found = Vec::new();
@@ -120,7 +120,7 @@ impl PatchFinder {
         self.twins[h as usize].get().filter(|&twin| self.free[twin as usize / 4])
     }
 
-    /// Returns the half-edge in the same direction one quadrilateral further.
+    /// Returns the half-edge in the same direction, one quadrilateral further.
     #[inline]
     fn ahead(&self, h: u32) -> Option<u32> {
         self.free_twin(h).map(|twin| rotate(twin, 2))
@@ -132,8 +132,9 @@ impl PatchFinder {
         self.free_twin(rotate(h, 1)).map(|twin| rotate(twin, 1))
     }
 
-    /// Returns the eastward half-edge one row to the north, if both quadrilaterals that this one
-    /// joins have neighbours there that it joins in turn.
+    /// Returns the eastward half-edge one row to the north. Returns `None` unless both
+    /// quadrilaterals that this half-edge joins have northern neighbours that the returned one
+    /// joins.
     #[inline]
     fn next_of_column(&self, h: u32) -> Option<u32> {
         let above = self.north(h)?;
@@ -141,15 +142,14 @@ impl PatchFinder {
         (self.ahead(above)? == self.north(east)?).then_some(above)
     }
 
-    /// Measures the grid heights: step 1.
+    /// Computes the grid heights: step 1.
     fn measure_heights(&mut self) {
         let mut heights = std::mem::take(&mut self.grid_heights);
         let half_edges = || self.free_quads.iter().flat_map(|&quad| 4 * quad..4 * quad + 4);
         half_edges().for_each(|h| heights[h as usize] = 0);
         let mut column = Vec::new();
         for h in half_edges().filter(|&h| self.free_twin(h).is_some()) {
-            // Northward to the end or to a known height; a column that comes back to itself has one
-            // height all around.
+            // Go north to the end or to a known height. A closed column has one height everywhere.
             column.clear();
             let mut next = Some(h);
             while let Some(h) = next.filter(|&h| heights[h as usize] == 0) {
@@ -167,8 +167,8 @@ impl PatchFinder {
         self.grid_heights = heights;
     }
 
-    /// Finds the largest patches, those of an area of at least `1 / share` of the largest, and at
-    /// least the cutoff: step 2.
+    /// Finds the largest patches, with an area of at least `1 / share` of the largest and at least
+    /// the cutoff: step 2.
     fn candidates(&self, cutoff: u64, share: u64) -> Vec<Patch> {
         let mut found: Vec<Patch> = Vec::new();
         let mut largest = 0;
@@ -185,7 +185,7 @@ impl PatchFinder {
         };
         let mut seen = vec![false; self.grid_heights.len()];
         let (mut line, mut stack) = (Vec::new(), Vec::new());
-        // Lines that have a beginning first; closed ones begin anywhere.
+        // Lines with a start come first. Closed ones start anywhere.
         for is_closed in [false, true] {
             for h in self.free_quads.iter().flat_map(|&quad| 4 * quad..4 * quad + 4) {
                 if seen[h as usize] || !(is_closed || self.free_twin(rotate(h, 2)).is_none()) {
@@ -206,7 +206,7 @@ impl PatchFinder {
         found
     }
 
-    /// Passes every maximal patch with its south row on a line to a function.
+    /// Calls `add` for every maximal patch with its south row on a line.
     fn search_line(&self, line: &[u32], stack: &mut Vec<(usize, u32)>, add: &mut impl FnMut(Patch)) {
         // A column by itself is a row of another line, unless it is a single quadrilateral.
         if let [only] = *line {
@@ -229,8 +229,8 @@ impl PatchFinder {
         }
     }
 
-    /// Takes a patch and returns its rows, `None` if it meets another one: step 3. Of the first
-    /// patch of a round, whose lines may cross themselves, the part that is free is enough.
+    /// Takes a patch and returns its rows, or `None` if it meets another patch: step 3. The lines
+    /// of the first patch of a round may cross themselves; the free part of it is enough.
     fn claim(&mut self, patch: Patch, cutoff: u64, is_first: bool) -> Option<Vec<Vec<u32>>> {
         let mut rows: Vec<Vec<u32>> = Vec::new();
         let (mut first, mut width) = (Some(patch.corner), patch.width as usize);
@@ -260,7 +260,7 @@ impl PatchFinder {
             return None;
         }
         if rows.len() > width {
-            // Columns are longer: the patch is rotated about its north-west corner.
+            // The columns are longer: rotate the patch about its north-west corner.
             let column = |i: usize| rows.iter().map(|row| rotate(row[i], 1)).collect();
             rows = (0..width).rev().map(column).collect();
         }
@@ -272,14 +272,14 @@ impl PatchFinder {
     }
 }
 
-/// Returns the half-edge of the same quadrilateral a number of corners on.
+/// Returns the half-edge of the same quadrilateral `corners` corners later.
 #[inline]
 fn rotate(h: u32, corners: u32) -> u32 {
     h & !3 | (h + corners) & 3
 }
 
-/// Returns the half-edges of one path through all rows of a patch, every other row from east to
-/// west.
+/// Returns the half-edges of one path through all rows of a patch, with every other row from east
+/// to west.
 pub(super) fn serpentine(graph: &DualGraph, rows: &[Vec<u32>]) -> Vec<u32> {
     let rotate = |h: u32, corners: u32| {
         let first = graph.half_edges(graph.face_of(HalfEdge(h))).next().map_or(0, |h| h.0);
@@ -318,7 +318,7 @@ mod tests {
         DualGraph::new(&Faces::from_polygons(polygons).unwrap())
     }
 
-    /// Finds patches, checks them, and returns their rows and columns.
+    /// Finds patches, checks them, and returns their numbers of rows and columns.
     fn checked_sizes(graph: &DualGraph, cutoff: u32) -> Vec<(usize, usize)> {
         let found = PatchFinder::new(graph).find(cutoff);
         let mut seen = vec![false; graph.face_count()];

@@ -1,20 +1,20 @@
-//! The polygon triangulator: cuts the faces of a strip into triangles so that the strip has as few
-//! swaps as they allow.
+//! The polygon triangulator: cuts the faces of a strip into triangles that give the strip as few
+//! swaps as possible.
 //!
 //! # Algorithm
-//! 1. The least number of swaps is computed from the strip's first face to its last, for either
+//! 1. The minimum number of swaps is computed from the strip's first face to its last, for either
 //!    last turn; see [`super::turn_sequence`]. The first face has no entry and the last no exit, so
-//!    that one may be chosen for them.
-//! 2. The winding determines on which side the first turn of a strip is free, seen from either of
-//!    its ends. So step 1 is done twice: with a good beginning, and with a good end.
+//!    these can be chosen.
+//! 2. The winding determines on which side the first turn of a strip is free, seen from either end.
+//!    Step 1 is therefore run twice: for a free turn at the start, and for a free turn at the end.
 //! 3. Backward from the better end, each face gets its turns, and the turns determine its
 //!    triangles.
 //!
-//! With [`Diagonals::Passing`] the turns are those that had the fewest swaps when the strip passed
-//! a face, from its first face on.
+//! With [`TurnDiagonals::Passing`] the turns are those that had the fewest swaps when the strip
+//! passed a face, starting at its first face.
 //!
 //! # Complexity
-//! O(n); 4 bytes per triangle for the links, which are set when the triangulation is complete.
+//! O(n) time. 4 bytes per triangle for the links, which are set when the triangulation is complete.
 
 use super::remaining_faces::RemainingFaces;
 use super::turn_sequence::{
@@ -26,21 +26,21 @@ use crate::ids::HalfEdge;
 use crate::mesh::Faces;
 use crate::stripify::StripPlan;
 
-/// A face on a strip: where the strip enters and leaves it, and how many triangles advance on
-/// either chain between.
+/// A face on a strip: where the strip enters and leaves it, and how many triangles advance on each
+/// chain in between.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StripFace {
     pub(super) face: u32,
     pub(super) entry: Option<u32>,
     pub(super) exit: Option<u32>,
     pub(super) counts: TurnCounts,
-    /// On which sides a rest of the face remains, by the side's chain.
+    /// On which sides a remainder of the face is kept, by the chain of the side.
     pub(super) rests: [bool; 2],
 }
 
 /// Receives strips.
 pub(super) trait StripSink {
-    /// Receives a strip. Its first and its last face must still be whole.
+    /// Receives a strip. Its first and last face must still be whole.
     fn receive(&mut self, strip: &[StripFace], remaining: &RemainingFaces<'_>);
 }
 
@@ -76,10 +76,10 @@ pub(super) struct PolygonTriangulator<'a> {
     faces: &'a Faces,
     builder: TriangulationBuilder<'a>,
     diagonals: TurnDiagonals,
-    /// Half-edges over which a triangle is linked to the one before.
+    /// Half-edges over which a triangle is linked to the previous one.
     linked: Vec<u32>,
-    /// The least swaps at the exit of each face of the current strip but the last, and the last
-    /// turns that are chosen there.
+    /// The minimum swaps at the exit of each face of the current strip except the last, and the
+    /// last turns chosen there.
     swaps: Vec<LeastSwaps>,
     last_turns: Vec<usize>,
     /// The turns in the current face.
@@ -97,8 +97,8 @@ impl StripSink for PolygonTriangulator<'_> {
         };
         let last_size = remaining.size(last.face);
         self.choose_last_turns(strip, remaining.size(first.face), last_size);
-        // The entry of the first face lies before its exit by as many corners as advance on chain
-        // A, and one.
+        // The entry of the first face precedes its exit by the number of corners that advance on
+        // chain A, plus one.
         let length = remaining.size(first.face) - 2;
         let first_turn = alternate(self.last_turns[0], length - 1);
         let counts = alternating_counts(length, first_turn);
@@ -135,9 +135,10 @@ impl<'a> PolygonTriangulator<'a> {
         self.turns.extend((0..counts[A] + counts[B]).map(|i| alternate(first, i)));
     }
 
-    /// Chooses the last turn of every face but the last: steps 1 and 2.
+    /// Chooses the last turn of every face except the last: steps 1 and 2.
     fn choose_last_turns(&mut self, strip: &[StripFace], first_size: u32, last_size: u32) {
-        // A strip begins as if after a turn B; from behind, its last turn is free if it is a B.
+        // A strip starts as if after a turn B. Seen from the end, its last turn is free if it is a
+        // B.
         let free_turn = alternate(B, first_size - 3);
         let start_swaps = [A, B].map(|last| u32::from(last != free_turn));
         let end_swaps = [A, B].map(|last| u32::from(alternate(last, last_size - 3) != B));
@@ -157,7 +158,7 @@ impl<'a> PolygonTriangulator<'a> {
         self.choose_backward(strip, last);
     }
 
-    /// Chooses the last turns from that of the last face but one, backward: step 3.
+    /// Chooses the last turns backward, starting with that of the second-last face: step 3.
     fn choose_backward(&mut self, strip: &[StripFace], mut last: usize) {
         let inner_count = strip.len() - 2;
         self.last_turns.clear();
@@ -183,8 +184,8 @@ impl<'a> PolygonTriangulator<'a> {
         swaps
     }
 
-    /// Cuts triangles from an entry on, by the turns. A strip leaves a part of a polygon by its
-    /// exit's own corners.
+    /// Cuts triangles by the turns, starting at an entry. A strip leaves a part of a polygon
+    /// through the exit's own corners.
     fn cut_from(
         &mut self,
         entry: u32,
@@ -194,7 +195,7 @@ impl<'a> PolygonTriangulator<'a> {
     ) {
         let original = remaining.original_face(entry) as usize;
         let base = self.faces.range(original).start as u32;
-        // A strip passes only over edges of original faces; where it passes over none, the face is
+        // A strip passes only over edges of original faces. Where it passes over none, the face is
         // whole.
         let next = if strip_face.entry.is_some() {
             remaining.next_in_original(entry)
@@ -231,10 +232,10 @@ impl<'a> PolygonTriangulator<'a> {
     }
 }
 
-/// Counts the swaps of a strip of whole faces by trying every order of turns, and both ends.
+/// Counts the swaps of a strip of whole faces by trying every order of turns and both ends.
 #[cfg(test)]
 pub(super) fn brute_force_swaps(strip: &[StripFace], remaining: &RemainingFaces<'_>) -> usize {
-    // The states are the first turn, if there was one, the last turn and the swaps.
+    // A state is the first turn, if there was one, the last turn, and the number of swaps.
     let mut states: Vec<(Option<usize>, usize, usize)> = vec![(None, A, 0)];
     let add_turn = |states: &[(Option<usize>, usize, usize)], turn: usize| -> Vec<_> {
         let next = |&(first, last, swaps): &(Option<usize>, usize, usize)| {

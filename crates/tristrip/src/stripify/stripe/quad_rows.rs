@@ -1,8 +1,8 @@
-//! `quad-rows`: our strips along the rows of patches, with the fewest vertices of the methods that
-//! start from patches.
+//! `quad-rows`: strips along the rows of quadrilateral patches, with the fewest vertices of the
+//! methods that start from patches. Original to this library.
 //!
-//! It begins as STRIPE's global algorithm does, with the rows of the largest patches of
-//! quadrilaterals. But rows are no fixed pieces, and swaps and short ends count in every choice:
+//! It starts like STRIPE's global algorithm, with the rows of the largest patches of
+//! quadrilaterals. Here rows can grow, and swaps and short ends are weighted in every choice:
 //!
 //! ```text
 //!   ┌───┬───┬───┬───┐ ╲        the rows of the patch, then their ends: each row grows into
@@ -13,24 +13,25 @@
 //! ```
 //!
 //! # Algorithm
-//! 1. The largest patch gives its rows. Faces that are in a strip already divide a row; sections of
-//!    fewer than three quadrilaterals are left to step 3.
-//! 2. Each row grows at both ends, by step 3's rule. Then comes the next largest patch.
-//! 3. The rest is covered locally: a strip leaves over the edge of the least sum of neighbours and
-//!    weighted swaps, and takes only the part of a polygon up to that edge, but no rest with fewer
-//!    than two neighbours remains.
-//! 4. The diagonals of all polygons of a strip are chosen together, for the fewest swaps.
+//! 1. The largest patch is divided into rows. Faces that are already in a strip divide a row.
+//!    Sections of fewer than three quadrilaterals are left to step 3.
+//! 2. Each row grows at both ends by the rule of step 3. Then steps 1 and 2 continue with the next
+//!    largest patch.
+//! 3. The remaining faces are covered locally. A strip leaves over the edge with the lowest sum of
+//!    neighbours and weighted swaps, and takes only the part of a polygon up to that edge. A
+//!    remainder with fewer than two neighbours is taken as well.
+//! 4. The diagonals of all polygons of a strip are chosen together for the fewest swaps.
 //!
-//! For skyscraper, triceratops and power lines, a cutoff of 5 sends 4537, 6737 and 10084 vertices;
-//! for the published rows the papers have 4616, 6911 and 10621, later 4849, 7248 and 10417.
+//! On skyscraper, triceratops and power lines, a cutoff of 5 sends 4537, 6737 and 10084 vertices.
+//! For the published rows the papers report 4616, 6911 and 10621, later 4849, 7248 and 10417.
 //!
 //! # References
-//! The patches: section 3.2 of the paper by Evans, Skiena and Varshney; see [`super`]. The rest is
-//! ours.
+//! Patches: section 3.2 of the paper by Evans, Skiena and Varshney; see [`super`]. The rest is
+//! original.
 //!
 //! # Complexity
-//! O(n log n) time at worst; patches take a few rounds of O(n). About 40 bytes per triangle beside
-//! the triangulation.
+//! O(n log n) time in the worst case. Patches take a few rounds of O(n). About 40 bytes per
+//! triangle in addition to the triangulation.
 
 use super::local::{ExitRule, LocalStripper, PathEnds, StripRules};
 use super::patch::PatchFinder;
@@ -44,8 +45,8 @@ use crate::error::Error;
 use crate::prepare::PreparedFaces;
 use crate::stripify::{LastTie, StripPlan};
 
-/// The shortest section of a row that becomes a strip. Over eight polygon models 2 sends 0.1 % more
-/// vertices, and 5 sends 0.25 % fewer, but then a cutoff of 5 would have no effect on patches of
+/// Minimum length of a row section that becomes a strip. Over eight polygon models 2 sends 0.1 %
+/// more vertices. 5 sends 0.25 % fewer, but a cutoff of 5 would then have no effect on patches of
 /// short rows.
 const MIN_ROW_LENGTH: usize = 3;
 

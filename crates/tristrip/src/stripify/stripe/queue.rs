@@ -1,33 +1,33 @@
-//! A bucket queue: remaining faces ordered by a small number that changes in small steps, each
-//! found and moved in constant time.
+//! A bucket queue of remaining faces, ordered by a small number that changes in small steps. Faces
+//! are found and moved in constant time.
 //!
 //! # Algorithm
-//! One doubly linked list per key. A face that is added or moved goes to the front of its list or
-//! to its end: see [`QueueOrder`].
+//! One doubly linked list per key. A face that is added or moved goes to the front or the end of
+//! its list: see [`QueueOrder`].
 //!
 //! # Complexity
-//! O(1) for adding, moving and removing; finding the least key is O(1) on average, because keys
-//! fall by one at a time. 12 bytes per face and 8 per key.
+//! O(1) for adding, moving and removing. Finding the lowest key is O(1) on average, because keys
+//! decrease by one at a time. 12 bytes per face and 8 per key.
 
 use crate::ids::OptionalId;
 
-/// Which of several faces of the least key comes first.
+/// Which of several faces with the lowest key comes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum QueueOrder {
-    /// The one whose key changed last: strips start next to earlier ones.
+    /// The face whose key changed last: strips start next to earlier ones.
     LastChanged,
-    /// The one that has had its key for the longest time.
+    /// The face that has had its key for the longest time.
     FirstIn,
 }
 
-/// Faces by key, the least first.
+/// Faces by key, lowest key first.
 #[derive(Debug, Clone)]
 pub(super) struct BucketQueue {
     order: QueueOrder,
     heads: Vec<OptionalId>,
     tails: Vec<OptionalId>,
     links: Vec<BucketLink>,
-    /// All buckets below this one are empty.
+    /// All lower buckets are empty.
     least: usize,
 }
 
@@ -35,7 +35,7 @@ pub(super) struct BucketQueue {
 struct BucketLink {
     before: OptionalId,
     after: OptionalId,
-    /// The face's bucket, if it is in the queue.
+    /// The bucket of the face, if it is in the queue.
     key: OptionalId,
 }
 
@@ -44,7 +44,7 @@ impl BucketQueue {
         Self { order, heads: Vec::new(), tails: Vec::new(), links: Vec::new(), least: 0 }
     }
 
-    /// Adds a face, or moves it to another bucket or to its own place again.
+    /// Adds a face, or moves it to another bucket or to the front or end of its own.
     pub(super) fn put(&mut self, face: u32, key: u32) {
         self.remove(face);
         let (f, k) = (face as usize, key as usize);
@@ -87,12 +87,12 @@ impl BucketQueue {
         }
     }
 
-    /// Checks whether a face is in the queue.
+    /// Returns whether a face is in the queue.
     pub(super) fn contains(&self, face: u32) -> bool {
         self.links.get(face as usize).is_some_and(|link| !link.key.is_none())
     }
 
-    /// Returns the first face of the least key.
+    /// Returns the first face with the lowest key.
     pub(super) fn least(&mut self) -> Option<u32> {
         while let Some(head) = self.heads.get(self.least) {
             if let Some(face) = head.get() {

@@ -1,50 +1,50 @@
-//! Remaining faces: what strips have left of the faces, how many neighbours each has, and which has
-//! the fewest.
+//! Remaining faces: what strips have left of the faces, the number of neighbours of each, and the
+//! face with the fewest.
 //!
-//! At first these are all faces. A strip takes a remaining face as a whole, or, with partial
-//! triangulation, only the part between the edges by which it enters and leaves; the rest becomes
-//! one or two smaller faces, one of which gets a new number.
+//! Initially these are all faces. A strip takes a remaining face completely or, with partial
+//! triangulation, only the part between its entry and exit edges. The rest becomes one or two
+//! smaller faces, and one of them gets a new number.
 //!
 //! ```text
 //!     k'────k           the strip enters across 0 → 1 and leaves across k → k'
-//!    ╱│    ╱│╲          0 1 k k' is cut out (one triangle where two of them are equal);
-//!   ╱ │  ╱  │ ╲         1 … k and k' … 0 may remain, where they have three corners or more
+//!    ╱│    ╱│╲          0 1 k k' is cut out (one triangle if two of them are equal);
+//!   ╱ │  ╱  │ ╲         1 … k and k' … 0 may remain if they have at least three corners
 //!   ╲ │╱    │ ╱
 //!    0────▶1
 //! ```
 //!
 //! # Complexity
-//! O(1) per edge taken; O(log n) per corner where polygons are cut, because the smaller rest gets
-//! the new number. 12 bytes per corner while polygons are cut, 17 per face.
+//! O(1) per edge taken. O(log n) per corner where polygons are cut, because the smaller part gets
+//! the new number. 12 bytes per corner while polygons are cut, and 17 per face.
 
 use super::queue::{BucketQueue, QueueOrder};
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge, OptionalId};
 
-/// How many edges of a polygon are examined, on either side, where examining all could make large
+/// Number of edges of a polygon examined on either side, where examining all could make large
 /// polygons slow.
 pub(super) const REACH: u32 = 32;
 
-/// The faces, or parts of faces, that are not yet in a strip.
+/// The faces, or parts of faces, that are not in a strip yet.
 #[derive(Debug)]
 pub(super) struct RemainingFaces<'a> {
     graph: &'a DualGraph,
-    /// The corners of the remaining faces, where polygons may be cut; otherwise they are those of
-    /// the graph.
+    /// The corners of the remaining faces if polygons may be cut; otherwise the corners of the
+    /// graph are used.
     rings: Option<FaceRings>,
-    /// By face: edges that lead to a face which is free, or was when this one was taken.
+    /// By face: the number of edges to a face that is free, or was free when this one was taken.
     adjacency: Vec<u32>,
     taken: Vec<bool>,
     queue: BucketQueue,
 }
 
-/// Corners in rings, one per remaining face. A corner stands for the edge to the next one of its
-/// ring.
+/// Corners in rings, one ring per remaining face. A corner represents the edge to the next corner
+/// of its ring.
 #[derive(Debug)]
 struct FaceRings {
     next: Vec<u32>,
     previous: Vec<u32>,
-    /// The remaining face that an original edge belongs to; none once a strip has taken the edge.
+    /// The remaining face that contains an original edge; none once a strip has taken the edge.
     owner: Vec<OptionalId>,
     /// A corner of each face, and its number of corners.
     heads: Vec<u32>,
@@ -62,8 +62,8 @@ struct RingSide {
 }
 
 impl<'a> RemainingFaces<'a> {
-    /// Starts with all faces; `partial` lets strips take parts of polygons, and `starts` chooses
-    /// among those of fewest neighbours.
+    /// Starts with all faces. `partial` lets strips take parts of polygons. `starts` chooses among
+    /// the faces with the fewest neighbours.
     pub(super) fn new(graph: &'a DualGraph, partial: bool, starts: QueueOrder) -> Self {
         let face_count = graph.face_count() as u32;
         let faces = || (0..face_count).map(FaceId);
@@ -79,7 +79,7 @@ impl<'a> RemainingFaces<'a> {
         Self { graph, rings, adjacency, taken: vec![false; face_count as usize], queue }
     }
 
-    /// Returns a free face with the fewest neighbours, the first in the order of the queue.
+    /// Returns a free face with the fewest neighbours, the first in queue order.
     pub(super) fn fewest_neighbours(&mut self) -> Option<u32> {
         self.queue.least()
     }
@@ -89,26 +89,26 @@ impl<'a> RemainingFaces<'a> {
         self.rings.is_some()
     }
 
-    /// Counts the neighbours of a face, over its edges.
+    /// Returns the number of edges of a face that lead to a neighbour.
     #[inline]
     pub(super) fn adjacency(&self, face: u32) -> u32 {
         self.adjacency[face as usize]
     }
 
-    /// Checks whether a face is in no strip.
+    /// Returns whether a face is in no strip.
     #[inline]
     pub(super) fn is_free(&self, face: u32) -> bool {
         !self.taken[face as usize]
     }
 
-    /// Checks whether no strip has taken any part of an original face.
+    /// Returns whether no strip has taken any part of an original face.
     pub(super) fn is_untouched(&self, original: u32) -> bool {
         let size = || self.graph.half_edges(FaceId(original)).count();
         self.is_free(original)
             && self.rings.as_ref().is_none_or(|rings| rings.sizes[original as usize] as usize == size())
     }
 
-    /// Returns the remaining face that a half-edge belongs to, free or not.
+    /// Returns the remaining face of a half-edge, free or not.
     #[inline]
     fn owner(&self, half_edge: u32) -> Option<u32> {
         match &self.rings {
@@ -118,7 +118,7 @@ impl<'a> RemainingFaces<'a> {
     }
 
     /// Returns the half-edge and the free face on the other side of an edge. If a strip has passed
-    /// there and the edge is now inside its original face, the other side is not free.
+    /// and the edge is now inside its original face, the other side is not free.
     #[inline]
     pub(super) fn across(&self, half_edge: u32) -> Option<(u32, u32)> {
         let twin = self.graph.twin_of(half_edge)?;
@@ -146,7 +146,7 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Returns the corner after this one in its original face.
+    /// Returns the next corner of the original face.
     #[inline]
     pub(super) fn next_in_original(&self, corner: u32) -> u32 {
         let mut face = self.graph.half_edges(self.graph.face_of(HalfEdge(corner)));
@@ -156,7 +156,7 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Returns the corner after this one in its remaining face.
+    /// Returns the next corner of the remaining face.
     #[inline]
     pub(super) fn next(&self, corner: u32) -> u32 {
         match &self.rings {
@@ -165,7 +165,7 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Returns the corner before this one in its remaining face.
+    /// Returns the previous corner of the remaining face.
     #[inline]
     pub(super) fn previous(&self, corner: u32) -> u32 {
         match &self.rings {
@@ -174,22 +174,22 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Returns the original face of a half-edge, which is its remaining face where polygons are not
+    /// Returns the original face of a half-edge. It is also its remaining face if polygons are not
     /// cut.
     #[inline]
     pub(super) fn original_face(&self, half_edge: u32) -> u32 {
         self.graph.face_of(HalfEdge(half_edge)).0
     }
 
-    /// Returns the half-edge on the other side.
+    /// Returns the twin of a half-edge.
     #[inline]
     pub(super) fn twin(&self, half_edge: u32) -> Option<u32> {
         self.graph.twin_of(half_edge)
     }
 
-    /// Checks whether at least two of the next `edge_count` edges, from a corner on, have a free
-    /// face on the other side. Of many edges only the first are examined, and the answer is then
-    /// yes.
+    /// Returns whether at least two of the next `edge_count` edges, starting at a corner, have a
+    /// free face on the other side. Of many edges only the first are examined, and the result is
+    /// then `true`.
     pub(super) fn has_two_neighbours(&self, first: u32, edge_count: u32) -> bool {
         let mut corner = first;
         let mut found = 0;
@@ -208,7 +208,7 @@ impl<'a> RemainingFaces<'a> {
             for _ in 0..self.size(face) {
                 let twin = self.graph.twin_of(corner).filter(|_| self.owner(corner) == Some(face));
                 let neighbour = twin.and_then(|twin| self.owner(twin));
-                // Where polygons may be cut, a face that a strip is passing through still counts.
+                // If polygons may be cut, a face that a strip is passing through still counts.
                 adjacency += u32::from(neighbour.is_some_and(|n| self.is_partial() || self.is_free(n)));
                 if self.previous(self.next(corner)) != corner {
                     return Err(face);
@@ -232,7 +232,7 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Updates the neighbours of a taken face of which nothing will remain.
+    /// Updates the neighbours of a taken face that leaves no remainder.
     pub(super) fn finish(&mut self, face: u32) {
         let mut corner = self.corner(face);
         for _ in 0..self.size(face) {
@@ -261,9 +261,9 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Cuts what a strip needs out of a taken face, which it enters across the first half-edge and
-    /// leaves across the second, the `exit_offset`th after it. `rests` tells on which sides the
-    /// rest remains, by the side's chain; it becomes free.
+    /// Cuts out the part of a taken face that a strip needs. The strip enters across the first
+    /// half-edge and leaves across the second, the `exit_offset`-th after it. `rests` contains
+    /// whether each side's remainder is kept, by the chain of the side. A remainder becomes free.
     pub(super) fn cut(&mut self, face: u32, [entry, exit]: [u32; 2], exit_offset: u32, rests: [bool; 2]) {
         let size = self.size(face);
         if size == 3 {
@@ -307,7 +307,7 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Adds a new face for a ring that was cut off another one.
+    /// Adds a new face for a ring that was split off another one.
     fn split_off(&mut self, face: u32, first: u32, size: u32) {
         let new = self.taken.len() as u32;
         let mut adjacency = 0;
@@ -333,7 +333,7 @@ impl<'a> RemainingFaces<'a> {
     }
 }
 
-/// Returns the corner before this one in its original face.
+/// Returns the previous corner of the original face.
 fn previous_in_original(graph: &DualGraph, corner: u32) -> u32 {
     let mut face = graph.half_edges(graph.face_of(HalfEdge(corner)));
     match face.next() {

@@ -43,7 +43,8 @@ fn strips(mesh: &Mesh, method: Method, seed: u64) -> Strips {
     strips
 }
 
-/// Builds a mesh of flat positions, where every polygon without a repeated corner is convex.
+/// Builds a mesh with all vertices at the origin, where every polygon without a repeated corner is
+/// convex.
 fn mesh(polygons: &[Vec<u32>]) -> Mesh {
     let count = polygons.iter().flatten().max().map_or(0, |&v| v as usize + 1);
     Mesh::new(vec![[0.0; 3]; count], Faces::from_polygons(polygons).unwrap()).unwrap()
@@ -73,7 +74,7 @@ fn a_quadrilateral_in_a_row_costs_two_vertices() {
 
 #[test]
 fn a_full_patch_costs_three_swaps_per_row_change() {
-    // One vertex more where neither end of the strip suits its winding.
+    // One vertex more if neither end of the strip matches its winding.
     for (width, height, repeat) in [(5, 1, 0), (7, 4, 0), (6, 6, 0), (20, 3, 1)] {
         let full = Method::StripeGlobal { patches: Patches::Full, cutoff: 5, ties: Ties::Sequential };
         let m = Metrics::of(&strips(&mesh(&grid(width, height)), full, 0));
@@ -81,7 +82,7 @@ fn a_full_patch_costs_three_swaps_per_row_change() {
     }
 }
 
-/// Section 3.2: strips along rows have the faces of their rows only; the strip of a full patch
+/// Section 3.2: strips along rows have only the faces of their rows. The strip of a full patch
 /// grows backward and forward.
 #[test]
 fn rows_do_not_grow_and_full_patches_do() {
@@ -127,8 +128,8 @@ fn a_cube_is_one_strip_when_its_diagonals_are_free() {
 }
 
 /// Evans et al. 1996, section 3.1: partial triangulation gives a sequential strip of the cube,
-/// which a triangulation in advance need not have. The exits without a swap are chosen at random,
-/// so not every seed finds it.
+/// which a triangulation in advance may not have. The exits without a swap are chosen at random, so
+/// not every seed finds it.
 #[test]
 fn a_cube_is_one_sequential_strip_by_partial_faces() {
     let found = |triangulation| {
@@ -198,8 +199,8 @@ impl StripSink for CheckingSink<'_> {
     }
 }
 
-/// Plans strips of whole or partial faces, with checks, and returns the swaps that they should
-/// cost.
+/// Plans strips of whole or partial faces with checks. Returns the plan and the swaps that the
+/// strips should cost.
 fn checked_plan<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
@@ -213,8 +214,8 @@ fn checked_plan<'a>(
     (sink.triangulator.finish(), sink.swaps)
 }
 
-/// Generates quadrilaterals, triangles and larger faces: a grid some of whose faces are merged,
-/// cut, doubled, reversed or missing.
+/// Generates quadrilaterals, triangles and larger faces: a grid with some faces merged, cut,
+/// doubled, reversed or missing.
 fn any_polygons() -> impl Strategy<Value = Vec<Vec<u32>>> {
     (1..7_u32, 1..7_u32, prop::collection::vec(0..12_u8, 36)).prop_map(|(width, height, changes)| {
         let mut polygons: Vec<Vec<u32>> = Vec::new();
@@ -229,7 +230,7 @@ fn any_polygons() -> impl Strategy<Value = Vec<Vec<u32>>> {
                 _ => polygons.push(quad),
             }
         }
-        // A quadrilateral is merged with the faces before it in its row, as the changes tell.
+        // Merge a quadrilateral with the previous faces of its row, depending on the changes.
         let mut merged: Vec<Vec<u32>> = Vec::new();
         for (i, quad) in polygons.into_iter().enumerate() {
             match merged.last_mut() {
@@ -250,7 +251,7 @@ fn any_polygons() -> impl Strategy<Value = Vec<Vec<u32>>> {
     })
 }
 
-/// Generates polygons of any corners, of so few vertices that edges meet often.
+/// Generates polygons of any corners over so few vertices that edges meet often.
 fn soup() -> impl Strategy<Value = Vec<Vec<u32>>> {
     prop::collection::vec(prop::collection::vec(0..9_u32, 3..8), 1..30)
 }
@@ -290,8 +291,8 @@ proptest! {
         let mesh = mesh(&polygons);
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
-        // Diagonals that are chosen together have the fewest; those of a passing strip cannot have
-        // fewer.
+        // Diagonals that are chosen together have the fewest swaps. Those of a passing strip cannot
+        // have fewer.
         let together = StripRules { diagonals: TurnDiagonals::Together, ..StripRules::PUBLISHED.with_ties(TIES[ties]) };
         let (plan, swaps) = checked_plan(&prepared, &graph, false, together);
         prop_assert_eq!(Metrics::of(&plan.strips()).swaps, swaps);

@@ -2,52 +2,52 @@
 //! swaps.
 //!
 //! A strip runs between two chains of vertices, A and B. Each triangle advances on one of them,
-//! which is its *turn*; a swap is needed wherever two consecutive turns are equal. A polygon only
-//! determines how many turns of each kind lie between its entry and its exit, not their order.
+//! which is its *turn*. Two consecutive equal turns need a swap. A polygon determines only the
+//! number of turns of each kind between its entry and its exit, not their order.
 //!
 //! ```text
 //!         b'─────b''         entry b → a; chain A: a, a'; chain B: b, b', b''
-//!        ╱      ╱            one A and two B between the entry and the exit a' → b'': as B A B without a swap
-//!       b ──▶ a ── a'
+//!        ╱      ╱            one A and two B between the entry and the exit a' → b'':
+//!       b ──▶ a ── a'           the order B A B needs no swap
 //! ```
 //!
 //! # Algorithm
-//! The least number of swaps up to an edge, for either last turn, follows from that at the edge
-//! before (Viterbi 1967). So a strip knows at each face what every exit costs, and the orders of
-//! all its polygons are chosen together at its end.
+//! The minimum number of swaps up to an edge, for either last turn, follows from the values at the
+//! previous edge (Viterbi 1967). A strip therefore knows the cost of every exit at each face, and
+//! the orders of all its polygons are chosen together at its end.
 //!
 //! # Complexity
 //! O(1) per face.
 
-/// The turn of a triangle that advances on chain A, the one on the side of the entry's head.
+/// The turn of a triangle that advances on chain A, the chain on the side of the entry's head.
 pub(super) const A: usize = 0;
 /// The turn of a triangle that advances on chain B.
 pub(super) const B: usize = 1;
 
-/// How many triangles advance on chain A and on chain B.
+/// The numbers of triangles that advance on chain A and on chain B.
 pub(super) type TurnCounts = [u32; 2];
 
 /// When the order of the turns inside polygons is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TurnDiagonals {
-    /// At each polygon, when the strip passes it: with the fewest swaps so far.
+    /// At each polygon when the strip passes it, with the fewest swaps so far.
     Passing,
-    /// For all polygons of a strip together: with the fewest swaps in the whole strip.
+    /// For all polygons of a strip together, with the fewest swaps in the whole strip.
     Together,
 }
 
-/// The swaps of an order that does not exist; small enough to be added to.
+/// The swaps of an impossible order. Small enough to be added to without overflow.
 const IMPOSSIBLE: u32 = u32::MAX / 4;
 
-/// The least number of swaps so far, by the last turn.
+/// The minimum number of swaps so far, by last turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct LeastSwaps(pub(super) [u32; 2]);
 
 impl LeastSwaps {
-    /// At the exit of a strip's first face, where any order may be chosen.
+    /// The swaps at the exit of a strip's first face, where any order is possible.
     pub(super) const FREE: Self = Self([0, 0]);
 
-    /// Returns the swaps at the exit of a face, from its counts and the swaps at its entry.
+    /// Returns the swaps at the exit of a face, given its counts and the swaps at its entry.
     pub(super) fn through(self, counts: TurnCounts) -> Self {
         Self([A, B].map(|last| {
             [A, B]
@@ -57,8 +57,8 @@ impl LeastSwaps {
         }))
     }
 
-    /// Returns the swaps at the exit of a face as [`Self::through`], of those orders that are still
-    /// open then.
+    /// Returns the swaps at the exit of a face like [`Self::through`], restricted to the orders
+    /// that `diagonals` leaves open.
     pub(super) fn passing(self, counts: TurnCounts, diagonals: TurnDiagonals) -> Self {
         let mut swaps = self.through(counts);
         if diagonals == TurnDiagonals::Passing {
@@ -67,18 +67,18 @@ impl LeastSwaps {
         swaps
     }
 
-    /// Returns the lesser of the two numbers.
+    /// Returns the smaller of the two numbers.
     pub(super) fn least(self) -> u32 {
         self.0[A].min(self.0[B])
     }
 
-    /// Returns the last turn of the lesser number.
+    /// Returns the last turn with the smaller number.
     pub(super) fn best_turn(self) -> usize {
         usize::from(self.0[B] < self.0[A])
     }
 }
 
-/// Counts the runs of each turn in the order with the most of them, for given first and last turns.
+/// Counts the runs of each turn in the order with the most runs, given the first and last turn.
 fn run_counts(counts: TurnCounts, first: usize, last: usize) -> Option<TurnCounts> {
     let other = 1 - first;
     let mut runs = [0; 2];
@@ -93,8 +93,8 @@ fn run_counts(counts: TurnCounts, first: usize, last: usize) -> Option<TurnCount
     (is_possible && runs[last] > 0).then_some(runs)
 }
 
-/// Returns the first turn and the swaps of the best order after the turn `before` that ends in
-/// `last`.
+/// Returns the first turn and the swaps of the best order that follows the turn `before` and ends
+/// in `last`.
 fn best_order(counts: TurnCounts, before: usize, last: usize) -> Option<(usize, u32)> {
     // The turn that needs no swap is tried first.
     [1 - before, before]
@@ -106,16 +106,16 @@ fn best_order(counts: TurnCounts, before: usize, last: usize) -> Option<(usize, 
         .min_by_key(|&(_, swaps)| swaps)
 }
 
-/// Counts the swaps of the best order of turns after the turn `before` that ends in `last`.
+/// Counts the swaps of the best order of turns that follows the turn `before` and ends in `last`.
 pub(super) fn least_swaps(counts: TurnCounts, before: usize, last: usize) -> u32 {
     best_order(counts, before, last).map_or(IMPOSSIBLE, |(_, swaps)| swaps)
 }
 
-/// Appends the best order of turns after the turn `before` that ends in `last`.
+/// Appends the best order of turns that follows the turn `before` and ends in `last`.
 pub(super) fn append_turns(counts: TurnCounts, before: usize, last: usize, out: &mut Vec<usize>) {
     let Some((first, _)) = best_order(counts, before, last) else { return };
     let Some(runs) = run_counts(counts, first, last) else { return };
-    // Turns that do not alternate go into the first run of their kind.
+    // Turns that do not alternate are added to the first run of their kind.
     let mut surplus = [counts[A] - runs[A], counts[B] - runs[B]];
     let mut turn = first;
     for _ in 0..runs[A] + runs[B] {
@@ -124,14 +124,14 @@ pub(super) fn append_turns(counts: TurnCounts, before: usize, last: usize, out: 
     }
 }
 
-/// Counts the turns of an alternating order of `length` that begins with `first`.
+/// Counts the turns of an alternating order of `length` turns that starts with `first`.
 pub(super) fn alternating_counts(length: u32, first: usize) -> TurnCounts {
     let mut counts = [length / 2; 2];
     counts[first] += length % 2;
     counts
 }
 
-/// Returns the last of `length` turns that alternate after the turn `before`; that turn itself for
+/// Returns the last of `length` turns that alternate after the turn `before`, or `before` for
 /// length 0.
 pub(super) fn alternate(before: usize, length: u32) -> usize {
     if length.is_multiple_of(2) { before } else { 1 - before }

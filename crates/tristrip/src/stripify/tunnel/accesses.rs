@@ -1,33 +1,33 @@
-//! Accesses to nodes: the unit in which searches for tunnels are measured, and at which the watch
-//! is asked.
+//! Accesses to nodes: the unit of effort of tunnel searches, which also determines when the watcher
+//! is called.
 
 use crate::cover::PathCover;
 use crate::stripify::watch::{Progress, Watch};
 
-/// Accesses between two questions to the watch.
+/// Number of accesses between two calls of the watcher.
 const WATCH_INTERVAL: u64 = 1 << 13;
 
 /// How a search from a terminal ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::stripify) enum SearchOutcome {
-    /// It found a tunnel.
+    /// The search found a tunnel.
     Found,
-    /// It found no tunnel.
+    /// The search found no tunnel.
     NotFound,
-    /// The watch stopped it.
+    /// The watcher stopped the search.
     Stopped,
 }
 
-/// Counts accesses to nodes, and asks the watch at regular intervals.
+/// Counts accesses to nodes, and calls the watcher at regular intervals.
 pub(in crate::stripify) struct AccessCounter<'a> {
     accesses: u64,
-    /// The count at which the watch is asked next.
+    /// The count at which the watcher is called next.
     next_check: u64,
     watch: &'a dyn Watch,
 }
 
 impl<'a> AccessCounter<'a> {
-    /// Creates a counter that stands at 0.
+    /// Creates a counter with the value 0.
     pub(in crate::stripify) fn new(watch: &'a dyn Watch) -> Self {
         Self { accesses: 0, next_check: WATCH_INTERVAL, watch }
     }
@@ -37,12 +37,13 @@ impl<'a> AccessCounter<'a> {
         self.accesses
     }
 
-    /// Reports to the watch that a search has ended that began at this count.
+    /// Reports the end of a search to the watcher. `start` is the count at which the search
+    /// started.
     pub(in crate::stripify) fn end_search(&self, start: u64, has_found: bool) {
         self.watch.search_ended(self.accesses - start, has_found);
     }
 
-    /// Adds accesses without asking the watch.
+    /// Adds accesses without calling the watcher.
     #[inline]
     pub(in crate::stripify) fn add(&mut self, accesses: u64) {
         self.accesses += accesses;

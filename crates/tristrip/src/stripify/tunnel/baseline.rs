@@ -1,4 +1,4 @@
-//! The tunnelling operator, kept simple: every alternating path, the shortest first. The faster
+//! The tunnelling operator in its simplest form: every alternating path, shortest first. The faster
 //! searches are compared with it.
 //!
 //! # Algorithm
@@ -6,17 +6,17 @@
 //! 2. From each terminal in turn, follow every alternating path of at most that length: over a red
 //!    edge to a triangle `v`, then over one of the black edges of `v`, and so on. No edge is used
 //!    twice.
-//! 3. Where a red edge leads to a terminal and no loop would be left, complement the path, and
-//!    continue from that terminal.
-//! 4. When no terminal has a tunnel of that length, try the next odd one, up to the limit, if some
-//!    path is that long.
+//! 3. If a red edge leads to a terminal and no loop would remain, complement the path, and continue
+//!    from that terminal.
+//! 4. When no terminal has a tunnel of that length, try the next odd length, up to the limit, if
+//!    some path is that long.
 //!
-//! At the end there is no tunnel up to the limit: none of any kind, because a path may close a loop
-//! and open it again later. The rules of Stewart, and of Porcu and Scateni, forbid that; they are
-//! conditions on every step of a path, while this one looks at the paths that are left in the end.
+//! At the end no tunnel of any kind up to the limit remains, because a path may close a loop and
+//! open it again later. The rules of Stewart and of Porcu and Scateni forbid that. They are
+//! conditions on every step of a path, whereas this rule examines the paths after the last step.
 //!
 //! # Complexity
-//! The number of paths grows exponentially with the length: two for each black edge.
+//! The number of paths grows exponentially with the length: it doubles with each black edge.
 
 use super::accesses::{AccessCounter, SearchOutcome};
 use super::context::SearchContext;
@@ -26,8 +26,8 @@ use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
 
-/// Joins paths of a cover by tunnels, until none of at most this length is left or the watch stops
-/// it.
+/// Joins paths of a cover by tunnels, until none of at most this length remains or the watcher
+/// stops the search.
 pub(super) fn join(
     graph: &DualGraph,
     cover: &mut PathCover,
@@ -55,7 +55,7 @@ pub(super) fn join(
             }
         }
         // A complement may have opened a shorter tunnel, which the next round at this length finds.
-        // If no path reached this length, a longer one finds nothing else.
+        // If no path reached this length, longer paths find nothing else.
         if !found {
             if !was_cut_short {
                 return;

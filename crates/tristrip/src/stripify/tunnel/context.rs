@@ -1,4 +1,4 @@
-//! What a search for a tunnel reads: the graph, the cover and its tags, as red and black edges.
+//! The data that a tunnel search reads: the graph, the cover and its tags, as red and black edges.
 
 use super::path_tags::{PathTags, TunnelStep};
 use crate::cover::PathCover;
@@ -29,13 +29,13 @@ impl DualArc {
 }
 
 impl SearchContext<'_> {
-    /// Checks whether a triangle is the end of a strip or isolated.
+    /// Returns whether a triangle is the end of a strip or isolated.
     #[inline]
     pub(in crate::stripify) fn is_terminal(&self, triangle: u32) -> bool {
         self.cover.degree(FaceId(triangle)) < 2
     }
 
-    /// Returns the triangle that a half-edge leads to, `None` at a boundary.
+    /// Returns the triangle on the other side of a half-edge, or `None` at a boundary.
     #[inline]
     pub(in crate::stripify) fn across(&self, half_edge: u32) -> Option<u32> {
         self.graph.twin_of(half_edge).map(|twin| twin / 3)
@@ -59,9 +59,9 @@ impl SearchContext<'_> {
         })
     }
 
-    /// Calls a function for every step from a triangle over edges that the tunnel so far does not
-    /// contain, with the triangle that it leads to: `None` for a step that ends the tunnel at a
-    /// terminal.
+    /// Calls `visit` for every step from a triangle over edges that the tunnel does not contain
+    /// yet, with the triangle that the step leads to. The triangle is `None` for a step that ends
+    /// the tunnel at a terminal.
     #[inline]
     pub(in crate::stripify) fn for_each_step(
         &self,

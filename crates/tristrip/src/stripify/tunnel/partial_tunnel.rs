@@ -1,4 +1,4 @@
-//! A tunnel under construction: its steps so far, and the steps that a depth-first search has still
+//! A tunnel under construction: its steps so far, and the steps that a depth-first search has yet
 //! to try.
 
 use super::accesses::{AccessCounter, SearchOutcome};
@@ -23,19 +23,19 @@ impl PartialTunnel {
         self.candidates.clear();
     }
 
-    /// Returns the steps so far. A tunnel that is found ends with a red edge.
+    /// Returns the steps so far. A complete tunnel ends with a red edge.
     #[inline]
     pub(in crate::stripify) fn steps(&self) -> &[TunnelStep] {
         &self.steps
     }
 
-    /// Counts the loops that are closed at present.
+    /// Counts the loops that are currently closed.
     #[inline]
     pub(in crate::stripify) fn loops(&self) -> u32 {
         self.intervals.loops()
     }
 
-    /// Adds steps to try from the tip; the last is tried first.
+    /// Adds steps to try from the tip. The last one is tried first.
     #[inline]
     pub(in crate::stripify) fn add_candidates(&mut self, steps: impl Iterator<Item = TunnelStep>) {
         let depth = self.steps.len();
@@ -48,9 +48,9 @@ impl PartialTunnel {
         context.for_each_step(&self.steps, from, |step, _| candidates.push((depth, step)));
     }
 
-    /// Tries steps until one ends the tunnel without a loop, there are none left, or `max_accesses`
-    /// have been tried. Every step over two triangles `v` and `b` is passed to a function, which
-    /// may add it and further steps to try.
+    /// Tries steps until one ends the tunnel without a loop, none are left, or `max_accesses` have
+    /// been tried. Calls `visit` with every step over two triangles `v` and `b`; it may add the
+    /// step and further steps to try.
     #[inline]
     pub(in crate::stripify) fn search(
         &mut self,
@@ -79,8 +79,8 @@ impl PartialTunnel {
         SearchOutcome::NotFound
     }
 
-    /// Adds a step over triangle `v` to `b`, if their black edge is not cut and at most `max_loops`
-    /// loops are closed then. Returns whether it did.
+    /// Adds a step over triangle `v` to `b` if their black edge is not cut and at most `max_loops`
+    /// loops are then closed. Returns whether the step was added.
     #[inline]
     pub(in crate::stripify) fn try_step(
         &mut self,

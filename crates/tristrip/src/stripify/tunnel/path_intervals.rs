@@ -1,15 +1,16 @@
-//! Path intervals: the cover as it would be after the steps of a tunnel, without writing to it.
+//! Path intervals: the cover as it would be after the steps of a tunnel, without modifying it.
 //!
-//! The cuts of a tunnel divide paths into intervals of positions, a few dozen of them, and its
-//! links lead from an end of one interval to an end of another.
+//! The cuts of a tunnel divide paths into a few dozen intervals of positions. Its links connect the
+//! ends of intervals.
 //!
 //! ```text
 //!   path 4:  0 ━ 1 ━ 2 ━ 3 ━ 4 ━ 5      cut between 3 and 4, end 0 of path 9 linked to 3:
-//!   path 9:  0 ━ 1 ━ 2                  intervals 4[0..=3], 4[4..=5], 9[0..=2]; the tip is the lower end of the second
+//!   path 9:  0 ━ 1 ━ 2                  intervals 4[0..=3], 4[4..=5], 9[0..=2]; the tip is the
+//!                                       lower end of the second
 //! ```
 //!
 //! # Complexity
-//! A step takes O(steps before it).
+//! A step takes O(number of previous steps).
 
 use super::path_tags::PathTags;
 use crate::ids::OptionalId;
@@ -20,14 +21,14 @@ struct PathInterval {
     path: u32,
     first: u32,
     last: u32,
-    /// The ends of other intervals that its first and its last triangle are linked with.
+    /// The ends of other intervals that its first and last triangle are linked to.
     links: [OptionalId; 2],
 }
 
-/// What undoes a step.
+/// The data to undo a step.
 #[derive(Debug, Clone, Copy)]
 struct UndoRecord {
-    /// The number of intervals, the tip and the loops before the step.
+    /// The number of intervals, the tip and the number of loops before the step.
     interval_count: u32,
     tip: u32,
     loops: u32,
@@ -37,15 +38,15 @@ struct UndoRecord {
     linked: [u32; 2],
 }
 
-/// The intervals of a tunnel so far. The ends of interval `i` are numbered `2 i` at its first,
-/// `2 i + 1` at its last triangle.
+/// The intervals of a tunnel so far. The ends of interval `i` are `2 i` (at its first triangle) and
+/// `2 i + 1` (at its last).
 #[derive(Debug, Default)]
 pub(super) struct PathIntervals {
     intervals: Vec<PathInterval>,
     undo_records: Vec<UndoRecord>,
-    /// The end at which the tunnel stands.
+    /// The current end of the tunnel.
     tip: u32,
-    /// The number of loops that are closed at present.
+    /// The number of loops that are currently closed.
     loops: u32,
 }
 
@@ -59,7 +60,8 @@ impl PathIntervals {
         self.tip = 2 * interval + u32::from(tags.position(terminal) != 0);
     }
 
-    /// Finds the interval that a triangle is on; for a path not met before, adds the whole path.
+    /// Returns the interval of a triangle. Adds the whole path if the tunnel has not touched it
+    /// yet.
     fn interval_of(&mut self, tags: &PathTags, triangle: u32) -> u32 {
         let (path, position) = (tags.path(triangle), tags.position(triangle));
         let contains = |i: &PathInterval| i.path == path && i.first <= position && position <= i.last;
@@ -71,8 +73,8 @@ impl PathIntervals {
         self.intervals.len() as u32 - 1
     }
 
-    /// Links the tip to triangle `v`, then cuts `v` from its neighbour `b` on its path, which is
-    /// the new tip. Returns whether they were still neighbours; otherwise nothing changes.
+    /// Links the tip to triangle `v`, then cuts `v` from its neighbour `b` on its path. `b` is the
+    /// new tip. Returns whether they were still neighbours; otherwise nothing changes.
     pub(super) fn step(&mut self, tags: &PathTags, v: u32, b: u32) -> bool {
         let (interval_count, tip, loops) = (self.intervals.len() as u32, self.tip, self.loops);
         let split = self.interval_of(tags, v);
@@ -86,7 +88,7 @@ impl PathIntervals {
         if loops > 0 && self.is_on_loop(split) {
             self.loops -= 1;
         }
-        // The upper part becomes an interval of its own, with what was the upper end.
+        // The upper part becomes an interval of its own, with the previous upper end.
         let last = if is_upward { position } else { position - 1 };
         let upper = self.intervals.len() as u32;
         let [lower_link, upper_link] = interval.links;
@@ -122,8 +124,8 @@ impl PathIntervals {
         (self.tip, self.loops) = (record.tip, record.loops);
     }
 
-    /// Checks whether the tunnel may end at terminal `x`: whether no loop is left when the tip is
-    /// linked with it.
+    /// Returns whether the tunnel may end at terminal `x`: whether no loop remains when the tip is
+    /// linked to it.
     pub(super) fn may_end_at(&mut self, tags: &PathTags, x: u32) -> bool {
         let interval_count = self.intervals.len();
         let i = self.interval_of(tags, x);
@@ -138,12 +140,12 @@ impl PathIntervals {
         may_end
     }
 
-    /// Counts the loops that are closed at present; a later cut may open each of them.
+    /// Counts the loops that are currently closed. A later cut may open each of them.
     pub(super) fn loops(&self) -> u32 {
         self.loops
     }
 
-    /// Follows a path from a free end to its other one.
+    /// Follows a path from a free end to its other end.
     fn other_end(&self, mut end: u32) -> u32 {
         loop {
             end ^= 1;

@@ -1,17 +1,17 @@
-//! Tags: which path each triangle is on, and where, so that a search finds out whether a step would
-//! close a loop.
+//! Tags: the path of each triangle and its position on it. A search uses them to find out whether a
+//! step would close a loop.
 //!
 //! Porcu and Scateni tag every node with its strip, and rewrite the tags node by node whenever a
-//! search links or cuts. Here a tag is a path and a position on it, and a search writes none (see
-//! `path_intervals`). Only a complement that is kept writes tags. It divides the paths that it
-//! changes into intervals and links those to new paths; the longest interval of each keeps its
-//! tags.
+//! search links or cuts. Here a tag is a path and a position on it, and a search writes no tags
+//! (see `path_intervals`). Only a complement that is kept writes tags. It divides the changed paths
+//! into intervals and links those to new paths. The longest interval of each path keeps its tags.
 //!
 //! ```text
-//!   path 4:  0 ━ 1 ━ 2 ━ 3 ┃ 4 ━ 5        cut between 3 and 4, 3 linked with the first of path 9:
-//!   path 9:  0 ━ 1 ━ 2                    0 ━ 1 ━ 2 ━ 3 ━ 4 ━ 5 ━ 6 is path 4, only the tags of path 9 are rewritten
+//!   path 4:  0 ━ 1 ━ 2 ━ 3 ┃ 4 ━ 5        cut between 3 and 4, 3 linked to the first of path 9:
+//!   path 9:  0 ━ 1 ━ 2                    0 ━ 1 ━ 2 ━ 3 ━ 4 ━ 5 ━ 6 is path 4, and only the tags
+//!                                         of path 9 are rewritten
 //! ```
-//! Positions count from a start that each path has, so that a path can grow at both ends.
+//! Positions are relative to a start per path, so a path can grow at both ends.
 //!
 //! # References
 //! Porcu, Scateni: *An Iterative Stripification Algorithm Based on Dual Graph Operations*, 2003.
@@ -24,31 +24,31 @@ use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, OptionalId};
 
-/// The path and the position of every triangle, kept up to date.
+/// The path and the position of every triangle.
 #[derive(Debug)]
 pub(in crate::stripify) struct PathTags {
     path: Vec<u32>,
     position: Vec<u32>,
-    /// The first and the last triangle of each path; none for a path that was joined to another.
+    /// The first and last triangle of each path; none for a path that was joined to another.
     ends: Vec<[OptionalId; 2]>,
     /// The stored position of each path's first triangle.
     starts: Vec<u32>,
-    /// The paths that a complement changes.
+    /// The paths that the current complement changes.
     changed_paths: Vec<u32>,
-    /// Their intervals, by path and position.
+    /// Their intervals, sorted by path and position.
     intervals: Vec<TagInterval>,
 }
 
-/// Triangles of a path between two cuts.
+/// The triangles of a path between two cuts.
 #[derive(Debug, Clone, Copy)]
 struct TagInterval {
     path: u32,
-    /// The positions of the first and the last triangle, and the triangles.
+    /// The positions of the first and last triangle, and the triangles.
     positions: [u32; 2],
     triangles: [u32; 2],
-    /// The interval and the side that each side is linked with.
+    /// The interval and the side that each side is linked to.
     links: [Option<(u32, usize)>; 2],
-    /// Whether it belongs to a new path already.
+    /// Whether the interval already belongs to a new path.
     is_used: bool,
 }
 
@@ -61,9 +61,9 @@ impl TagInterval {
 /// A step of a tunnel: over a red edge, then over a black one. The last step has no black edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::stripify) struct TunnelStep {
-    /// The half-edge that leads on from the tip of the tunnel.
+    /// The half-edge that leads away from the tip of the tunnel.
     pub(in crate::stripify) red: u32,
-    /// The half-edge that leads on from there.
+    /// The half-edge that continues from there.
     pub(in crate::stripify) black: OptionalId,
 }
 
@@ -118,7 +118,7 @@ impl PathTags {
     }
 
     /// Complements a tunnel: cuts its black edges, links its red ones, and rewrites the tags that
-    /// change. Returns the length of the paths that changed.
+    /// change. Returns the total length of the changed paths.
     pub(in crate::stripify) fn complement(
         &mut self,
         graph: &DualGraph,
@@ -134,7 +134,8 @@ impl PathTags {
         for &path in &self.changed_paths {
             self.ends[path as usize] = [OptionalId::NONE; 2];
         }
-        // Where several new paths could keep the tags of one old path, the longest interval does.
+        // If several new paths could keep the tags of one old path, the longest interval keeps
+        // them.
         let mut longest_first: Vec<u32> = (0..self.intervals.len() as u32).collect();
         longest_first.sort_by_key(|&i| std::cmp::Reverse(self.intervals[i as usize].len()));
         for &i in &longest_first {
@@ -143,7 +144,7 @@ impl PathTags {
                 self.write_around(graph, cover, i);
             }
         }
-        // The other new paths take the numbers of paths that are no more.
+        // The other new paths reuse the numbers of paths that no longer exist.
         for &i in &longest_first {
             if !self.intervals[i as usize].is_used {
                 self.write_all(graph, cover, i);
@@ -194,7 +195,7 @@ impl PathTags {
         self.intervals[b.0 as usize].links[b.1] = Some(a);
     }
 
-    /// Finds the interval that ends at a triangle, and its side there that is not linked.
+    /// Returns the interval that ends at a triangle, and its unlinked side there.
     fn free_side(&self, triangle: u32) -> (u32, usize) {
         let key = (self.path(triangle), self.position(triangle));
         let i = self.intervals.partition_point(|interval| (interval.path, interval.positions[1]) < key);
@@ -202,8 +203,8 @@ impl PathTags {
         (i as u32, usize::from(interval.triangles[0] != triangle || interval.links[0].is_some()))
     }
 
-    /// Follows a new path beyond a side of an interval, and marks its intervals. Returns their
-    /// length in triangles and the triangle at the end.
+    /// Follows a new path beyond a side of an interval, and marks its intervals as used. Returns
+    /// their length in triangles, and the triangle at the end.
     fn follow(&mut self, interval: u32, side: usize) -> (u32, u32) {
         let (mut at, mut length) = ((interval, side), 0_u32);
         while let Some((next, entry)) = self.intervals[at.0 as usize].links[at.1] {
@@ -214,7 +215,7 @@ impl PathTags {
         (length, self.intervals[at.0 as usize].triangles[at.1])
     }
 
-    /// Writes the tags of a new path, except for one interval, which keeps its own.
+    /// Writes the tags of a new path, except for one interval that keeps its own.
     fn write_around(&mut self, graph: &DualGraph, cover: &PathCover, interval: u32) {
         let kept = self.intervals[interval as usize];
         let start = self.starts[kept.path as usize];
@@ -228,7 +229,7 @@ impl PathTags {
         self.ends[kept.path as usize] = [first, last].map(OptionalId::some);
     }
 
-    /// Writes all tags of a new path, with the number of a path that is no more.
+    /// Writes all tags of a new path, with the number of a path that no longer exists.
     fn write_all(&mut self, graph: &DualGraph, cover: &PathCover, interval: u32) {
         let free = self.changed_paths.iter().copied().find(|&path| self.ends[path as usize][0].is_none());
         let Some(path) = free else { return };
@@ -240,7 +241,8 @@ impl PathTags {
         self.ends[path as usize] = [first, last].map(OptionalId::some);
     }
 
-    /// Writes tags from the end of a path on: the path, and positions by a step from the first on.
+    /// Writes tags along a path, starting at one of its ends: the path number, and positions from
+    /// `position` on in increments of `step`.
     fn write(
         &mut self,
         graph: &DualGraph,
@@ -256,7 +258,7 @@ impl PathTags {
         }
     }
 
-    /// Checks that the tags are those of the cover, whatever the paths' numbers and directions.
+    /// Checks the tags against the cover, regardless of the paths' numbers and directions.
     #[cfg(test)]
     pub(super) fn check(&self, graph: &DualGraph, cover: &PathCover) -> bool {
         let mut seen = std::collections::HashSet::new();

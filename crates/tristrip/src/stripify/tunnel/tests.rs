@@ -1,5 +1,5 @@
-//! Tests of tunnels: a brute force that really cuts and links, against the searches that only
-//! simulate it.
+//! Tests of tunnels: a brute force that really cuts and links is compared with the searches that
+//! only simulate it.
 
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -37,7 +37,7 @@ fn brute_force(graph: &DualGraph, cover: &PathCover, length: usize) -> Option<us
             }
             let v = graph.face_of(twin);
             if cover.link(graph, red) {
-                // Both had a link free: the tunnel ends here, unless that leaves a loop.
+                // Both had a free link: the tunnel ends here, unless that leaves a loop.
                 let closed = cover.check(graph).is_err();
                 cover.cut(graph, red);
                 if !closed {
@@ -114,7 +114,7 @@ proptest! {
         let length = 2 * length + 1;
         let mut tags = PathTags::new(&graph, &cover);
         let mut search = baseline::TunnelSearch::default();
-        // Complement all tunnels, the shortest first, and compare with the brute force before each.
+        // Complement all tunnels, shortest first, and compare with the brute force before each.
         loop {
             let shortest = brute_force(&graph, &cover, length as usize);
             let context = SearchContext { graph: &graph, cover: &cover, tags: &tags };
@@ -143,10 +143,11 @@ proptest! {
     }
 }
 
-/// Without that end it tries all odd lengths, two billion of them, and then the first again.
+/// Without that end it would try all odd lengths, two billion of them, and then the first one
+/// again.
 #[test]
 fn ends_after_the_longest_path_whatever_the_limit() {
-    // Two triangles side by side, one alone, and a closed fan of five.
+    // Two adjacent triangles, an isolated one, and a closed fan of five.
     let fan = (0..5).flat_map(|i| [7, 8 + i, 8 + (i + 1) % 5]);
     let corners = [0, 1, 2, 2, 1, 3, 4, 5, 6].into_iter().chain(fan).collect();
     let graph = DualGraph::new(&Faces::from_triangles(corners).unwrap());
@@ -174,7 +175,7 @@ fn loops(graph: &DualGraph, cover: &PathCover) -> usize {
 }
 
 proptest! {
-    /// Takes any steps, undoes some of them, and does the same to covers.
+    /// Takes random steps, undoes some of them, and does the same on covers.
     #[test]
     fn path_intervals_count_the_loops((graph, cover) in graph_and_cover(), terminal in any::<u32>(), turns in prop::collection::vec(0..7_usize, 0..40)) {
         prop_assume!(!cover.is_empty());
@@ -220,7 +221,7 @@ proptest! {
     }
 }
 
-/// Stops a search when it is asked for the n-th time.
+/// Stops a search at the n-th call.
 struct StopAt(usize, AtomicUsize);
 
 impl Watch for StopAt {
@@ -230,7 +231,7 @@ impl Watch for StopAt {
     }
 }
 
-/// Builds a closed grid of triangles, in an order that makes many strips at first.
+/// Builds a closed grid of triangles, in an order that gives many strips at first.
 pub(in crate::stripify) fn torus(around: u32, through: u32) -> DualGraph {
     let v = |x, y| y % through * around + x % around;
     let count = around * through;
@@ -242,8 +243,8 @@ pub(in crate::stripify) fn torus(around: u32, through: u32) -> DualGraph {
     DualGraph::new(&Faces::from_triangles(corners.collect()).unwrap())
 }
 
-/// Checks that a watch stops a search that joins the triangles of a closed grid, and that the cover
-/// is valid then.
+/// Checks that a watcher stops a search that joins the triangles of a closed grid, and that the
+/// cover is then valid.
 pub(in crate::stripify) fn check_watch(join: impl Fn(&DualGraph, &mut PathCover, &dyn Watch)) {
     let graph = torus(90, 60);
     let strips = [1, 2, 1000].map(|times| {
