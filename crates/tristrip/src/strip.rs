@@ -58,7 +58,7 @@ impl Strips {
         if !ends.is_sorted() || last as usize != vertices.len() {
             return Err(MeshProblem::CornerCount {
                 found: vertices.len() as u64,
-                expected: format!("{last}, by ends that never decrease"),
+                expected: format!("{last}, the last of ends that do not decrease"),
             }
             .into());
         }

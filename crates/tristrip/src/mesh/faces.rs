@@ -53,7 +53,7 @@ impl Faces {
             && offsets.is_sorted();
         if !good {
             let expected = match offsets.last() {
-                Some(end) => format!("{end}, by offsets that start at 0 and never decrease"),
+                Some(end) => format!("{end}, the last of offsets that start at 0 and do not decrease"),
                 None => "offsets that start at 0".into(),
             };
             return Err(MeshProblem::CornerCount { found: corners.len() as u64, expected }.into());

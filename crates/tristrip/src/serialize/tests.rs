@@ -102,7 +102,7 @@ fn wrong_strips_and_collapses_are_refused() {
     };
     assert!(serde_json::from_str::<Strips>(&strips("[3]", "[[4,1]]")).is_ok());
     for ends in ["[2]", "[4]", "[3,2]", "[]"] {
-        refuses::<Strips>(&strips(ends, "[]"), "by ends that never decrease");
+        refuses::<Strips>(&strips(ends, "[]"), "the last of ends that do not decrease");
     }
     for welds in ["[[1,1]]", "[[2,1],[1,0]]", "[[1,0],[2,1]]", "[[1,0],[1,2]]"] {
         refuses::<Strips>(&strips("[3]", welds), "welds");

@@ -123,8 +123,8 @@ impl VertexOrder {
     pub fn from_new_to_old(new_to_old: &[u32]) -> Result<Self, Error> {
         let order = Self::of_indices(new_to_old.len(), new_to_old.iter().copied())?;
         if let Some(at) = (0..new_to_old.len()).find(|&i| order.new_to_old[i] != new_to_old[i]) {
-            let found = format!("vertex {} a second time, at {at}", new_to_old[at]);
-            return Err(Error::Parameter { name: "new_to_old", found, expected: "every vertex once" });
+            let found = format!("vertex {} again at index {at}", new_to_old[at]);
+            return Err(Error::Parameter { name: "new_to_old", found, expected: "every vertex exactly once" });
         }
         Ok(order)
     }
@@ -421,7 +421,7 @@ mod tests {
         );
         assert!(
             message(VertexOrder::from_new_to_old(&[1, 1]).unwrap_err())
-                .contains("vertex 1 a second time, at 1")
+                .contains("vertex 1 again at index 1")
         );
         assert!(VertexOrder::from_new_to_old(&[1, 2]).is_err());
         assert!(order.values(&[0; 4], 1).is_err() && order.values(&[0; 3], 0).is_err());

@@ -315,7 +315,7 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Adds an exit to the list, if no exit seen so far is better.
+    /// Adds an exit to the list unless an earlier one is better.
     #[inline]
     fn consider(&mut self, half_edge: u32, offset: u32, (entry, size): (Option<u32>, u32), least: &mut u32) {
         let Some((next_entry, next_face)) = self.remaining.across(half_edge) else { return };
