@@ -9,7 +9,7 @@
 //!       / \                 half-edge 3t + 1: b → c
 //!      /   \                half-edge 3t + 2: c → a
 //!     a ──▶ b   face t
-//!     a ◀── b   neighbour   Faces with consistent winding traverse their common edge in opposite directions.
+//!     a ◀── b   neighbour   faces with consistent winding traverse the edge in opposite directions
 //! ```
 //!
 //! # Edges of more than two faces

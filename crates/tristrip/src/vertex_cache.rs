@@ -4,6 +4,7 @@
 //! A vertex that is in the cache when it is sent is a hit and costs nothing. Any other vertex is a
 //! miss and enters the cache. Misses per triangle are the ACMR, from about 0.5 (best) to 3 (worst).
 //! Misses per vertex in use are the ATVR, at best 1.
+//!
 //! ```text
 //! sent          0  1  2  1  3  0        a strip with a swap, then its first vertex again
 //! fifo:3        0  01 012 ·  123 230    the second 1 is a hit; 3 evicts 0; 0 evicts 1

@@ -2,9 +2,9 @@
 //! the whole chain.
 //!
 //! ```text
-//!   ━ a ━ b ━ c ━        cut a–b (one index more), rotate b to d, join a with e (one index
-//!     ┊   ┊
-//!     e   d ━ f ━        fewer than before). A chain that raises the cost is undone in reverse
+//!   ━ a ━ b ━ c ━        cut a–b (one index more), rotate b to d, join a with e
+//!     ┊   ┊              (one index fewer than before); a chain that raises the
+//!     e   d ━ f ━        cost is undone in reverse order
 //! ```
 //! Annealing accepts a rise at random and repairs the damage while it cools. If little has changed
 //! since a good cover, for example near a collapse, a chain gains more in the same time: it

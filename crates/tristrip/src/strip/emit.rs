@@ -1,4 +1,4 @@
-//! Converts a path cover into strips, and each path into the shortest strip.
+//! Converts a path cover into strips. Each path becomes the shortest possible strip.
 //!
 //! ```text
 //!   enter p → q, third vertex w        even position in the strip: sent … p q w, drawn (p, q, w)

@@ -20,6 +20,7 @@
 //!    then opened at the most expensive bridges. The number of trails is minimal, because each node
 //!    of odd degree starts or ends one.
 //! 4. The trails are ordered so that each starts with the parity at which the previous one ended.
+//!
 //! # References
 //! Hierholzer, Wiener: *Über die Möglichkeit, einen Linienzug ohne Wiederholung und ohne
 //! Unterbrechung zu umfahren*, 1873.

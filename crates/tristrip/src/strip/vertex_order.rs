@@ -124,7 +124,11 @@ impl VertexOrder {
         let order = Self::of_indices(new_to_old.len(), new_to_old.iter().copied())?;
         if let Some(at) = (0..new_to_old.len()).find(|&i| order.new_to_old[i] != new_to_old[i]) {
             let found = format!("vertex {} again at index {at}", new_to_old[at]);
-            return Err(Error::Parameter { name: "new_to_old", found, expected: "every vertex exactly once" });
+            return Err(Error::Parameter {
+                name: "new_to_old",
+                found,
+                expected: "every vertex exactly once",
+            });
         }
         Ok(order)
     }
@@ -420,8 +424,7 @@ mod tests {
             "parameter `indices`: found index 3 at 1, over 3 vertices, expected less than the number of vertices"
         );
         assert!(
-            message(VertexOrder::from_new_to_old(&[1, 1]).unwrap_err())
-                .contains("vertex 1 again at index 1")
+            message(VertexOrder::from_new_to_old(&[1, 1]).unwrap_err()).contains("vertex 1 again at index 1")
         );
         assert!(VertexOrder::from_new_to_old(&[1, 2]).is_err());
         assert!(order.values(&[0; 4], 1).is_err() && order.values(&[0; 3], 0).is_err());

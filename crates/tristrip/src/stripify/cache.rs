@@ -20,8 +20,8 @@
 //!    each dead end. Try n = 0, 1, 2, 4 …
 //! 2. *Choose the n* with the lowest cost per triangle, undo the speculation, and draw these n
 //!    triangles. n = 0 is a restart.
-//! 3. If no edge of the front is in the cache, continue at the most recently drawn triangle, or at
-//!    the lowest remaining triangle if the front is empty.
+//! 3. If no edge of the front is in the cache, continue at the newest edge of the front, or at the
+//!    lowest remaining triangle if the front is empty.
 //!
 //! A strip turns toward the front as long as it can. This takes a swap at vertices with fewer than
 //! three remaining triangles, and leaves no isolated triangles.

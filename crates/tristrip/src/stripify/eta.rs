@@ -15,8 +15,9 @@
 //! 5. *Tunnelling*: alternating paths, depth first. A step cuts a black edge, which splits a strip,
 //!    and links the part at its near end with the tip. The part gets the identifier of the tip,
 //!    node by node, and its old identifier again when the path is abandoned. No step closes a loop:
-//!    the part and the tip must not be on the same part of one strip. A search ends after its paths
-//!    have visited a given number of triangles, the forecast of section 4.2.
+//!    after the cut, the linked triangle and the tip must not be on the same part of a strip. A
+//!    search ends after its paths have visited a given number of triangles, the forecast of section
+//!    4.2.
 //! 6. *Complement*, if a tunnel was found: the temporary edges are removed, and the strips get
 //!    their identifiers everywhere.
 //! 7. *The next terminal.*

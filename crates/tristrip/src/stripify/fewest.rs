@@ -6,7 +6,7 @@
 //!   rotation walk  w ┄┄ v ━━ x        link w–v, cut v–x: x is the new end. If v is inside w's own
 //!                                     path, x is on the side of w (a rotation) and the path stays
 //!                                     one path. If v is inside another path, x is on either side,
-//!                                     and two paths stay two.
+//!                                     and two paths remain.
 //!   join           w ┄┄ y             y is an end of another path: one path fewer
 //!   close          w ┄┄ h, y ┄┄ v     h is the other end of w's path: link w–h. The closed path can
 //!                                     be opened next to any of its triangles, for example at v, to

@@ -5,6 +5,7 @@
 //! at its start. A vertex in the cache is named by a reference of ⌈lg k⌉ bits; any other vertex is
 //! transmitted and enters the cache. The cost is the number of vertices transmitted. The bits of
 //! references and swaps are counted separately.
+//!
 //! ```text
 //!     3───4         strip     0 1 2   3     swap 1…        named: 0 1 2 3 4; swaps name nothing
 //!     │ ╲ │         at hand   01 12   23    the two vertices of the edge over which the strip continues

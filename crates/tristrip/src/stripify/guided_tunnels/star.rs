@@ -2,8 +2,8 @@
 //! terminals of other strips.
 //!
 //! ```text
-//!          11 ╲                  The distance of a tip is the length of the shortest alternating
-//!   w ┄┄ v ━━ 9 ┄┄ ▪ ━━ 7 ┄ …    path from it, ignoring loops. From `w` the way over v leads to tips
+//!          11 ╲                  The numbers are the distances of tips: the length of the
+//!   w ┄┄ v ━━ 9 ┄┄ ▪ ━━ 7 ┄ …    shortest alternating path from the tip, ignoring loops.
 //! ```
 //!
 //! # Complexity
