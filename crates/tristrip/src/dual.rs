@@ -65,7 +65,7 @@ pub struct DualGraph {
     /// The twin of each half-edge, `NO_TWIN` at a boundary.
     twins: Vec<u32>,
     shape: FaceShape,
-    /// Whether no two half-edges are known to have the same direction over the same vertices.
+    /// Whether it is known that no two half-edges have the same direction over the same vertices.
     is_simple: bool,
 }
 
@@ -280,7 +280,7 @@ impl DualGraph {
         triangles.iter().map(|twins| twins.iter().map(|&twin| u8::from(twin != NO_TWIN)).sum())
     }
 
-    /// Returns whether no two half-edges are known to have the same direction over the same
+    /// Returns whether it is known that no two half-edges have the same direction over the same
     /// vertices. Every edge then has one face, or two of opposite direction.
     pub(crate) fn is_simple(&self) -> bool {
         self.is_simple

@@ -97,8 +97,8 @@ impl Mesh {
 
     /// Adds a vertex attribute.
     ///
-    /// The attribute does not have one value per vertex, or it has zero components. The attribute
-    /// does not have one value per vertex, or values without components.
+    /// # Errors
+    /// The attribute does not have one value per vertex, or it has zero components.
     ///
     /// ```
     /// use tristrip::{Attribute, AttributeData, Faces, Mesh};

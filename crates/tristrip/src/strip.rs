@@ -182,7 +182,7 @@ impl Strips {
         self.vertices.push(vertex);
     }
 
-    /// Appends a block of vertices that ends strips at the given positions, counted from the start
+    /// Appends a block of vertices with strip ends at the given positions, counted from the start
     /// of the block.
     pub(crate) fn send_block_of(&mut self, vertices: &[u32], ends: impl IntoIterator<Item = u32>) {
         let sent = self.vertices.len() as u32;

@@ -39,8 +39,8 @@ const THREADING_MINIMUM: usize = 1 << 18;
 #[cfg(feature = "rayon")]
 const RANGES: usize = 8;
 
-/// Pairs all half-edges. Returns the twin of each, or `NO_TWIN`, and whether the mesh is simple, so
-/// that the pairing is unique.
+/// Pairs all half-edges. Returns the twin of each, or `NO_TWIN`, and whether the mesh is simple,
+/// which makes the pairing unique.
 pub(super) fn pair(corners: &impl FaceCorners) -> (Vec<u32>, bool) {
     if let Some(twins) = pair_simple(corners) {
         return (twins, true);

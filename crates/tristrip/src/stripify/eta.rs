@@ -86,10 +86,11 @@ struct EmptyPasses {
     strips: usize,
 }
 
-/// At the last maximum length. With 20 passes alone, fandisk keeps a second strip for some seeds.
+/// The limit at the last maximum length. With 20 passes alone, fandisk keeps a second strip for
+/// some seeds.
 const AT_LAST_LENGTH: EmptyPasses = EmptyPasses { passes: 20, strips: 1000 };
 
-/// While longer tunnels will follow, depth first and breadth first.
+/// The limits while longer tunnels will follow, depth first and breadth first.
 const DEPTH_FIRST: EmptyPasses = EmptyPasses { passes: 3, strips: 0 };
 const BREADTH_FIRST: EmptyPasses = EmptyPasses { passes: 1, strips: 0 };
 

@@ -353,9 +353,9 @@ impl StripifyOptions {
 pub enum Objective {
     /// Few indices: about as many as [`Method::Best`], in an order that reduces misses.
     Indices,
-    /// Both: a miss costs as much as about two thirds of an index.
+    /// Both: a miss counts as about two thirds of an index.
     #[default]
     Balanced,
-    /// Few misses: a miss costs as much as four indices.
+    /// Few misses: a miss counts as four indices.
     Misses,
 }

@@ -38,7 +38,7 @@ pub struct VertexCache {
 }
 
 impl VertexCache {
-    /// Maximum number of entries that is parsed.
+    /// Maximum number of entries accepted by the parser.
     pub const MAX_ENTRIES: u32 = 1 << 16;
 
     /// Creates a FIFO cache.

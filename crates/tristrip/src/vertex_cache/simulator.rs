@@ -56,7 +56,7 @@ impl VertexCacheSimulator {
         Ok(Self::of(cache, vertex_count))
     }
 
-    /// Creates an empty cache. The number of vertices must be one that fits in memory.
+    /// Creates an empty cache. The caller must have checked that the vertices fit in memory.
     pub(super) fn of(cache: VertexCache, vertex_count: usize) -> Self {
         let entries = match cache.replacement {
             Replacement::Fifo => Entries::Fifo(Fifo::new([cache.entries], vertex_count)),

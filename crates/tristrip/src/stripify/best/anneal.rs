@@ -153,7 +153,7 @@ impl<'a> Annealer<'a> {
         }
     }
 
-    /// Tries moves at each end of a block, including new ends behind the current one.
+    /// Tries moves at each end of a block, including new ends after the current one.
     #[inline]
     fn move_ends(&mut self, paths: &mut PricedPaths, block: u32) {
         let mut remaining = u64::MAX;

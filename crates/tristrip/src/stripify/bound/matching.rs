@@ -149,7 +149,7 @@ impl Matching {
         self.mate[b as usize] = OptionalId::some(a);
     }
 
-    /// Searches an alternating path from a free node to another free node, and augments the
+    /// Searches for an alternating path from a free node to another free node, and augments the
     /// matching along it. Returns whether it found one within the step limit.
     fn augment(&mut self, blocks: &BlockTree, start: u32) -> bool {
         self.reached.clear();

@@ -280,7 +280,7 @@ impl<'a> StripSequence<'a> {
     }
 
     /// Returns the increase of the cost by a move, or `None` if its effect on the cache lasts too
-    /// long. [`StripSequence::commit`] uses the simulation again.
+    /// long. The simulation is stored for [`StripSequence::commit`].
     fn price(&mut self, edits: &[StripEdit]) -> Option<i64> {
         self.simulated.clear();
         self.simulated_before.clear();
