@@ -170,11 +170,15 @@ impl Positions for InterleavedPositions<'_> {
 fn check_stride(length: usize, stride: usize, offset: usize, size: usize) -> Result<(), Error> {
     if offset.checked_add(size).is_none_or(|end| end > stride) {
         let found = format!("{stride} with an offset of {offset}");
-        return Err(Error::Parameter { name: "stride", found, expected: "at least the end of the position" });
+        return Err(Error::Parameter {
+            name: "stride",
+            found,
+            expected: "a stride that contains the position",
+        });
     }
     if !length.is_multiple_of(stride) {
-        let found = format!("{} in strides of {stride}", counted(length, "value"));
-        return Err(Error::Parameter { name: "positions", found, expected: "a whole number of strides" });
+        let found = format!("{} with a stride of {stride}", counted(length, "value"));
+        return Err(Error::Parameter { name: "positions", found, expected: "a multiple of the stride" });
     }
     check_count("vertices", length / stride)
 }

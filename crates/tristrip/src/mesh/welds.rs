@@ -72,9 +72,9 @@ impl VertexWelds {
         match wrong {
             None if ascends => Ok(welds),
             wrong => {
-                let found =
-                    wrong.map_or("vertices that do not ascend".into(), |(a, b)| format!("{a} welded to {b}"));
-                let expected = "ascending vertices, each with one that is not welded";
+                let found = wrong
+                    .map_or("vertices that are not ascending".into(), |(a, b)| format!("{a} welded to {b}"));
+                let expected = "ascending vertices, each with a replacement that is not welded";
                 Err(Error::Parameter { name: "welds", found, expected })
             }
         }

@@ -90,7 +90,7 @@ impl Strips {
         let count = self.index_count(layout);
         let available = out.len();
         let Some(out) = out.get_mut(..count) else {
-            let found = format!("a slice of {} for {count}", counted(available, "index"));
+            let found = format!("a slice of {} ({count} needed)", counted(available, "index"));
             return Err(Error::Parameter { name: "out", found, expected: "room for the index buffer" });
         };
         let mut free = out.iter_mut();
@@ -397,7 +397,7 @@ mod tests {
         let error = strips.write_indices(Layout::List, &mut short).unwrap_err().to_string();
         assert_eq!(
             error,
-            "parameter `out`: found a slice of 5 indices for 6, expected room for the index buffer"
+            "parameter `out`: found a slice of 5 indices (6 needed), expected room for the index buffer"
         );
         assert_eq!(short, [7; 5]);
         let error = Strips::from_indices(&[1_u8, 2], Layout::List).unwrap_err().to_string();

@@ -60,7 +60,7 @@ pub enum Unproven {
     },
     /// The strips replace a vertex by one that the mesh does not have, or that differs in position
     /// or attributes.
-    #[error("vertex {vertex} is welded to {other}, which is not the same")]
+    #[error("vertex {vertex} is welded to {other}, which differs from it")]
     Weld {
         /// The vertex that was welded.
         vertex: u32,
@@ -84,7 +84,7 @@ pub enum Unproven {
         expected: usize,
     },
     /// The edges of a polygon's triangles do not add up to those of the polygon.
-    #[error("face {face}: its triangles do not have its boundary at edge {edge:?}")]
+    #[error("face {face}: its triangles do not match its boundary at edge {edge:?}")]
     Boundary {
         /// A face of the group.
         face: u32,

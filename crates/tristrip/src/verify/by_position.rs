@@ -64,7 +64,7 @@ pub enum Difference {
     },
     /// The edges of a polygon's triangles do not add up to those of the polygon.
     #[error(
-        "face {face} of the source: its triangles do not have its boundary, first at the edge {}",
+        "face {face} of the source: its triangles do not match its boundary, first at the edge {}",
         at(edge)
     )]
     Boundary {

@@ -16,7 +16,7 @@ pub enum Replacement {
 names! {
     "tristrip::vertex_cache::Replacement", Replacement, "replacement",
     Fifo => "fifo", "Evicts the vertex that entered first";
-    Lru => "lru", "Evicts the vertex that was not used for the longest time";
+    Lru => "lru", "Evicts the least recently used vertex";
 }
 
 /// A vertex cache: its replacement policy and number of entries. Formatted and parsed as `fifo:16`.

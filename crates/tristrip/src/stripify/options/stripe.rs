@@ -61,17 +61,17 @@ names! {
     Static => "static", "In advance, by alternate left and right turns";
     Whole => "whole", "Completely, when a strip enters the face";
     Partial => "partial", "Only as far as the strip needs to leave the face";
-    Absorbing => "absorbing", "Partial, but a rest with fewer than two neighbours goes into the strip (ours)";
+    Absorbing => "absorbing", "Partial, plus remainders with fewer than two neighbours (not in the paper)";
 }
 
 names! {
     "tristrip::stripify::Ties", Ties, "ties",
     Arbitrary => "arbitrary", "The first one found";
-    LookAhead => "look-ahead", "The one whose neighbours have the least adjacency";
-    Alternate => "alternate", "The one on the other side from the previous turn";
-    Random => "random", "One chosen at random, by the seed";
-    Sequential => "sequential", "One that needs no swap, else one chosen at random";
-    FewestSwaps => "fewest-swaps", "One of those that need the fewest swaps (ours)";
+    LookAhead => "look-ahead", "The one whose neighbours have the lowest adjacency";
+    Alternate => "alternate", "The one on the side opposite to the previous turn";
+    Random => "random", "A random one, depending on the seed";
+    Sequential => "sequential", "One that needs no swap, otherwise a random one";
+    FewestSwaps => "fewest-swaps", "One that needs the fewest swaps (not in the paper)";
 }
 
 names! {

@@ -84,7 +84,7 @@ names! {
 names! {
     "tristrip::stripify::Localization", Localization, "localization",
     Star => "star", "Identifiers are written within the star of a search";
-    OnDemand => "on-demand", "The same; a star is found when a search becomes long";
+    OnDemand => "on-demand", "Like star, but only once a search has become long";
     None => "none", "Identifiers are written to the ends of the strips";
 }
 
