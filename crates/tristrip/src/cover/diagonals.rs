@@ -1,8 +1,8 @@
 //! The diagonals of the polygons, for searches that flip them.
 //!
 //! ```text
-//!   d ───── c        d ───── c      a flip rotates the two triangles at a diagonal by one corner; they
-//!   │ u   ╱ │        │ ╲   t │      must not be linked. Four flips restore the initial state
+//!   d ───── c        d ───── c      a flip rotates the two triangles at a diagonal by one corner
+//!   │ u   ╱ │        │ ╲   t │      (they must not be linked); four flips restore the initial state
 //!   │   ╱   │   ─▶   │   ╲   │
 //!   │ ╱   t │        │ u   ╲ │
 //!   a ───── b        a ───── b

@@ -8,7 +8,7 @@
 //!
 //! ```text
 //!   (a, even) ──────── (z, even)     a strip a … z of an even number of vertices, sent either way
-//!   (a, even) ──────── (z, odd)      of an odd number; forward from the left, backward from the right
+//!   (a, even) ──────── (z, odd)      of an odd number; forward from the left, or backward
 //! ```
 //! # Algorithm
 //! 1. A node is a vertex with the parity of the next position, and each strip is an edge between

@@ -8,7 +8,7 @@
 //!
 //! ```text
 //!          ╱╲  s   leaving over s takes a swap, over f none
-//!         ╱ t╲     continue to f, unless this leaves s with one free neighbour, and f would keep two:
+//!         ╱ t╲     continue to f, unless this leaves s with one free neighbour and f with two;
 //!   enter ────── f then the swap (1) is cheaper than the end (1.5) at s
 //! ```
 //! 1. *Seed*: a triangle with the fewest free neighbours, the last added in a tie. The free region

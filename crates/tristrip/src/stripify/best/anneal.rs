@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   w ┄┄ v ━━ a        *join*: v is also an end: link w–v
-//!        ┃             *rotation*: v is inside a path: cut v–a and link w–v; a is an end instead of w
+//!        ┃             *rotation*: v is inside a path: cut v–a, link w–v; a replaces w as an end
 //!        b             *cut*: cut v–a, which lowers the cost if it removes swaps
 //!                      *flip*: if v and a belong to one polygon, flip the diagonal between them
 //! ```

@@ -7,9 +7,9 @@
 //!
 //! ```text
 //!        north                   ┌───┬───┐
-//!      ┌───────┐                 │   │   │      the grid height of h: the number of rows, from this
-//! west │   q   │ h: east     ┌───┼───┼───┤      one northward, in which the two columns that h joins
-//!      └───────┘             │   │ h─┼─▶ │      are neighbours; here 2
+//!      ┌───────┐                 │   │   │    the grid height of h: the number of rows, from this
+//! west │   q   │ h: east     ┌───┼───┼───┤    one northward, in which the two columns that h joins
+//!      └───────┘             │   │ h─┼─▶ │    are neighbours; here 2
 //!        south               └───┴───┴───┘
 //! ```
 //! 1. The grid height of every quad half-edge is computed from that of the half-edge above it.

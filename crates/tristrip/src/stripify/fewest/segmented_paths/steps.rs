@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!   rotate      w ┄┄ v ━━ x         the segments after v are reversed; x is the new tail
-//!   take part   w ┄┄ v ━━ x         v's part moves from its path to w's; x is the new end of the rest
+//!   take part   w ┄┄ v ━━ x         v's part moves from its path to w's; x is an end of the rest
 //!   append      w ┄┄ y              y's path is appended to w's
 //!   close       w ┄┄ h, y ┄┄ v      the segments up to v move to the end, followed by y's path
 //! ```
