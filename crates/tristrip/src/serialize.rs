@@ -4,10 +4,10 @@
 //!
 //! ```text
 //! Layout, Cost, Filter …   "restart"                       VertexCache        "fifo:16"
-//! Method                   "tunnel" · "tunnel length=5"     with the parameters that are not the default
+//! Method                   "tunnel" · "tunnel length=5"     with the non-default parameters
 //! Effort                   5
 //! Strips                   vertices, ends, keeps_order, welds
-//! CollapseSequence         vertex_count, triangles, renames, rename_ends, errors (full to base mesh)
+//! CollapseSequence         vertex_count, triangles, renames, rename_ends, errors (full to base)
 //! ```
 
 mod methods;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   d ───── c        d ───── c      a flip rotates the two triangles at a diagonal by one corner
-//!   │ u   ╱ │        │ ╲   t │      (they must not be linked); four flips restore the initial state
+//!   │ u   ╱ │        │ ╲   t │      (they must not be linked); four flips restore the start
 //!   │   ╱   │   ─▶   │   ╲   │
 //!   │ ╱   t │        │ u   ╲ │
 //!   a ───── b        a ───── b

@@ -8,9 +8,9 @@
 //!                                     one path. If v is inside another path, x is on either side,
 //!                                     and two paths remain.
 //!   join           w ┄┄ y             y is an end of another path: one path fewer
-//!   close          w ┄┄ h, y ┄┄ v     h is the other end of w's path: link w–h. The closed path may
-//!                                     be opened next to any of its triangles, for example at v, to
-//!                                     which the end y of another path is joined.
+//!   close          w ┄┄ h, y ┄┄ v     h is the other end of w's path: link w–h. The closed path
+//!                                     can be opened next to any of its triangles, for example at
+//!                                     v, to which the end y of another path is joined.
 //!   guided walk    p ─ ─ a┃x ─ ─ q    cut a–x ahead of p on the way to q, and walk from a, x and p
 //!                                     until two of them join. The third is the new p. Continue if
 //!                                     it is not much farther from q; otherwise undo.

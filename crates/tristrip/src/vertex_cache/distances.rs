@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! log    4  7  4  9  7  2  9
-//! live   0  0  1  0  1  1  1       last uses; a next 4 has distance 3, the live slots after its own
+//! live   0  0  1  0  1  1  1       last uses; if 4 comes next, its distance is 3
 //! ```
 //!
 //! # Algorithm

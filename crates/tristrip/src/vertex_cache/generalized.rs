@@ -8,7 +8,7 @@
 //!
 //! ```text
 //!     3───4         strip     0 1 2   3     swap 1…        named: 0 1 2 3 4; swaps name nothing
-//!     │ ╲ │         at hand   01 12   23    the vertices of the edge over which the strip continues
+//!     │ ╲ │         at hand   01 12   23    the vertices of the edge where the strip continues
 //! 0───1───2         fifo:2    01 12   23    the same two: the machine of the first strips
 //! ```
 //!

@@ -5,7 +5,7 @@
 //! Simulated annealing. A move replaces the strips at one or two positions of the order by zero to
 //! two others:
 //! ```text
-//!   transfer  A ━━t  ┄u━━ B        the end t of A takes u from B, and all that follows u on one side
+//!   transfer  A ━━t  ┄u━━ B        the end t of A takes u from B and what follows u on one side
 //!   join      A ━━t  ┄ u━━B        a transfer after which nothing of B remains
 //!   cut       A ━━━━┊━━━━          two strips, one after the other
 //!   reverse   A from its other end
