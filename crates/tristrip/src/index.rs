@@ -35,7 +35,7 @@ pub trait Index: Copy + Eq + std::fmt::Debug + Send + Sync + private::Sealed + '
     fn to_vertex(self) -> Option<u32>;
 }
 
-/// Only the types of this file implement [`Index`], because code over indices relies on their
+/// Only the types of this file implement `Index`, because code over indices relies on their
 /// guarantees.
 mod private {
     pub trait Sealed {}
