@@ -1,5 +1,5 @@
-//! Arguments that do not exist or make no sense, per type of the public interface: errors or `None`, never a panic, and never memory for
-//! numbers that only an argument states.
+//! Invalid arguments, per type of the public interface: they give errors or `None`, never a panic. No
+//! memory is allocated for counts that only an argument claims.
 #![allow(clippy::unwrap_used, reason = "a test")]
 
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use tristrip::{
 
 const WRONG_LEVELS: [usize; 3] = [2, 1 << 32, usize::MAX];
 
-/// Three triangles, and a collapse that drops one of them.
+/// Returns three triangles and a collapse that removes one of them.
 fn levels() -> (Strips, CollapseSequence) {
     let mut strips = Strips::default();
     strips.push(&[0, 1, 2, 3, 4]);
@@ -35,7 +35,7 @@ fn grid(size: u32) -> Mesh {
     Mesh::new(positions, Faces::from_polygons(quads).unwrap()).unwrap()
 }
 
-/// Strips of any vertices, the empty strip and the highest index among them.
+/// Strips of any vertices, including the empty strip and the highest index.
 fn far_strips() -> Strips {
     let mut strips = Strips::default();
     let far =

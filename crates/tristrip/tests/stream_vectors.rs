@@ -1,6 +1,7 @@
-//! The streams in testdata/stream/v1, which decoders in all languages read with the same results, and the strips that they keep up.
+//! Tests of the streams in testdata/stream/v1, which decoders in all languages must read with the
+//! same results, and of the strips that they maintain.
 //!
-//! `TRISTRIP_BLESS=1` writes new checksums of the strips; review the difference before committing it.
+//! `TRISTRIP_BLESS=1` writes new checksums of the strips. Review the difference before committing it.
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
@@ -16,7 +17,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/stream")
 }
 
-/// Returns the streams by name, each with what is expected of it.
+/// Returns the streams by name, each with its expected results.
 fn streams() -> Vec<(String, Vec<u8>, Value)> {
     let entries = std::fs::read_dir(folder().join("v1")).unwrap().map(|entry| entry.unwrap().path());
     let streams = entries.filter(|path| path.extension().is_some_and(|extension| extension == "bin"));
@@ -48,7 +49,8 @@ fn every_chunk_has_its_fingerprint() {
     }
 }
 
-/// The CRC-32 of the index buffer with restarts, as 32-bit numbers with the lowest byte first, after each chunk.
+/// Returns the CRC-32 after each chunk of the index buffer with restarts, as little-endian 32-bit
+/// integers.
 #[test]
 fn every_chunk_has_its_strips() {
     let mut found: BTreeMap<String, Vec<u32>> = BTreeMap::new();
