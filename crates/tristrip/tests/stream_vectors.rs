@@ -49,8 +49,8 @@ fn every_chunk_has_its_fingerprint() {
     }
 }
 
-/// Returns the CRC-32 after each chunk of the index buffer with restarts, as little-endian 32-bit
-/// integers.
+/// Compares the CRC-32 of the index buffer with restarts (little-endian 32-bit integers) after each
+/// chunk.
 #[test]
 fn every_chunk_has_its_strips() {
     let mut found: BTreeMap<String, Vec<u32>> = BTreeMap::new();
