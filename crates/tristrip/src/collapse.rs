@@ -1,9 +1,10 @@
 //! The collapses of a simplification, in order, over the triangles of the full mesh.
 //!
-//! A half-edge collapse renames one vertex, the *removed* one, to a neighbour, the *kept* one; triangles that have both become
-//! degenerate and are dropped. A point on an attribute seam has several vertices of one position, which are renamed together
-//! in one collapse. Nothing else changes: every level of detail is the full mesh with some vertices renamed, and only the
-//! collapses have to be stored.
+//! A half-edge collapse renames one vertex, the *removed* one, to a neighbour, the *kept* one.
+//! Triangles that have both become degenerate and are dropped. A point on an attribute seam has
+//! several vertices at one position. They are renamed together in one collapse. Nothing else
+//! changes: every level of detail is the full mesh with some vertices renamed, so only the
+//! collapses are stored.
 //!
 //! ```text
 //!  level 0                                                level n
@@ -11,15 +12,16 @@
 //!            ◀ collapse 0 ─      ◀ collapse 1 ─     ◀ collapse n−1 ─
 //! ```
 //!
-//! Collapse i leads from level i + 1 to level i, and the vertex split i undoes it. The first collapse of a simplification is
-//! therefore collapse n − 1.
+//! Collapse i leads from level i + 1 to level i, and vertex split i undoes it. The first collapse
+//! of a simplification is therefore collapse n − 1.
 //!
 //! # Complexity
-//! 12 bytes per triangle of the full mesh, and 32 bytes per collapse that renames one vertex and drops two triangles.
+//! 12 bytes per triangle of the full mesh, plus 32 bytes per collapse that renames one vertex and
+//! drops two triangles.
 //!
 //! # References
-//! Hoppe: *Progressive Meshes*, 1996. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*,
-//! 2005, section 3.
+//! Hoppe: *Progressive Meshes*, 1996. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
+//! Progressive Transmission of 3D Meshes*, 2005, section 3.
 
 mod merge;
 #[cfg(test)]
@@ -44,17 +46,20 @@ pub struct Rename {
 /// One collapse of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Collapse<'a> {
-    /// The vertices renamed: one, or all of one position if their attributes differ.
+    /// The renamed vertices: one, or all vertices at one position if their attributes differ.
     pub renames: &'a [Rename],
-    /// The triangles dropped, by their number in the full mesh, ascending.
+    /// The indices of the dropped triangles in the full mesh, ascending.
     pub dropped: &'a [u32],
-    /// The local distance from the full surface, in mesh units: the maximum of the distance of the removed vertex from the triangles
-    /// that replace its own, and the root mean square of the kept vertex's distances to the planes of the full mesh that the removed
-    /// vertex represents. By `simplify::Price::Quadric` it is the root of the sum of their squares, for the planes of both vertices, in which planes along borders count 1000 times.
+    /// The local error relative to the full surface, in mesh units. It is the maximum of two
+    /// values: the distance of the removed vertex from the triangles that replace its own, and the
+    /// RMS distance of the kept vertex to the planes of the full mesh that the removed vertex
+    /// represents. With `simplify::Price::Quadric` it is the square root of the sum of the squared
+    /// distances to the planes of both vertices, with planes along borders weighted 1000 times.
     pub error: f32,
 }
 
-/// A simplification from the full mesh, level n, to the base mesh, level 0, replayable both ways.
+/// A simplification from the full mesh (level n) to the base mesh (level 0). It can be replayed in
+/// both directions.
 ///
 /// ```
 /// use tristrip::{CollapseSequence, Rename};
@@ -72,11 +77,11 @@ pub struct Collapse<'a> {
 pub struct CollapseSequence {
     vertex_count: usize,
     triangles: Vec<u32>,
-    /// Degenerate triangles of the full mesh.
+    /// The number of degenerate triangles in the full mesh.
     degenerate_count: usize,
-    // These are in the order in which the collapses were done, from the full mesh on.
+    // The arrays below are in the order of the collapses, starting from the full mesh.
     errors: Vec<f32>,
-    /// The largest error so far.
+    /// The running maximum of `errors`.
     largest_errors: Vec<f32>,
     renames: Vec<Rename>,
     rename_ends: Vec<u32>,
@@ -88,7 +93,8 @@ impl CollapseSequence {
     /// Creates a sequence without collapses.
     ///
     /// # Errors
-    /// The number of corners is not a multiple of three, a vertex does not exist, or there are too many for 32-bit ids.
+    /// The number of corners is not a multiple of three, a vertex index is out of range, or there
+    /// are too many vertices or corners for 32-bit ids.
     pub(crate) fn new(vertex_count: usize, triangles: Vec<u32>) -> Result<Self, Error> {
         check_count("vertices", vertex_count)?;
         check_count("corners", triangles.len())?;
@@ -98,12 +104,15 @@ impl CollapseSequence {
         Ok(Self { vertex_count, triangles, degenerate_count, ..Self::default() })
     }
 
-    /// Builds a sequence from the triangles of the full mesh and the collapses with their errors, in order from the full mesh. The memory
-    /// is proportional to the triangles, and to the vertices if the triangles use more than a few of them.
+    /// Builds a sequence from the triangles of the full mesh and the collapses with their errors,
+    /// in order from the full mesh. Memory is proportional to the number of triangles, plus the
+    /// number of vertices unless the triangles use only a few of them.
     ///
     /// # Errors
-    /// The number of corners is not a multiple of three, or a vertex does not exist; a collapse renames a vertex that no triangle uses
-    /// any more, or to a vertex that is renamed itself, or has an error that is negative or not a number.
+    /// The number of corners is not a multiple of three; a vertex index is out of range; there are
+    /// too many vertices or corners for 32-bit ids; a collapse names a vertex that no triangle uses
+    /// or that an earlier collapse removed, or renames a vertex to itself or to one that it also
+    /// removes; an error is negative or NaN.
     ///
     /// ```
     /// use tristrip::{CollapseSequence, Rename};
@@ -146,7 +155,7 @@ impl CollapseSequence {
         Ok(sequence)
     }
 
-    /// Returns the error of a rename that the next collapse cannot do.
+    /// Returns the error for a rename that is invalid in the next collapse.
     fn wrong_rename(&self, Rename { removed, kept }: Rename) -> Error {
         Error::Parameter {
             name: "collapses",
@@ -155,7 +164,7 @@ impl CollapseSequence {
         }
     }
 
-    /// Appends the next collapse toward the base mesh; its dropped triangles are in ascending order.
+    /// Appends the next collapse toward the base mesh. `dropped` is in ascending order.
     pub(crate) fn push(&mut self, renames: &[Rename], dropped: &[u32], error: f32) {
         self.renames.extend_from_slice(renames);
         self.rename_ends.push(self.renames.len() as u32);
@@ -166,8 +175,8 @@ impl CollapseSequence {
         self.largest_errors.push(largest.max(error));
     }
 
-    /// Puts the collapses in another order, given by their numbers from 0, the first done first. Those that follow after at most
-    /// `triangle_count` triangles are left are removed.
+    /// Reorders the collapses. `order` lists their indices from 0 in the new order, first collapse
+    /// first. Drops the collapses that follow once at most `triangle_count` triangles remain.
     pub(crate) fn reorder(&mut self, order: &[u32], triangle_count: usize) {
         let highest = self.len();
         let mut left = self.triangles_at(highest);
@@ -188,7 +197,7 @@ impl CollapseSequence {
         }
     }
 
-    /// Multiplies the errors by a scale of at least 0, such as that of the place where the mesh is shown.
+    /// Multiplies the errors by a non-negative scale, such as the scale of the mesh in a scene.
     ///
     /// # Errors
     /// The scale is negative or not a number.
@@ -204,7 +213,7 @@ impl CollapseSequence {
             let found = scale.to_string();
             return Err(Error::Parameter { name: "scale", found, expected: "0 or more" });
         }
-        // An error of 0 stays 0 at any scale.
+        // An error of 0 remains 0 even at an infinite scale, where the product would be NaN.
         let scaled = |error: &mut f32| {
             *error =
                 if *error > 0.0 { (f64::from(*error) * scale).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
@@ -213,7 +222,7 @@ impl CollapseSequence {
         Ok(self)
     }
 
-    /// Counts the collapses, which is also the level of the full mesh.
+    /// Returns the number of collapses, which is also the level of the full mesh.
     ///
     /// ```
     #[doc = include_str!("lod/example.txt")]
@@ -225,7 +234,7 @@ impl CollapseSequence {
         self.errors.len()
     }
 
-    /// Checks whether there is no collapse, so that the base mesh is the full mesh.
+    /// Returns whether the sequence has no collapses. The base mesh is then the full mesh.
     ///
     /// ```
     /// let sequence = tristrip::CollapseSequence::from_collapses(3, vec![0, 1, 2], [])?;
@@ -236,7 +245,7 @@ impl CollapseSequence {
         self.errors.is_empty()
     }
 
-    /// Counts the vertices of the mesh, drawn or not.
+    /// Returns the number of vertices of the mesh, used or not.
     ///
     /// ```
     /// let sequence = tristrip::CollapseSequence::from_collapses(100, vec![97, 98, 99], [])?;
@@ -247,7 +256,7 @@ impl CollapseSequence {
         self.vertex_count
     }
 
-    /// Returns the memory of the sequence in bytes.
+    /// Returns the size of the sequence in bytes.
     pub(crate) fn memory(&self) -> usize {
         let lists = [&self.triangles, &self.rename_ends, &self.dropped, &self.dropped_ends];
         let numbers: usize = lists.map(|list| size_of_val(&list[..])).iter().sum();
@@ -266,7 +275,7 @@ impl CollapseSequence {
         &self.triangles
     }
 
-    /// Returns the collapse that leads from `level` + 1 to `level`; the split of that level undoes it.
+    /// Returns the collapse from `level` + 1 to `level`. Split `level` undoes it.
     ///
     /// # Errors
     /// `level` is not less than [`CollapseSequence::len`].
@@ -286,7 +295,7 @@ impl CollapseSequence {
         Err(Error::Parameter { name: "level", found, expected: "less than the level of the full mesh" })
     }
 
-    /// Returns the collapse that leads to a level that exists.
+    /// Returns the collapse that leads to a valid level.
     pub(crate) fn collapse_to(&self, level: usize) -> Collapse<'_> {
         let i = self.len() - 1 - level;
         let range = |ends: &[u32]| if i == 0 { 0 } else { ends[i - 1] as usize }..ends[i] as usize;
@@ -309,7 +318,7 @@ impl CollapseSequence {
         (0..self.len()).rev().map(|level| self.collapse_to(level))
     }
 
-    /// Counts the triangles drawn at a level: those of the full mesh minus those dropped by the collapses to the level.
+    /// Returns the number of triangles drawn at a level.
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
@@ -324,14 +333,15 @@ impl CollapseSequence {
         check_level(level, self.len()).map(|()| self.triangles_at(level))
     }
 
-    /// Counts the triangles drawn at a level that exists.
+    /// Returns the number of triangles drawn at a valid level.
     pub(crate) fn triangles_at(&self, level: usize) -> usize {
         let done = self.len() - level;
         let dropped = if done == 0 { 0 } else { self.dropped_ends[done - 1] as usize };
         self.triangles.len() / 3 - self.degenerate_count - dropped
     }
 
-    /// Returns the largest error of the collapses that lead to a level, in mesh units; 0 for the full mesh.
+    /// Returns the largest error of the collapses from the full mesh to a level, in mesh units; 0
+    /// for the full mesh.
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
@@ -345,13 +355,13 @@ impl CollapseSequence {
         check_level(level, self.len()).map(|()| self.error_at(level))
     }
 
-    /// Returns the largest error of the collapses that lead to a level that exists.
+    /// Returns the largest error of the collapses from the full mesh to a valid level.
     pub(crate) fn error_at(&self, level: usize) -> f32 {
         let done = self.len() - level;
         if done == 0 { 0.0 } else { self.largest_errors[done - 1] }
     }
 
-    /// Returns the highest level with at most this number of triangles; 0 if there is none.
+    /// Returns the highest level with at most this many triangles, or 0 if there is none.
     ///
     /// ```
     #[doc = include_str!("lod/example.txt")]
@@ -367,7 +377,7 @@ impl CollapseSequence {
         self.len().saturating_sub(done)
     }
 
-    /// Returns the lowest level to which no collapse from the full mesh on has a larger error.
+    /// Returns the lowest level that is reached from the full mesh without exceeding this error.
     ///
     /// ```
     #[doc = include_str!("lod/example.txt")]
@@ -378,7 +388,7 @@ impl CollapseSequence {
         self.len() - self.largest_errors.partition_point(|&largest| largest <= error)
     }
 
-    /// Returns the collapses to a level, which becomes the base mesh; those below it are left out.
+    /// Returns the sequence with `level` as its base mesh. Coarser levels are removed.
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
@@ -403,7 +413,7 @@ impl CollapseSequence {
         Ok(self)
     }
 
-    /// Returns for each vertex the one that replaces it at a level.
+    /// Returns for each vertex the vertex that replaces it at a level, or itself.
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
@@ -422,8 +432,8 @@ impl CollapseSequence {
         Ok(now)
     }
 
-    /// Returns the renames that lead to a level, from the full mesh on. In reverse order a kept vertex is final before the vertices that
-    /// are renamed to it.
+    /// Returns the renames from the full mesh to a level. When they are read in reverse order, a
+    /// kept vertex has its final name before the vertices that are renamed to it.
     fn renames_to(&self, level: usize) -> Result<&[Rename], Error> {
         check_level(level, self.len())?;
         let done = self.len() - level;
@@ -431,8 +441,9 @@ impl CollapseSequence {
         Ok(&self.renames[..end])
     }
 
-    /// Returns the triangles at a level, in the order of the full mesh: all vertices of the full mesh are renamed, and degenerate
-    /// triangles left out. This is the oracle of everything that draws a level of detail.
+    /// Returns the triangles at a level, in the order of the full mesh: vertices are renamed, and
+    /// degenerate triangles are left out. Tests use it as the oracle for everything that draws a
+    /// level of detail.
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
@@ -454,16 +465,18 @@ impl CollapseSequence {
         Ok(self.renamed(|v| now.get(&v).copied().unwrap_or(v)))
     }
 
-    /// Returns the triangles of the full mesh with renamed vertices, degenerate ones left out.
+    /// Returns the triangles of the full mesh with renamed vertices, without degenerate ones.
     fn renamed(&self, now: impl Fn(u32) -> u32) -> Vec<[u32; 3]> {
         let renamed = triangles_of(&self.triangles).map(|triangle| triangle.map(&now));
         renamed.filter(|&triangle| !is_degenerate(triangle)).collect()
     }
 
-    /// Checks that the collapses, done one by one, drop the triangles that the sequence states.
+    /// Checks that each collapse in turn drops the triangles that the sequence states.
     ///
     /// # Errors
-    /// As [`CollapseSequence::from_collapses`], or a collapse drops other triangles than stated.
+    /// A collapse names a vertex that no triangle uses or that an earlier collapse removed, or
+    /// renames a vertex to itself or to one that it also removes; an error is negative or NaN; a
+    /// collapse drops other triangles than stated.
     ///
     /// ```
     #[doc = include_str!("lod/example.txt")]
@@ -484,7 +497,7 @@ impl CollapseSequence {
     }
 }
 
-/// Checks that there is a level.
+/// Checks that a level exists.
 pub(crate) fn check_level(level: usize, highest: usize) -> Result<(), Error> {
     if level <= highest {
         return Ok(());

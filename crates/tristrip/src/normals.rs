@@ -1,22 +1,26 @@
-//! Normals by the faces of a surface: how a mesh is shaded, and normals for other triangles over its vertices that are shaded likewise.
+//! Normals from the faces of a surface: detects how a mesh is shaded, and computes normals with the
+//! same shading for other triangles over its vertices.
 //!
-//! A *flat-shaded* mesh has the normal of its face at each corner, so that every edge is hard: the normals of its two sides differ. A mesh with
-//! creases is smooth between hard edges. Simplification changes the faces; the normals that the vertices have then belong to faces that are
-//! gone.
+//! A *flat-shaded* mesh has the face normal at each corner, so every edge is hard: the normals on
+//! its two sides differ. A mesh with creases is smooth between hard edges. Simplification changes
+//! the faces, so the remaining vertices have normals of faces that no longer exist.
 //!
 //! # Algorithm
-//! 1. An edge of two triangles, by position, is *hard* if the normals on its two sides differ at one of its ends.
-//! 2. A mesh is flat-shaded if nearly all corners have the normals of their faces, and many edges are hard. Without the second
-//!    condition a plane would be flat-shaded.
-//! 3. The crease angle is the angle between faces that best separates the hard edges from the others: the fewest edges are on the
-//!    wrong side of it.
-//! 4. New normals: a corner gets the normal that the mesh has at the point and that is the nearest to the normal of its face, if it fits (within 45 degrees).
-//!    All other corners at a point that are connected by edges below the crease angle get one normal: of those that the mesh has there the nearest
-//!    to the weighted mean of their faces' normals, or this mean if none is near. In a flat-shaded mesh every corner gets the normal of its
-//!    face.
+//! 1. An edge shared by two triangles, matched by position, is *hard* if the normals on its two
+//!    sides differ at one of its ends.
+//! 2. A mesh is flat-shaded if nearly all corners have their face normals, and many edges are hard.
+//!    Without the second condition, a plane would count as flat-shaded.
+//! 3. The crease angle is the angle between faces that best separates hard edges from the others,
+//!    with the fewest edges on the wrong side.
+//! 4. New normals: a corner gets the mesh's normal at its point that is nearest to the face normal,
+//!    if it is within 45 degrees. All other corners at a point that are connected by edges below
+//!    the crease angle share one normal. It is the mesh's normal at the point that is nearest to
+//!    the weighted mean of their face normals, or that mean if none is near. In a flat-shaded mesh,
+//!    every corner gets its face normal.
 //!
 //! # References
-//! N. Max: *Weights for Computing Vertex Normals from Facet Normals*, 1999: the weights, which need no angles and are exact for a sphere.
+//! N. Max: *Weights for Computing Vertex Normals from Facet Normals*, 1999: the weights, which need
+//! no angles and are exact for a sphere.
 //!
 //! # Complexity
 //! O(n log n) time; about 80 bytes per triangle.
@@ -34,21 +38,23 @@ use fit::{SAME_NORMAL, fits};
 use known::KnownNormals;
 use surface::{InnerEdge, TriangleNormals, normals_of, positions, scaled_to_one, unit_normal, vector};
 
-/// The share of corners with the normals of their faces, in a flat-shaded mesh.
+/// The minimum share of corners with their face normals in a flat-shaded mesh.
 const FLAT_CORNERS: f64 = 0.98;
-/// The share of hard edges in a flat-shaded mesh: with fewer, its faces are mostly parts of planes, which collapse as they are.
+/// The minimum share of hard edges in a flat-shaded mesh. With fewer, most faces are parts of
+/// planes, which need no new normals when they collapse.
 const HARD_EDGES: f64 = 0.25;
 
-/// How the normals of a mesh follow its faces.
+/// The shading of a mesh: flat, or smooth up to a crease angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shading {
     is_flat: bool,
-    /// The cosine of the crease angle; none is lower if there are no hard edges.
+    /// The cosine of the crease angle; below every cosine if there are no hard edges.
     crease: f64,
 }
 
 impl Shading {
-    /// Finds how triangles over the vertices of a mesh are shaded; `None` if the mesh has no normals (`NORMAL`, three components).
+    /// Detects how triangles over the vertices of a mesh are shaded. Returns `None` if the mesh has
+    /// no normals (`NORMAL`, three components).
     ///
     /// # Errors
     /// The number of indices is not a multiple of three, or an index is out of range.
@@ -75,7 +81,8 @@ impl Shading {
         Ok(Some(Self { is_flat, crease: separating(angles.collect()) }))
     }
 
-    /// Returns the shading of flat-shaded triangles as [`Shading::of`] does, and `None` for all others, most of them in less time.
+    /// Returns the shading of flat-shaded triangles, or `None` for any other shading. Faster than
+    /// [`Shading::of`] for most triangles that are not flat-shaded.
     ///
     /// # Errors
     /// The number of indices is not a multiple of three, or an index is out of range.
@@ -95,11 +102,11 @@ impl Shading {
         Ok(Self::of(mesh, triangles)?.filter(Self::is_flat))
     }
 
-    /// Returns whether the corners have the normals of their faces.
+    /// Returns whether the triangles are flat-shaded.
     ///
     /// ```
     #[doc = include_str!("normals/example.txt")]
-    /// // One side alone is a plane: it has no hard edge.
+    /// // One side alone is a plane without hard edges.
     /// assert!(Shading::of(&roof, &triangles[..6])?.is_some_and(|shading| !shading.is_flat()));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -107,8 +114,9 @@ impl Shading {
         self.is_flat
     }
 
-    /// Returns unit normals for other triangles over the vertices of a mesh, three per triangle; `before` are the triangles that are shaded
-    /// so. The normals of a triangle without area are the ones that its vertices have, or zero without any.
+    /// Returns unit normals for other triangles over the vertices of a mesh, three per triangle.
+    /// `before` are the triangles with this shading. A triangle without area gets the normals of
+    /// its vertices, or zero if they have none.
     ///
     /// # Errors
     /// A number of indices is not a multiple of three, or an index is out of range.
@@ -130,8 +138,8 @@ impl Shading {
         self.normals_of_corners(mesh, before, triangles, false)
     }
 
-    /// Returns the normals of [`Shading::corner_normals`], except that a corner has the normal of its vertex where this fits the face, and that of
-    /// the face where no other fits.
+    /// Returns normals like [`Shading::corner_normals`], but keeps the vertex normal of a corner
+    /// where it fits the face. A corner whose candidates all fail to fit gets the face normal.
     ///
     /// # Errors
     /// A number of indices is not a multiple of three, or an index is out of range.
@@ -139,7 +147,7 @@ impl Shading {
     /// ```
     #[doc = include_str!("normals/example.txt")]
     /// let shading = Shading::of(&roof, &triangles)?.unwrap_or_default();
-    /// // A triangle of the back with a vertex of the front.
+    /// // A triangle on the back with a vertex of the front.
     /// let normals = shading.repaired_normals(&roof, &triangles, &[5, 8, 11])?;
     /// assert_eq!(normals, [[0.0, 1.0, 0.0]; 3]);
     /// # Ok::<(), tristrip::Error>(())
@@ -153,7 +161,7 @@ impl Shading {
         self.normals_of_corners(mesh, before, triangles, true)
     }
 
-    /// Returns the normal of each corner; with `keeps` that of its vertex where it fits.
+    /// Returns the normal of each corner; with `keeps`, the vertex normal where it fits.
     fn normals_of_corners(
         &self,
         mesh: &Mesh,
@@ -182,8 +190,8 @@ impl Shading {
         Ok((0..triangles.len()).map(|corner| normal(corner).map(|x| x as f32)).collect())
     }
 
-    /// Returns the known normal that fits the face of each corner, or that of the faces around it, up to the creases; `None` where these
-    /// cancel out.
+    /// Returns for each corner the known normal that fits its face, or else the normal of the faces
+    /// around it up to the creases; `None` where these cancel out.
     fn smooth(
         &self,
         surface: &TriangleNormals,
@@ -222,7 +230,7 @@ impl Default for Shading {
     }
 }
 
-/// Returns whether nearly all corners have the normals of their faces; triangles without area do not count.
+/// Returns whether nearly all corners have their face normals. Triangles without area are ignored.
 fn has_face_normals(normals: &Attribute, mesh: &Mesh, triangles: &[u32]) -> bool {
     let (mut fitting, mut all) = (0_usize, 0_usize);
     for corners in triangles_of(triangles) {
@@ -235,7 +243,7 @@ fn has_face_normals(normals: &Attribute, mesh: &Mesh, triangles: &[u32]) -> bool
     all > 0 && fitting as f64 >= FLAT_CORNERS * all as f64
 }
 
-/// Returns whether two normals differ by more than is rounded away.
+/// Returns whether two normals differ by more than rounding.
 fn differ(a: Point, b: Point) -> bool {
     match (scaled_to_one(a), scaled_to_one(b)) {
         (Some(a), Some(b)) => dot(a, b) < SAME_NORMAL,
@@ -243,11 +251,12 @@ fn differ(a: Point, b: Point) -> bool {
     }
 }
 
-/// Returns the cosine that best separates hard edges, of lower cosines, from the others; of several the one of the largest angle.
+/// Returns the cosine that best separates hard edges (lower cosines) from the others. Ties go to
+/// the largest angle.
 fn separating(mut edges: Vec<(f64, bool)>) -> f64 {
     edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let hard_count = edges.iter().filter(|(_, hard)| *hard).count();
-    // Below the first edge nothing is hard: each hard edge is wrong.
+    // If the threshold is below all edges, none is classified as hard, so every hard edge is wrong.
     let (mut fewest, mut best) = (hard_count, Shading::default().crease);
     let mut wrong = hard_count;
     for (i, &(cosine, hard)) in edges.iter().enumerate() {
@@ -260,7 +269,7 @@ fn separating(mut edges: Vec<(f64, bool)>) -> f64 {
     best
 }
 
-/// Returns the share of a triangle in the normal of each of its corners, by Max's weights.
+/// Returns the contribution of a triangle to the normal at each of its corners, by Max's weights.
 fn weighted_normals(corners: [Point; 3]) -> [Point; 3] {
     [0, 1, 2].map(|k| {
         let [to_next, to_previous] = [1, 2].map(|step| sub(corners[(k + step) % 3], corners[k]));
@@ -281,7 +290,7 @@ mod tests {
         Mesh::new(positions, Faces::default()).unwrap().with_attribute(normals).unwrap()
     }
 
-    /// Returns a tube around the z axis of `sides` sides, with caps, and whether its sides are smooth.
+    /// Returns a tube of `sides` sides around the z axis, with caps and smooth or flat sides.
     fn tube(sides: u32, is_smooth: bool) -> (Mesh, Vec<u32>) {
         let angle = |i: u32| f64::from(i % sides) / f64::from(sides) * std::f64::consts::TAU;
         let at = |i: u32, z: f32| [angle(i).cos() as f32, angle(i).sin() as f32, z];
@@ -315,7 +324,8 @@ mod tests {
         assert!((0.0..0.87).contains(&creased.crease), "{creased:?}");
     }
 
-    /// The new normals of the same triangles are those that they had: of a cylinder by the smooth sides and the hard rims.
+    /// Recomputed normals of unchanged triangles equal the old ones, also at the hard rims of a
+    /// cylinder with smooth sides.
     #[test]
     fn normals_of_the_same_faces_are_the_old_ones() {
         for (sides, is_smooth) in [(12, false), (12, true), (40, true)] {

@@ -1,27 +1,32 @@
 //! Simplification by half-edge collapses, cheapest first, to any level of detail.
 //!
-//! The result is one mesh, and all levels: a [`CollapseSequence`], whose level 0 is the requested mesh and whose highest level is the
-//! input mesh. No vertex is created or moved, so that every level is drawn from the vertices of the full mesh.
+//! The result contains the requested mesh and all finer levels as a [`CollapseSequence`]. Level 0
+//! is the requested mesh, the highest level is the input mesh. No vertex is created or moved, so
+//! every level is drawn with the vertices of the full mesh.
 //!
-//! Vertices of one position are one point. If their attributes differ they are on a seam, and collapse together along the seam or not at
-//! all. Holes do not close, and components do not merge: a mesh that allows no more collapses stops above the target triangle count, and
-//! [`Stopped`] gives the reasons. Where surfaces are not manifold, points move along the edges of three or more triangles, and triangles that only such
-//! an edge attaches may vanish. Components vanish only where the caller states the error of that, and permissive simplification lets holes
-//! close and seams move onto others.
+//! Vertices at the same position form one point. If their attributes differ, the point lies on a
+//! seam: its vertices collapse together along the seam or not at all. Holes are not closed and
+//! components are not merged. If no more collapses are allowed, simplification stops above the
+//! target triangle count, and [`Stopped`] gives the reasons. On non-manifold surfaces, points move
+//! along the edges of three or more triangles, and triangles attached only by such an edge can be
+//! removed. Components are removed only if the caller gives the error of their removal. Permissive
+//! simplification can close holes and move seams onto other seams.
 //!
 //! # Algorithm
-//! Quadrics in a local frame for a first order of the collapses, the distances of all removed vertices
-//! from the triangles for their price (`order/decimate`); for [`Price::Quadric`] the published algorithm (`order/queue`). With the feature `rayon` several threads find prices; the result is
-//! the same.
+//! By default, quadrics in a local frame give a first order of the collapses. Their price is then
+//! computed from the distances of all removed vertices to the triangles (`order/decimate`).
+//! [`Price::Quadric`] runs the published algorithm (`order/queue`). With the feature `rayon`,
+//! several threads compute prices; the result is the same.
 //!
 //! # References
-//! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
-//! Progressive Transmission of 3D Meshes*, 2005, section 5, which defines the collapses. Kobbelt, Campagna, Seidel: *A General Framework for
-//! Mesh Decimation*, 1998 (half-edge collapses).
+//! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Kim, Park, Yang,
+//! Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005, section 5,
+//! which defines the collapses. Kobbelt, Campagna, Seidel: *A General Framework for Mesh
+//! Decimation*, 1998 (half-edge collapses).
 //!
 //! # Complexity
-//! O(n log n) time; 270 bytes per triangle while it runs, 30 of them for the result; for attributes that have a price 92 bytes per vertex
-//! more, and 36 per value.
+//! O(n log n) time. 270 bytes per triangle during simplification, 30 of them for the result. Priced
+//! attributes add 92 bytes per vertex and 36 bytes per value.
 
 mod options;
 mod order;
@@ -49,7 +54,7 @@ use price::attributes::PricedAttributes;
 pub struct Simplification {
     /// The collapses from the input mesh to the requested mesh.
     pub sequence: CollapseSequence,
-    /// The reasons for which there are more triangles than requested, if there are.
+    /// Why the mesh has more triangles than requested; `None` if the target was reached.
     pub stopped: Option<Stopped>,
 }
 
@@ -57,18 +62,20 @@ pub struct Simplification {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Simplified {
-    /// The mesh with fewer triangles, over the vertices that it uses, with their attributes.
+    /// The simplified mesh. It contains only the vertices that it uses, with their attributes.
     pub mesh: Mesh,
-    /// The vertex of the input mesh that each vertex is, ascending.
+    /// For each vertex of `mesh`, its index in the input mesh; ascending.
     pub vertices: Vec<u32>,
-    /// The collapses, over the vertices of the input mesh, and how they ended.
+    /// The collapses, over the vertices of the input mesh, and why they stopped early.
     pub simplification: Simplification,
 }
 
-/// Simplifies a mesh by half-edge collapses. Polygons become triangles, degenerate faces and unused vertices are left out.
+/// Simplifies a mesh by half-edge collapses. Polygons are triangulated; degenerate faces and unused
+/// vertices are removed.
 ///
 /// # Errors
-/// There are more than 2²⁷ triangles; the error limit is negative or not a number; there are more values for locked vertices than
+/// There are more than 2²⁷ triangles; the error limit is negative or NaN; another option is out of
+/// range; there are more values for locked vertices, error factors or vanishing errors than
 /// vertices.
 ///
 /// ```
@@ -90,18 +97,20 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions) -> Result<Simplified, Er
     Ok(Simplified { mesh, vertices, simplification })
 }
 
-/// Simplifies triangles over the vertices of a mesh by half-edge collapses. The mesh's own faces are ignored, so that polygons may
-/// be triangulated in any way.
+/// Simplifies triangles over the vertices of a mesh by half-edge collapses. The mesh's own faces
+/// are ignored, so the caller can triangulate polygons in any way.
 ///
-/// Triangles with a repeated vertex draw nothing and do not count; those between vertices of one position are never dropped.
+/// Triangles with a repeated vertex draw nothing and are not counted. Triangles whose different
+/// vertices share a position are never dropped.
 ///
 /// # Errors
-/// The number of indices is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; the error limit is
-/// negative or not a number; there are more values for locked vertices than vertices.
+/// The number of indices is not a multiple of three; an index is out of range; there are more than
+/// 2²⁷ triangles; the error limit is negative or NaN; another option is out of range; there are
+/// more values for locked vertices, error factors or vanishing errors than vertices.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify_triangles}};
-/// // A flat grid of 4 × 4 quadrilaterals, each cut into two triangles.
+/// // A flat grid of 4 × 4 quads, each split into two triangles.
 /// let at = |i: u32| [(i % 5) as f32, (i / 5) as f32, 0.0];
 /// let quad = |i: u32| [i, i + 1, i + 5, i + 5, i + 1, i + 6];
 /// let triangles: Vec<u32> = (0..4).flat_map(|y| (0..4).flat_map(move |x| quad(5 * y + x))).collect();
@@ -124,12 +133,13 @@ pub fn simplify_triangles(
     Ok(run(sequence, mesh.positions(), bits, priced, options))
 }
 
-/// Simplifies the triangles of an index buffer, three indices of 8, 16 or 32 bits or `usize` each, by half-edge collapses. The positions
-/// stay where they are. Vertices of one position count as different in their other attributes, so that they stay together on a seam.
+/// Simplifies the triangles of an index buffer by half-edge collapses. Indices are 8, 16 or 32 bits
+/// wide or `usize`, three per triangle. Positions are not changed. Vertices that share a position
+/// are assumed to differ in other attributes, so they are kept together as a seam.
 ///
 /// # Errors
-/// The number of indices is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option is
-/// invalid; a position is not finite.
+/// The number of indices is not a multiple of three; an index is out of range; there are more than
+/// 2²⁷ triangles; an option is invalid; a position is not finite.
 ///
 /// ```
 /// use tristrip::InterleavedPositions;
@@ -153,7 +163,7 @@ pub fn simplify_indices<I: Index, P: Positions + ?Sized>(
     Ok(run(sequence, positions, |v| v.to_le_bytes().to_vec(), |_, _| None, options))
 }
 
-/// Appends collapses to a sequence that has none.
+/// Simplifies a sequence that has no collapses yet.
 fn run<P: Positions + ?Sized>(
     mut sequence: CollapseSequence,
     positions: &P,

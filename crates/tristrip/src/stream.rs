@@ -1,27 +1,40 @@
-//! Streams: a mesh that can be drawn after its first bytes, and that the others refine to the full mesh.
+//! Progressive streams: a mesh that can be drawn after the first bytes and is refined to the full
+//! mesh as more bytes arrive.
 //!
 //! ```text
-//! Mesh, CollapseSequence in batches ─ encode ─▶ chunk 0: base mesh │ chunk 1 │ chunk 2 │ …  ─ Decoder::update ─▶ triangles of every level
+//! Mesh, CollapseSequence in batches
+//!   │ encode
+//!   ▼
+//! chunk 0: base mesh │ chunk 1 │ chunk 2 │ …
+//!   │ Decoder::update
+//!   ▼
+//! triangles of every level
 //! ```
-//! A stream holds the base mesh of a simplification and its collapses in reverse, as vertex splits. Each chunk leads to a level: a client draws after any chunk, stops at any, and
-//! goes on later from the byte at which the next one starts. A file may hold several meshes, whose chunks come in any order.
+//! A stream stores the base mesh of a simplification, followed by its collapses in reverse order,
+//! as vertex splits. Each chunk leads to a level. A client can draw after every chunk, stop
+//! anywhere, and resume at the next chunk's byte offset. A file can hold several meshes; their
+//! chunks can be interleaved in any order.
 //!
 //! # Algorithm
-//! Splits come in batches. A batch is a set of collapses whose removed points have no triangle in common, so their order is free: they are written
-//! fan by fan, and fans near each other follow one another. For each fan a batch has whether it is split, which of its corners move, the position
-//! of the new point and the attributes of its vertex, as residuals against a prediction from the neighbouring mesh. Each of these is a sequence of
-//! decisions for a range coder with adaptive models. Positions are on a grid whose step is halved as the error of the levels gets smaller. The
-//! encoder plans all splits, and fits the weights of the predictions in rehearsals, before it writes.
+//! Splits are grouped into batches. No two points that a batch removes share a triangle, so the
+//! splits of a batch can be written in any order. They are written fan by fan, with neighbouring
+//! fans close together. For each fan, the stream says whether it is split. For a split it says
+//! which corners move to the new vertex, the position of the new point, and the attributes of the
+//! new vertex. Positions and attributes are residuals against a prediction from the neighbouring
+//! mesh. All of these are coded as decisions by a range coder with adaptive models. Positions lie
+//! on a grid. Its step is halved as the error of the levels decreases. The encoder plans all splits
+//! and fits the weights of the predictions in rehearsal passes before it writes.
 //!
-//! On an attribute seam, and where a surface is not manifold, a point has several fans, which are split together.
+//! On attribute seams and at non-manifold points, a point has several fans. They are split
+//! together.
 //!
-//! Everything that decides is an integer, so that decoders in other languages agree with this one.
-//! `docs/formats/progressive-glb.md` defines the bytes.
+//! All values that affect decoding are integers, so decoders in other languages produce the same
+//! result. `docs/formats/progressive-glb.md` defines the bytes.
 //!
 //! # Sizes
-//! At 14 bits per coordinate, in bits per vertex that a triangle uses, all chunks included:
+//! Bits per vertex that a triangle uses, at 14 bits per coordinate, all chunks included:
 //!
-//! | model | vertices | connectivity | all |
+//! | model | vertices | connectivity | total |
 //! |---|---|---|---|
 //! | bunny | 34,834 | 4.8 | 23.4 |
 //! | horse | 48,485 | 4.8 | 21.1 |
@@ -29,8 +42,10 @@
 //! | dragon | 435,545 | 5.4 | 18.4 |
 //!
 //! # References
-//! Hoppe: *Progressive Meshes*, 1996. Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000. Alliez, Desbrun: *Progressive Compression for Lossless Transmission of Triangle
-//! Meshes*, 2001. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005.
+//! Hoppe: *Progressive Meshes*, 1996. Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000.
+//! Alliez, Desbrun: *Progressive Compression for Lossless Transmission of Triangle Meshes*, 2001.
+//! Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*,
+//! 2005.
 
 mod base;
 mod channels;

@@ -1,4 +1,4 @@
-//! The limits of a simplification, and the weights of the attributes.
+//! Options of a simplification, and the weights of vertex attributes.
 
 use std::str::FromStr;
 
@@ -7,12 +7,17 @@ use crate::names::names;
 use crate::simplify::surface::topology::MAX_TRIANGLES;
 use crate::text::counted;
 
-/// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
+/// How much vertex attributes count relative to the distance between the surfaces. A weight of 0
+/// ignores the attribute.
 ///
-/// At a weight of 1 normals (`NORMAL`) that deviate by a radian count like a distance of 0.06 of the longest side of the bounding box, tangents
-/// (`TANGENT`) half as much, and colours (`COLOR_n`) that deviate by 1 like a tenth of it. Texture coordinates (`TEXCOORD_n`) count like the distance by
-/// which the texture moves over the surface, and a skin (`JOINTS_n`, `WEIGHTS_n`) like that by which a vertex moves elsewhere if a
-/// joint turns by a tenth of a radian.
+/// At a weight of 1:
+/// - a normal (`NORMAL`) that deviates by one radian counts like a distance of 0.06 of the longest
+///   side of the bounding box, and a tangent (`TANGENT`) counts half as much;
+/// - a colour (`COLOR_n`) that deviates by 1 counts like a distance of 0.1 of that side;
+/// - texture coordinates (`TEXCOORD_n`) count like the distance by which the texture shifts on the
+///   surface;
+/// - a skin (`JOINTS_n`, `WEIGHTS_n`) counts like the distance by which a vertex moves differently
+///   when a joint turns by a tenth of a radian.
 ///
 /// ```
 /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
@@ -22,20 +27,20 @@ use crate::text::counted;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttributeWeights {
-    /// The weight of the normals.
+    /// The weight of normals.
     pub normal: f32,
-    /// The weight of the texture coordinates.
+    /// The weight of texture coordinates.
     pub uv: f32,
-    /// The weight of the colours.
+    /// The weight of colours.
     pub colour: f32,
-    /// The weight of the tangents.
+    /// The weight of tangents.
     pub tangent: f32,
-    /// The weight of the joints and their weights.
+    /// The weight of skin joints and their weights.
     pub skin: f32,
 }
 
 impl AttributeWeights {
-    /// No attribute counts, only the shape.
+    /// Ignores all attributes; only the shape counts.
     ///
     /// ```
     /// use tristrip::simplify::AttributeWeights;
@@ -63,10 +68,11 @@ impl Default for AttributeWeights {
 impl FromStr for AttributeWeights {
     type Err = Error;
 
-    /// Parses weights such as `normal=2,uv=0.5`; those that are not named are 1, so that an empty text gives the default.
+    /// Parses weights such as `normal=2,uv=0.5`. Attributes that are not named get the weight 1, so
+    /// an empty string gives the default.
     ///
     /// # Errors
-    /// A name is unknown, or a weight is negative or no number.
+    /// A name is unknown, or a weight is negative, infinite or not a number.
     fn from_str(text: &str) -> Result<Self, Error> {
         let mut weights = Self::default();
         for part in text.split(',').filter(|part| !part.trim().is_empty()) {
@@ -87,24 +93,28 @@ impl FromStr for AttributeWeights {
     }
 }
 
-/// What a collapse costs: which one is done next, and what counts as the error.
+/// How the cost of a collapse is computed. The cost determines the order of collapses and the
+/// error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Price {
-    /// The distances of all removed vertices from the triangles, and between old and new triangles.
+    /// Distances of all removed vertices from the triangles, and between old and new triangles.
     #[default]
     Distance,
-    /// The distances from the planes of the full mesh alone: takes about a third of the time. The mean distance between the surfaces
-    /// is about a third larger, and the largest is not known: where triangles bridge a valley it exceeds the error.
+    /// Distances from the planes of the full mesh only. Takes about a third of the time. The mean
+    /// distance between the surfaces is about a third larger. The maximum distance is unknown: it
+    /// exceeds the reported error where triangles bridge a valley.
     Planes,
-    /// The quadrics of Garland and Heckbert 1997, as Kim et al. 2005 use them: the sum of the squared distances from the planes of both points,
-    /// the cheapest of all collapses next. The error is the square root of that sum, in which planes along borders count 1000 times. Attributes
-    /// do not count, and one thread does all.
+    /// The quadrics of Garland and Heckbert 1997, as used by Kim et al. 2005. The cost is the sum
+    /// of the squared distances from the planes of both points. The globally cheapest collapse is
+    /// always next. The error is the square root of that sum, with planes along borders weighted
+    /// 1000 times. Attributes are ignored. Runs on one thread.
     Quadric,
 }
 
 impl Price {
-    /// Returns the unit of costs for a unit of length: its third power, or its square for [`Price::Quadric`].
+    /// Returns the cost that corresponds to a length: its cube, or its square for
+    /// [`Price::Quadric`].
     ///
     /// ```
     /// use tristrip::simplify::Price;
@@ -125,35 +135,37 @@ names! {
     Quadric => "quadric", "Quadric error metrics as published in 1997: the cheapest pair of all next; attributes do not count";
 }
 
-/// The limits of a simplification. Without a limit a mesh is simplified as far as its topology allows.
+/// Options of a simplification. Without limits, a mesh is simplified as far as its topology allows.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct SimplifyOptions {
-    /// The number of triangles to stop at.
+    /// The target number of triangles.
     pub triangle_count: usize,
-    /// The largest error of a collapse, in mesh units; `None` for any.
+    /// The maximum error of a collapse, in mesh units; `None` for no limit.
     pub error: Option<f32>,
-    /// Whether each vertex is locked; vertices after the last value are not.
+    /// Whether each vertex is locked. Vertices after the last value are not locked.
     pub locked: Vec<bool>,
-    /// The factor of the errors at each vertex; see [`SimplifyOptions::with_error_factors`].
+    /// A factor per vertex for its errors; see [`SimplifyOptions::with_error_factors`].
     pub error_factors: Vec<f32>,
-    /// Whether the vertices at the borders of the surface are locked.
+    /// Whether vertices at the borders of the surface are locked.
     pub locked_borders: bool,
-    /// The error of the removal of each vertex's whole component, in mesh units; see [`SimplifyOptions::with_vanishing`].
+    /// For each vertex, the error of removing its whole component, in mesh units; see
+    /// [`SimplifyOptions::with_vanishing`].
     pub vanishing: Vec<f32>,
     /// Whether collapses may change the topology and move seams.
     pub permissive: bool,
     /// How much attributes count relative to the distance between the surfaces.
     pub weights: AttributeWeights,
-    /// What a collapse costs.
+    /// How the cost of a collapse is computed.
     pub price: Price,
-    /// The distance at which vertices at open borders are joined, in mesh units; 0 for equal positions only.
+    /// The distance up to which vertices at open borders are joined, in mesh units. 0 joins only
+    /// vertices at equal positions.
     pub weld_distance: f32,
 }
 
 impl SimplifyOptions {
     crate::setters! {
-        /// Stops at this number of triangles, or one fewer: a collapse drops up to two.
+        /// Stops at this many triangles, or one fewer: a collapse can remove two.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -163,7 +175,8 @@ impl SimplifyOptions {
         /// ```
         with_triangles(triangle_count: usize);
 
-        /// Allows no collapse with a larger error, in mesh units; see [`Collapse::error`](crate::collapse::Collapse::error).
+        /// Rejects collapses with a larger error, in mesh units; see
+        /// [`Collapse::error`](crate::collapse::Collapse::error).
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -171,18 +184,18 @@ impl SimplifyOptions {
         ///     let simplified = simplify(&grid, &SimplifyOptions::default().with_error(error))?;
         ///     Ok::<_, Error>(simplified.mesh.faces().face_count())
         /// };
-        /// // The peak stays where an error of its height is not allowed.
+        /// // The peak is kept if the error limit is below its height.
         /// assert!(triangles(0.5)? > triangles(2.0)?);
         /// # Ok::<(), tristrip::Error>(())
         /// ```
         with_error(error: f32) as Some;
 
-        /// Locks vertices, one value per vertex; vertices after the last value are not locked.
+        /// Locks vertices, one value per vertex. Vertices after the last value are not locked.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
         /// let kept = |options| simplify(&grid, &options).map(|simplified| simplified.vertices);
-        /// // The first row stays.
+        /// // All vertices of the first row are kept.
         /// let locked = SimplifyOptions::default().with_locked(vec![true; 9]);
         /// assert_eq!(kept(locked)?[..9], [0, 1, 2, 3, 4, 5, 6, 7, 8]);
         /// assert!(kept(SimplifyOptions::default())?.len() < 9);
@@ -190,13 +203,16 @@ impl SimplifyOptions {
         /// ```
         with_locked(locked: Vec<bool>);
 
-        /// Sets by how much errors at each vertex count when the collapses of a [batch](super::refinement_batches) are chosen, one value per vertex, such as one by the distance from the
-        /// eye: where it is small, vertices are removed earlier. 1 for vertices after the last value; errors of levels stay what they are. Other simplifications ignore it.
+        /// Sets a factor per vertex that scales errors while the collapses of a
+        /// [batch](super::refinement_batches) are chosen. With a factor that falls with the
+        /// distance from the eye, for example, distant vertices are removed earlier. Vertices after
+        /// the last value have the factor 1. The reported errors of levels are not scaled. Other
+        /// simplifications ignore the factors.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
         /// use tristrip::simplify::refinement_batches;
-        /// // Errors on the left count ten times.
+        /// // Errors on the left are weighted ten times.
         /// let factors = grid.positions().iter().map(|p| if p[0] < 4.0 { 10.0 } else { 1.0 }).collect();
         /// let options = SimplifyOptions::default().with_error_factors(factors);
         /// let tree = refinement_batches(&grid, grid.faces().corners().to_vec(), &options)?;
@@ -205,7 +221,8 @@ impl SimplifyOptions {
         /// ```
         with_error_factors(error_factors: Vec<f32>);
 
-        /// Locks the vertices at the borders of the surface. Simplified tiles of a terrain then still fit together.
+        /// Locks the vertices at the borders of the surface. Simplified tiles of a terrain then
+        /// still match along their borders.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -217,8 +234,9 @@ impl SimplifyOptions {
         /// ```
         with_locked_borders(locked_borders: bool);
 
-        /// Allows components to vanish: for each vertex the error of the removal of its whole component, in mesh units. Components of vertices
-        /// without a value, or with one that is no number of at least 0, keep a triangle.
+        /// Allows components to vanish. Each value is the error of removing the vertex's whole
+        /// component, in mesh units. A component keeps a triangle if one of its vertices has no
+        /// value, a negative value or NaN.
         ///
         /// ```
         /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
@@ -233,8 +251,9 @@ impl SimplifyOptions {
         /// ```
         with_vanishing(vanishing: Vec<f32>);
 
-        /// Allows collapses that change the topology, or move a seam onto another: holes may close, handles vanish, textures shift at
-        /// seams. For clutter that is to become very small.
+        /// Allows collapses that change the topology or move a seam onto another seam. Holes can
+        /// close, handles can vanish, and textures can shift at seams. Use it to reduce clutter to
+        /// very few triangles.
         ///
         /// ```
         /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
@@ -260,7 +279,7 @@ impl SimplifyOptions {
         /// ```
         with_weights(weights: AttributeWeights);
 
-        /// Sets what a collapse costs.
+        /// Sets how the cost of a collapse is computed.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -271,13 +290,16 @@ impl SimplifyOptions {
         /// ```
         with_price(price: Price);
 
-        /// Joins vertices at open borders that are at most this far apart, in mesh units, so that the sides of a border that scanners or CAD wrote with
-        /// small differences collapse together, as those of a seam do. Positions stay what they are; errors may be larger by the distance. 0, the
-        /// default, joins only vertices of equal position. The distance should be less than the edges are long.
+        /// Joins vertices at open borders that are at most this far apart, in mesh units. Scanners
+        /// and CAD programs write the two sides of a border with small differences; joined sides
+        /// collapse together like the sides of a seam. Positions do not change. Errors can be
+        /// larger by the distance. The default 0 joins only vertices at equal positions. The
+        /// distance should be shorter than the edges.
         ///
         /// ```
         /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
-        /// // Two flat grids of 8 × 8 squares, side by side with a gap of 0.001; the border between them is a zigzag.
+        /// // Two flat grids of 8 × 8 squares, side by side with a gap of 0.001 along a zigzag
+        /// // border.
         /// let at = |i: u32| {
         ///     let (x, y) = ((i % 9) as f32, (i / 9 % 9) as f32);
         ///     [x + y % 2.0 / 2.0 + (i / 81) as f32 * 8.001, y, 0.0]
@@ -289,19 +311,20 @@ impl SimplifyOptions {
         ///     let options = SimplifyOptions::default().with_error(0.01).with_weld_distance(weld_distance);
         ///     Ok::<_, tristrip::Error>(simplify(&mesh, &options)?.vertices.len())
         /// };
-        /// // Joined, the border between them lies inside a flat surface: only those outside stay.
+        /// // Once joined, the border is inside a flat surface. Only outer border vertices are
+        /// // kept.
         /// assert!(count(0.01)? <= count(0.0)? / 2);
         /// # Ok::<(), tristrip::Error>(())
         /// ```
         with_weld_distance(weld_distance: f32);
     }
 
-    /// Checks whether any collapse may change the topology.
+    /// Returns whether any collapse may change the topology.
     pub(super) fn may_break(&self) -> bool {
         self.permissive || !self.vanishing.is_empty()
     }
 
-    /// Checks the error limit, the distances and the weights.
+    /// Checks the error limit, the weld distance and the weights.
     pub(crate) fn check_limits(&self) -> Result<(), Error> {
         let (error, welds) = (self.error.unwrap_or_default(), self.weld_distance);
         if error.is_nan() || error < 0.0 {

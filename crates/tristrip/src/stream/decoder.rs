@@ -5,7 +5,7 @@ use super::fault::{ChunkFault, StreamError};
 use super::part::StreamPart;
 use crate::text::counted;
 
-/// What a stream may ask for at most; streams of more are refused.
+/// Decoder limits. Streams that exceed them are rejected.
 ///
 /// ```
 /// use tristrip::stream::StreamLimits;
@@ -14,42 +14,44 @@ use crate::text::counted;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamLimits {
-    /// Meshes. Each takes about 60 kilobytes beside its triangles, and 20 per attribute.
+    /// Maximum number of meshes. Each mesh uses about 60 kB in addition to its triangles, plus 20
+    /// kB per attribute.
     pub meshes: usize,
-    /// Triangles of all meshes.
+    /// Maximum number of triangles of all meshes together.
     pub triangles: usize,
-    /// Bytes of a chunk.
+    /// Maximum size of a chunk in bytes.
     pub chunk_bytes: usize,
-    /// Visits of vertices by batches, and corners around those that are split: what the time of decoding depends on. Models have about 12 per vertex. A few
-    /// bytes can ask for any number of them.
+    /// Work limit: vertices visited by batches plus corners around split vertices. Decoding time is
+    /// proportional to it. Typical models have about 12 per vertex, but a malicious stream can
+    /// request any amount in a few bytes.
     pub corners: u64,
 }
 
 impl Default for StreamLimits {
-    /// 256 meshes, 2²⁶ triangles, 256 megabytes per chunk, and 2³⁰ corners.
+    /// 256 meshes, 2²⁶ triangles, 2²⁸ bytes per chunk, and 2³⁰ corners.
     fn default() -> Self {
         Self { meshes: 256, triangles: 1 << 26, chunk_bytes: 1 << 28, corners: 1 << 30 }
     }
 }
 
-/// A chunk among other bytes: its bytes, and what its head says.
+/// A chunk inside a byte slice, with the fields of its header.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ChunkView<'a> {
-    /// Its bytes, head and checksum included.
+    /// The bytes of the chunk, including header and checksum.
     pub bytes: &'a [u8],
-    /// The number of its mesh.
+    /// The index of the mesh.
     pub stream: u32,
-    /// The level that it leads to.
+    /// The level after this chunk is decoded.
     pub level: u32,
-    /// The triangles of that level.
+    /// The number of triangles at that level.
     pub triangles: u32,
-    /// The error of that level in mesh units.
+    /// The error of that level, in mesh units.
     pub error: f32,
 }
 
-/// Cuts bytes that start with a chunk into chunks. Ends where the last one is not complete, or where no chunk can be. Nothing is checked: a decoder does
-/// that.
+/// Splits bytes that start with a chunk into chunks. Stops at the first incomplete chunk or invalid
+/// header. The contents are not checked; [`Decoder::update`] checks them.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -69,7 +71,7 @@ pub fn chunks(mut bytes: &[u8]) -> impl Iterator<Item = ChunkView<'_>> {
     })
 }
 
-/// Decodes the chunks of a stream as their bytes arrive, in pieces of any size.
+/// Decodes the chunks of a stream as their bytes arrive, split at any byte.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -89,9 +91,9 @@ pub struct Decoder {
     limits: StreamLimits,
     counts_bits: bool,
     keeps_strips: bool,
-    /// What has arrived of the next chunk.
+    /// The bytes received so far of the next chunk.
     incomplete_chunk: Vec<u8>,
-    /// The bytes of all chunks before.
+    /// The number of bytes of all decoded chunks.
     offset: u64,
     chunk_count: usize,
     parts: Vec<Option<StreamPart>>,
@@ -99,7 +101,7 @@ pub struct Decoder {
 }
 
 impl Decoder {
-    /// Creates a decoder that has read nothing.
+    /// Creates a decoder that has received no bytes.
     ///
     /// ```
     /// use tristrip::stream::{Decoder, StreamLimits};
@@ -135,7 +137,8 @@ impl Decoder {
         self
     }
 
-    /// Keeps strips of the meshes up while they are refined; see [`StreamPart::strips`]. Decoding takes five times as long then.
+    /// Maintains triangle strips of the meshes during refinement; see [`StreamPart::strips`].
+    /// Decoding is about five times slower.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -151,7 +154,8 @@ impl Decoder {
         self
     }
 
-    /// Changes the limits for the chunks that follow, as for a source whose bytes arrive: a stream may ask for as much as its bytes can be expected to build.
+    /// Changes the limits for the chunks that follow. A client can raise the limits as bytes
+    /// arrive, in proportion to what they can reasonably decode to.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -165,11 +169,12 @@ impl Decoder {
         self.limits = limits;
     }
 
-    /// Takes the next bytes, and decodes the chunks that are complete. Returns how many that were.
+    /// Appends bytes and decodes all complete chunks. Returns the number of chunks decoded.
     ///
     /// # Errors
-    /// A chunk is damaged, or asks for more than the limits. What chunks before it have built stays; of a chunk that has a right checksum but is no
-    /// refinement, what it built until its fault stays, too. All further bytes are refused with the same error.
+    /// A chunk is damaged or exceeds the limits. The chunks decoded before it remain valid. If a
+    /// chunk passes its checksum but is invalid, the part decoded before the error remains as well.
+    /// All later calls return the same error.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -178,7 +183,7 @@ impl Decoder {
     /// let bytes = stream.bytes();
     /// let decoded: usize = bytes.chunks(100).map(|bytes| decoder.update(bytes)).sum::<Result<_, _>>()?;
     /// assert_eq!(decoded, stream.chunks.len());
-    /// // These bytes are no chunk.
+    /// // These bytes are not a chunk.
     /// assert!(decoder.update(&[0xFF; 64]).is_err());
     /// assert_eq!(decoder.parts().count(), 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -190,7 +195,8 @@ impl Decoder {
         let mut decoded = 0;
         let mut incomplete = std::mem::take(&mut self.incomplete_chunk);
         loop {
-            // Complete chunks are decoded where they lie, unless their first bytes have waited.
+            // Complete chunks are decoded in place, unless their first bytes arrived in an earlier
+            // call.
             let taken = if incomplete.is_empty() {
                 self.next_chunk(bytes)
             } else {
@@ -227,7 +233,8 @@ impl Decoder {
         }
     }
 
-    /// Decodes the chunk at the start of bytes; returns its length, or `None` if it is not complete.
+    /// Decodes the chunk at the start of `bytes`. Returns its length, or `None` if it is
+    /// incomplete.
     fn next_chunk(&mut self, bytes: &[u8]) -> Result<Option<usize>, StreamError> {
         self.decode_chunk(bytes).map_err(|ChunkFault { found, expected, exceeded }| {
             let at = format!("chunk {} at byte {}", self.chunk_count, self.offset);
@@ -288,7 +295,7 @@ impl Decoder {
         Ok(Some(head_bytes + length))
     }
 
-    /// Returns the meshes whose base has arrived, in the order of their numbers.
+    /// Returns the meshes whose base mesh has been decoded, in the order of their indices.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -303,7 +310,7 @@ impl Decoder {
         self.parts.iter().flatten()
     }
 
-    /// Returns a mesh, if its base has arrived.
+    /// Returns a mesh by its index, or `None` if its base mesh has not been decoded yet.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -317,7 +324,7 @@ impl Decoder {
         self.parts.get(stream)?.as_ref()
     }
 
-    /// Counts the chunks decoded.
+    /// Returns the number of chunks decoded.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -331,13 +338,13 @@ impl Decoder {
         self.chunk_count
     }
 
-    /// Counts the bytes of the chunks decoded: where to resume.
+    /// Returns the number of bytes of the decoded chunks, which is the offset to resume from.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
     /// use tristrip::stream::{Decoder, StreamLimits};
     /// let mut decoder = Decoder::new(StreamLimits::default());
-    /// // The last byte is missing, and with it a chunk.
+    /// // Without its last byte, the last chunk is incomplete.
     /// let bytes = stream.bytes();
     /// decoder.update(&bytes[..bytes.len() - 1])?;
     /// let other = decoder.clone();

@@ -1,14 +1,18 @@
-//! Encodes a mesh with its collapses as a stream.
+//! Encodes a mesh and its collapses as a stream.
 //!
 //! # Algorithm
-//! 1. The plan: collapses become splits of fans (module `plan`), and what no collapse removes is the base mesh.
-//! 2. Rehearsals: all decisions are made without being written, so that the weights of the estimates can be fitted (module `fit`).
-//! 3. The batches, from the base mesh on. In each, the groups of splits are sorted by the fans that they split. Before a batch the
-//!    positions get as many bits as the error of the level is worth; the last batches have all.
-//! 4. Chunks: the coder is closed at the end of a batch if there is enough for a chunk, and within a batch where a chunk would become too large.
+//! 1. Plan: collapses become splits of fans (module `plan`). What no collapse removes is the base
+//!    mesh.
+//! 2. Rehearsals: all decisions are made without writing them, in order to fit the weights of the
+//!    predictions (module `fit`).
+//! 3. Batches, starting from the base mesh. Within a batch, groups of splits are sorted by the fans
+//!    that they split. Before each batch, positions gain as many bits as the error of the level
+//!    justifies; the last batches have all bits.
+//! 4. Chunks: the coder is closed at the end of a batch if the chunk is large enough, and within a
+//!    batch before a chunk becomes too large.
 //!
 //! # Complexity
-//! O(n) time, three times that of decoding and more; about 150 bytes per triangle.
+//! O(n) time, at least three times that of decoding; about 150 bytes per triangle.
 
 use super::chunk::ChunkHead;
 use super::fit::Fit;
@@ -24,25 +28,25 @@ use crate::entropy::range_coder::RangeEncoder;
 use crate::error::Error;
 use crate::mesh::Mesh;
 
-/// The fits of the weights.
+/// The number of passes that fit the weights.
 const REHEARSALS: usize = 2;
 
 /// A chunk of a stream.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct StreamChunk {
-    /// Its bytes, head and checksum included.
+    /// The bytes of the chunk, including header and checksum.
     pub bytes: Vec<u8>,
-    /// The level that it leads to: the collapses that are undone.
+    /// The level after this chunk is decoded, as the number of collapses undone.
     pub level: u32,
-    /// The triangles of that level.
+    /// The number of triangles at that level.
     pub triangles: u32,
-    /// The error of that level in mesh units, that of the positions included.
+    /// The error of that level in mesh units, including the error of quantized positions.
     pub error: f32,
 }
 
 impl StreamChunk {
-    /// Returns its bytes with another number of the mesh.
+    /// Returns the bytes of the chunk with another mesh index.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -60,22 +64,22 @@ impl StreamChunk {
     }
 }
 
-/// A mesh as a stream, chunk by chunk: the base mesh first.
+/// An encoded mesh as a sequence of chunks. The first chunk is the base mesh.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct EncodedStream {
-    /// The chunks.
+    /// The chunks in the order of the stream.
     pub chunks: Vec<StreamChunk>,
-    /// The triangles of the base mesh, over the vertices of the input.
+    /// The triangles of the base mesh, as indices of the input vertices.
     pub base: Vec<u32>,
-    /// How far a position of the full mesh may be from that of the input, in mesh units.
+    /// The maximum error of a decoded position of the full mesh, in mesh units.
     pub position_error: f32,
     grid: Grid,
     position_bits: u32,
 }
 
 impl EncodedStream {
-    /// Returns the position of the full mesh that a decoder gives for one of the input.
+    /// Returns the position that a decoder reconstructs at full detail for an input position.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -87,7 +91,7 @@ impl EncodedStream {
         self.grid.position(self.grid.place(position, self.position_bits), 0)
     }
 
-    /// Returns all bytes.
+    /// Returns the bytes of all chunks, concatenated.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -99,15 +103,18 @@ impl EncodedStream {
     }
 }
 
-/// Encodes a mesh with its collapses. `level_ends` are the numbers of collapses, from the full mesh on, after which a batch ends; the points that a batch removes may not have a
-/// common triangle, as those of `simplify::refinement_batches`. `stream` is the number of the mesh among those of a file. Degenerate triangles and unused vertices are left out.
+/// Encodes a mesh and its collapses. `level_ends` are the ends of batches, as numbers of collapses
+/// counted from the full mesh. Points removed by the same batch must not share a triangle;
+/// `simplify::refinement_batches` returns such batches. `stream` is the index of the mesh in its
+/// file. Degenerate triangles and unused vertices are left out.
 ///
 /// # Errors
-/// The sequence is not one of the mesh, a batch removes points that have a common triangle, a position or an attribute is not finite, or there are too many attributes.
+/// An option is out of range; the sequence does not belong to the mesh; a batch removes points that
+/// share a triangle; a position or an attribute is not finite; there are too many attributes.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
-/// // Seven bytes per vertex, in twelve of a position alone.
+/// // Seven bytes per vertex; a position as floats takes twelve.
 /// assert!(stream.bytes().len() < 81 * 7);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
@@ -141,8 +148,9 @@ pub fn encode(
     })
 }
 
-/// Finds the vertices that a stream cannot restore: those whose collapse does more than to move the corners of one fan, since a surface touches itself there or attributes differ
-/// all around. With these locked, a simplification finds other collapses.
+/// Returns the vertices that a stream cannot restore. Their collapse does more than move the
+/// corners of one fan, because the surface touches itself there or attributes differ all around.
+/// Lock them to make a simplification choose other collapses.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -153,7 +161,7 @@ pub fn unsplittable(sequence: &CollapseSequence) -> Vec<u32> {
     Plan::new(sequence).unsplittable
 }
 
-/// Writes the decisions as chunks.
+/// A pass that writes its decisions as chunks.
 struct Writing {
     stream: u32,
     coder: RangeEncoder,

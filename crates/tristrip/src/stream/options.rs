@@ -1,27 +1,29 @@
-//! How a mesh is encoded as a stream.
+//! Encoder options of a stream.
 
 use super::grid::AttributeBits;
 use super::places::MAX_BITS;
 use crate::error::Error;
 
-/// How a mesh is encoded.
+/// Encoder options of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct StreamOptions {
-    /// The bits of a coordinate: 4 to 16.
+    /// Bits per position coordinate, 4 to 16.
     pub position_bits: u32,
     pub(super) attribute_bits: AttributeBits,
     pub(super) least_chunk_bytes: usize,
     pub(super) most_chunk_bytes: usize,
-    /// Two corners of a box that the grid of the positions covers in addition to the mesh; see [`StreamOptions::with_bounds`].
+    /// Two corners of a box that the position grid covers in addition to the mesh; see
+    /// [`StreamOptions::with_bounds`].
     pub bounds: Option<[[f32; 3]; 2]>,
     /// Whether positions have all bits at every level; see [`StreamOptions::with_exact_positions`].
     pub exact_positions: bool,
 }
 
 impl Default for StreamOptions {
-    /// 14 bits per coordinate, 10 per coordinate of a normal, 14 of texture coordinates, for each repeat of the texture, and 10 of others; whole numbers below 2^24 are exact, floats among them; chunks of 1
-    /// to 4 kilobytes.
+    /// 14 bits per position coordinate, 10 per normal component, 14 per texture coordinate for each
+    /// repeat of the texture, and 10 per component of other attributes. Integers below 2²⁴ are
+    /// exact, also when they are stored as floats. Chunks have 1 to 4 KiB.
     fn default() -> Self {
         Self {
             position_bits: 14,
@@ -36,7 +38,7 @@ impl Default for StreamOptions {
 
 impl StreamOptions {
     crate::setters! {
-        /// Sets the bits of a coordinate: 4 to 16.
+        /// Sets the bits per position coordinate, 4 to 16.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -51,10 +53,10 @@ impl StreamOptions {
         with_position_bits(position_bits: u32);
     }
 
-    /// Checks the bits of a coordinate, as [`encode`](super::encode) does.
+    /// Checks the bits per position coordinate, as [`encode`](super::encode) does.
     ///
     /// # Errors
-    /// There are fewer than 4 or more than 16.
+    /// The number of bits is less than 4 or greater than 16.
     ///
     /// ```
     /// use tristrip::stream::StreamOptions;
@@ -70,8 +72,9 @@ impl StreamOptions {
     }
 
     crate::setters! {
-        /// Sets two corners of a box that the grid of the positions covers, besides the mesh: meshes with the same box that lie in it have the same grid, so that they meet
-        /// without a gap where their positions are equal. The corners have to be finite.
+        /// Sets two corners of a box that the position grid covers in addition to the mesh. Meshes
+        /// that lie in the same box and use it as bounds share one grid. They then meet without
+        /// gaps where their positions are equal. The corners must be finite.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -82,8 +85,9 @@ impl StreamOptions {
         /// ```
         with_bounds(bounds: [[f32; 3]; 2]) as Some;
 
-        /// Sets whether positions have all bits at every level, not only as many as the error of the level is worth: the mesh then meets others at every level where it meets them in
-        /// full. This takes a few more bytes before the middle levels.
+        /// Sets whether positions have all bits at every level. By default, coarse levels have only
+        /// as many bits as their error justifies. With all bits, neighbouring meshes meet at every
+        /// level where their full meshes meet. This adds a few bytes before the middle levels.
         ///
         /// ```
         #[doc = include_str!("example.txt")]

@@ -1,4 +1,4 @@
-//! What is encoded: a mesh on its grids, and the batches of its splits.
+//! The input of an encoder: a mesh on its grids, and the batches of its splits.
 
 use super::grid::{Channel, Grid};
 use super::options::StreamOptions;
@@ -8,22 +8,22 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::text::counted;
 
-/// Batches with all bits of the positions, the last ones.
+/// The number of last batches whose positions have all bits.
 const EXACT_BATCHES: usize = 2;
-/// A position may be off by this share of the error of its level.
+/// The maximum error of a position, as a share of the error of its level.
 const PRECISION: f64 = 0.5;
 
-/// What is encoded.
+/// The input of an encoder.
 pub(super) struct StreamSource<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) sequence: &'a CollapseSequence,
     pub(super) plan: Plan,
     pub(super) grid: Grid,
     pub(super) position_bits: u32,
-    /// Whether all bits of the positions are known at every level.
+    /// Whether positions have all bits at every level.
     pub(super) is_exact: bool,
     pub(super) channels: Vec<Channel>,
-    /// The number of collapses from the full mesh to the start and end of each batch, in the order of the stream.
+    /// The first and last collapse of each batch, counted from the full mesh, in stream order.
     pub(super) batches: Vec<[usize; 2]>,
 }
 
@@ -87,17 +87,18 @@ impl<'a> StreamSource<'a> {
         self.grid.place(self.mesh.positions()[self.plan.vertices[fan as usize] as usize], self.position_bits)
     }
 
-    /// The error of the surface after a number of collapses from the full mesh.
+    /// Returns the error of the surface after this many collapses from the full mesh.
     pub(super) fn error(&self, collapses: usize) -> f32 {
         self.sequence.error(self.sequence.len() - collapses).unwrap_or(0.0)
     }
 
-    /// The bits that need not be known after a number of collapses from the full mesh.
+    /// Returns the number of position bits that are not sent yet in a batch.
     pub(super) fn unknown_bits(&self, batch: usize) -> u32 {
         if self.is_exact || batch + EXACT_BATCHES >= self.batches.len() {
             return 0;
         }
-        // The mean of the errors that the batch mends: the largest ones are of few places.
+        // Uses the mean error of the collapses that the batch undoes: few places have the largest
+        // one.
         let [start, end] = self.batches[batch];
         let level = |collapse: usize| self.sequence.len() - 1 - collapse;
         let errors = (start..end).filter_map(|collapse| self.sequence.collapse(level(collapse)).ok());
