@@ -1,22 +1,23 @@
-//! Vertices that collapses merge, and the triangles that become degenerate.
+//! Vertices merged by collapses, and the triangles that become degenerate.
 //!
 //! # Algorithm
-//! Each vertex that is drawn has a *slot*, a list of corners. When one vertex goes to another, the shorter of their two lists is
-//! appended to the longer one, whose slot the kept vertex takes. A triangle that becomes degenerate has a corner in both lists, so that the
-//! corners that move find all of them.
+//! Each drawn vertex has a *slot*, a list of corners. When one vertex is renamed to another, the
+//! shorter of their two lists is appended to the longer one, and the kept vertex takes the longer
+//! one's slot. A triangle that becomes degenerate has a corner in both lists, so checking the
+//! triangles of the moved corners finds all of them.
 //!
 //! # Complexity
-//! O(n log n) time for all collapses of a mesh: a corner that moves comes into a list of at least twice the length. About 40 bytes per
-//! vertex in use and 8 per corner.
+//! O(n log n) time for all collapses of a mesh: whenever a corner moves, its list at least doubles.
+//! About 40 bytes per used vertex and 8 per corner.
 
 use crate::ids::OptionalId;
 use crate::mesh::{SPARSE, VertexSubset, is_degenerate, triangle_at, triangles_of};
 
 /// The corners of each vertex that is still drawn.
 pub(super) struct MergedVertices {
-    /// The vertices in use, if they are few.
+    /// The used vertices, if they are few.
     used: Option<VertexSubset>,
-    /// The slot of each vertex, or of each vertex in use; none if it is not drawn any more.
+    /// The slot of each vertex, or of each used vertex; none if it is no longer drawn.
     slots: Vec<OptionalId>,
     /// The corners of each slot.
     corners: Vec<Vec<u32>>,
@@ -26,7 +27,7 @@ pub(super) struct MergedVertices {
 }
 
 impl MergedVertices {
-    /// Collects the corners of each vertex; every corner is less than `vertex_count`.
+    /// Collects the corners of each vertex. Every corner must be less than `vertex_count`.
     pub(super) fn new(vertex_count: usize, triangles: &[u32]) -> Self {
         let used = (vertex_count / SPARSE > triangles.len()).then(|| VertexSubset::of(triangles));
         let slot_at = used.as_ref().map_or_else(|| triangles.to_vec(), |used| used.numbers(triangles));
@@ -44,7 +45,8 @@ impl MergedVertices {
         }
     }
 
-    /// Renames vertex `removed` to `kept`, and appends the triangles that become degenerate. Returns `None` if one of the vertices is not drawn, or both are one.
+    /// Renames vertex `removed` to `kept`, and appends the triangles that become degenerate to
+    /// `dropped`. Returns `None` if one of the vertices is not drawn or both are the same.
     pub(super) fn rename(&mut self, removed: u32, kept: u32, dropped: &mut Vec<u32>) -> Option<()> {
         let [removed, kept] = [self.number(removed)?, self.number(kept)?];
         let [from, to] = [self.slots[removed].get()?, self.slots[kept].get()?];
@@ -68,7 +70,7 @@ impl MergedVertices {
         Some(())
     }
 
-    /// Returns the index of a vertex among the slots.
+    /// Returns the index of a vertex in `slots`.
     fn number(&self, vertex: u32) -> Option<usize> {
         let number = self.used.as_ref().map_or(Some(vertex), |used| used.find(vertex))? as usize;
         (number < self.slots.len()).then_some(number)

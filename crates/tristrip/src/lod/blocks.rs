@@ -1,32 +1,40 @@
-//! `blocks`: our model for today's memory. The index buffer of a level is ready at any time, and a move writes only the slots that it changes.
+//! `blocks`: a level model designed for current memory hierarchies. The index buffer of the current
+//! level is always ready, and a level change writes only the slots that differ.
 //!
-//! Strips whose vertices are renamed get worse with each collapse: dropped triangles stay in them as degenerate ones. Here some levels, the *keys*,
-//! have strips of their own, repaired when the model is built. Between two keys, collapses rename slots of the buffer in place.
+//! Strips with renamed vertices get worse with each collapse, because dropped triangles remain in
+//! them as degenerate ones. Here, some levels, the *keys*, have strips of their own, repaired when
+//! the model is built. Between two keys, collapses rename slots of the buffer in place.
 //!
 //! ```text
 //! level   full ────────▶ key 1 ─────────▶ key 2 ── … ─▶ 0
-//!         buffer 0       buffer 1         buffer 2           copied when a move enters the levels of another key
-//!           slots renamed  slots renamed                     written one by one, both ways
+//!         buffer 0       buffer 1         buffer 2       copied when the key changes
+//!           slots renamed  slots renamed                 written one by one
 //! ```
 //! # Algorithm
-//! *Keys*: below the full mesh, the next key follows when the triangles have fallen by x √(T F), where T are those of the last key and F
-//! those of the full mesh, or by half. With these distances the buffers of all keys need the least memory for the vertices that are sent
-//! over all levels: a key costs memory in proportion to T, and saves vertices in proportion to the square of the distance. The constant x
-//! follows from the memory that the options allow.
+//! *Keys*: below the full mesh, the next key follows when the number of triangles has fallen by x
+//! √(T F), or by half. T is the number of triangles of the last key, F that of the full mesh. These
+//! distances minimize the memory of all key buffers for a given number of vertices sent over all
+//! levels: a key costs memory in proportion to T, and saves vertices in proportion to the square of
+//! the distance. The constant x follows from the memory that the options allow.
 //!
-//! *Strips of a key*: [`Repair`] follows the collapses from the strips of the full mesh on.
+//! *Strips of a key*: [`Repair`](crate::lod::Repair) follows the collapses from the strips of the
+//! full mesh.
 //!
-//! *Move*: within the levels of a key, the removed vertex is written into the slots of each split, the kept vertex into those of each
-//! collapse, which are stored once, in the order of the levels. To the levels of another key: copy its buffer, and rename down from it.
+//! *Level change*: within the range of a key, each split writes the removed vertex into its slots,
+//! and each collapse writes the kept vertex into them. The records are stored once, in the order of
+//! the levels. To enter the range of another key, copy its buffer and apply collapses from it.
 //!
-//! *Ends*: where degenerate triangles have come to lie at an end of a strip, or between two triangles that do not share a slot, their slots are
-//! overwritten with [`Index::RESTART`], so that the buffer sends fewer vertices (module `live_buffer`).
+//! *Ends*: where degenerate triangles are at an end of a strip, or between two triangles that share
+//! no slot, their slots are overwritten with [`Index::RESTART`], so the buffer sends fewer vertices
+//! (module `live_buffer`).
 //!
-//! *Changes*: what lies between two positions of the records says which slots differ, whatever the moves on the way were. So nothing has to be noted
-//! during a move.
+//! *Changes*: the records between two positions list the slots that differ, regardless of the level
+//! changes in between. So nothing has to be recorded during a level change.
 //!
 //! # Complexity
-//! A move takes a step per slot renamed on the way, about three per collapse, and between keys a copy of the buffer. Building repairs the strips once
+//! A level change takes one step per renamed slot, about three per collapse, plus a copy of the
+//! buffer when the key changes. Building repairs the strips once over all levels and takes linear
+//! time per key; there are about 15 keys.
 //! over all levels, and takes linear time per key, of which there are about 15.
 
 mod changed_ranges;
@@ -57,7 +65,8 @@ pub use options::BlockOptions;
 use records::{BlockRecords, Position, RecordList, index_of};
 use upload_order::SlotChanges;
 
-/// Strips at all levels as index buffers of some levels, and the slots that collapses rename in them.
+/// Strips at all levels, as index buffers of some levels and the slots that collapses rename in
+/// them.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -74,7 +83,7 @@ use upload_order::SlotChanges;
 /// assert_eq!(cursor.indices(), [0, 1, 2, 3, 4, 5, 6, 7]);
 /// cursor.set_level(1)?;
 /// assert_eq!(cursor.indices(), [0, 1, 2, 3, 4, 4, 6, 7]);
-/// // A range has whole blocks of 16 slots, as far as there are any.
+/// // Ranges are whole blocks of 16 slots, cut at the end of the buffer.
 /// assert_eq!(cursor.take_changed(256), [0..8]);
 /// assert_eq!(cursor.strips().triangles().count(), 4);
 /// # Ok::<(), tristrip::Error>(())
@@ -82,21 +91,21 @@ use upload_order::SlotChanges;
 #[derive(Debug, Clone)]
 pub struct Blocks {
     levels: LevelTable,
-    /// From the full mesh on.
+    /// The keys, starting with the full mesh.
     keys: Vec<Key>,
-    /// The index buffers of all keys. A restart is the number after the largest vertex.
+    /// The index buffers of all keys. A restart is stored as the largest vertex plus one.
     entries: Packed,
     largest: u32,
     records: BlockRecords,
 }
 
-/// A level with strips of its own.
+/// A level with its own strips.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Key {
     level: usize,
-    /// Its index buffer among all.
+    /// The range of its index buffer in `entries`.
     entries: Range<usize>,
-    /// Where the records of the collapses below it begin.
+    /// The position where the records of the collapses below it begin.
     records: Position,
 }
 
@@ -104,7 +113,8 @@ impl Blocks {
     /// Builds the model from strips of the full mesh.
     ///
     /// # Errors
-    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or the collapses rename too many slots.
+    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or the
+    /// collapses rename too many slots.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -122,7 +132,7 @@ impl Blocks {
         let sequence: Arc<CollapseSequence> = sequence.into();
         let vertex_count = sequence.vertex_count();
         strips.check_vertices(vertex_count)?;
-        // A collapse may bring in a vertex that no strip has.
+        // A collapse can introduce a vertex that no strip contains.
         let kept = sequence.iter().flat_map(|collapse| collapse.renames.iter().map(|rename| rename.kept));
         let largest = strips.vertices().iter().copied().chain(kept).max().unwrap_or(0);
         let entry_bits = bits_for(largest + 1);
@@ -133,7 +143,7 @@ impl Blocks {
         let mut entry_count = 0;
         let mut limit = RenameLimit::new(strips);
         for (i, &level) in key_levels.iter().enumerate() {
-            // The level of the next key has strips of its own.
+            // The level of the next key has its own strips.
             let end = key_levels.get(i + 1).map_or(0, |next| next + 1);
             let mut map = of_keys.at(level)?;
             if options.small_uploads {
@@ -153,10 +163,10 @@ impl Blocks {
         Ok(Self { levels, keys, entries, largest, records: records.pack() })
     }
 
-    /// Returns a cursor at the level of the full mesh, with indices of a type.
+    /// Returns a cursor at the level of the full mesh, with indices of type `I`.
     ///
     /// # Errors
-    /// A vertex does not fit the type, or is its restart value.
+    /// A vertex index does not fit into the type, or equals its restart value.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -174,7 +184,7 @@ impl Blocks {
         Ok(self.any_cursor())
     }
 
-    /// Returns a cursor with indices of a type that all vertices fit.
+    /// Returns a cursor with an index type that fits all vertices.
     fn any_cursor<I: Index>(self: &Arc<Self>) -> BlocksCursor<I> {
         let longest = self.keys.iter().map(|key| key.entries.len()).max().unwrap_or(0);
         let mut cursor = BlocksCursor {
@@ -191,7 +201,7 @@ impl Blocks {
         cursor
     }
 
-    /// Returns the levels that have strips of their own, from that of the full mesh on.
+    /// Returns the levels that have their own strips, starting with the full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -203,7 +213,7 @@ impl Blocks {
         self.keys.iter().map(|key| key.level)
     }
 
-    /// Returns the number of the key whose buffer serves a level.
+    /// Returns the index of the key whose buffer is used for a level.
     fn key_of(&self, level: usize) -> usize {
         self.keys.partition_point(|key| key.level >= level).saturating_sub(1)
     }
@@ -218,7 +228,7 @@ impl LevelModel for Blocks {
         self.levels.memory() + size_of_val(&self.keys[..]) + self.entries.memory() + self.records.memory()
     }
 
-    /// Indices have 16 bits if the vertices fit, and otherwise 32.
+    /// Indices have 16 bits if the vertices fit, otherwise 32.
     fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
         match self.cursor::<u16>() {
             Ok(cursor) => Box::new(cursor),
@@ -233,7 +243,7 @@ pub struct BlocksCursor<I> {
     model: Arc<Blocks>,
     level: usize,
     key: usize,
-    /// Where the records of the next collapse begin.
+    /// The position where the records of the next collapse begin.
     position: Position,
     buffer: Vec<I>,
     /// The key and the position at the last call of [`BlocksCursor::take_changed`].
@@ -243,7 +253,8 @@ pub struct BlocksCursor<I> {
 }
 
 impl<I: Index> BlocksCursor<I> {
-    /// Returns the index buffer of the level: strips with [`Index::RESTART`] between them, also several times. Degenerate triangles draw nothing.
+    /// Returns the index buffer of the level: strips separated by one or more [`Index::RESTART`].
+    /// It can contain degenerate triangles, which draw nothing.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -255,9 +266,10 @@ impl<I: Index> BlocksCursor<I> {
         &self.buffer
     }
 
-    /// Returns the ranges of the index buffer that differ from that at the last call: rising, not empty, and at most `most` of them, but at least one
-    /// if there is a difference. Nearby ranges are merged, those with the fewest slots between them first. The first call
-    /// returns the whole buffer, as do calls after moves to the levels of another key.
+    /// Returns the index ranges changed since the last call, sorted and non-empty, merged to at
+    /// most `most` ranges, but at least one if anything changed. Ranges with the smallest gaps
+    /// between them are merged first. The first call returns the whole buffer, as does the first
+    /// call after a change to another key.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -277,7 +289,7 @@ impl<I: Index> BlocksCursor<I> {
         changed.ranges(most)
     }
 
-    /// Copies the buffer of a key, and stands at its level.
+    /// Copies the buffer of a key and sets the level to the key's level.
     fn load(&mut self, key: usize) {
         let of = &self.model.keys[key];
         self.buffer.clear();
@@ -337,14 +349,14 @@ impl<I: Index> LevelCursor for BlocksCursor<I> {
     }
 }
 
-/// Orders the strips of a key by the changes of the levels below it.
+/// Orders the strips of a key by the level changes that write them.
 fn in_upload_order(
     map: Vec<u32>,
     sequence: &CollapseSequence,
     levels: Range<usize>,
     mut limit: RenameLimit,
 ) -> Result<Vec<u32>, Error> {
-    // A move by a percent of all levels is about as long as the smallest intervals.
+    // A level change by a percent of all levels is about as long as the smallest intervals.
     let mut changes = SlotChanges::new(map.len().max(1), levels.len(), sequence.len() / 100);
     let mut buffer = LiveBuffer::new(map, sequence.vertex_count());
     let entries = buffer.entries().to_vec();
@@ -357,7 +369,7 @@ fn in_upload_order(
     Ok(upload_order::ordered(&entries, &changes))
 }
 
-/// Counts renamed slots, of which a hostile sequence has very many.
+/// Limits the number of renamed slots, which is very large for a malicious sequence.
 struct RenameLimit {
     found: u64,
     limit: u64,

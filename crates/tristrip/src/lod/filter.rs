@@ -1,25 +1,29 @@
-//! Filters: a strip in which collapses have renamed vertices becomes *display strips*, which draw the same triangles with fewer vertices.
+//! Filters: turn a strip whose vertices were renamed by collapses into *display strips*, which draw
+//! the same triangles with fewer vertices.
 //!
-//! A collapse makes two vertices of a strip equal and the triangles between them degenerate. They draw nothing, but their vertices are sent; near
-//! the base mesh most of a strip is degenerate. A filter reads a simplified strip once, from front to back, and sends what is needed. Display
-//! strips draw exactly the oriented triangles of the simplified strip, whatever the filter.
+//! A collapse makes two vertices of a strip equal and the triangles between them degenerate. They
+//! draw nothing, but their vertices are still sent. Near the base mesh, most of a strip is
+//! degenerate. A filter reads a simplified strip once, front to back, and sends what is needed.
+//! With every filter, display strips draw exactly the oriented triangles of the simplified strip.
 //!
 //! ```text
 //! the strip          0 1 2 3 4 5 6        draws 012 213 234 435 456
 //! 3 becomes 2        0 1 2 2 4 5 6        draws 012 425 456; 1 2 2 and 2 2 4 draw nothing
 //! None, Stss         0 1 2 2 4 5 6
-//! Dtfs               0 1 2 │ 2 2 4 5 6    a strip that begins at an odd position repeats its first vertex
-//! Linked             0 1 2 │ 2 5 4 6      the same without the repeat: a first triangle may be rotated
+//! Dtfs               0 1 2 │ 2 2 4 5 6    a strip at an odd position repeats its first vertex
+//! Linked             0 1 2 │ 2 5 4 6      rotates the first triangle instead, without a repeat
 //! ```
 //! # References
-//! [`stss`] is El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time
-//! Rendering*, 2000, section 5.4. [`dtfs`] is Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
-//! Meshes*, 2005, section 4. [`linked`] is ours. [`repair`](super::repair) is ours, too: it reads no strips, but follows the collapses and repairs the
-//! strips next to them.
+//! [`stss`] is El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and
+//! Updating Triangle Strips for Real-Time Rendering*, 2000, section 5.4. [`dtfs`] is Kim, Park,
+//! Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005, section
+//! 4. [`linked`] was developed for this library, as was [`repair`](super::repair). `repair` reads
+//! no strips: it follows the collapses and repairs the strips next to them.
 //!
 //! # Complexity
-//! O(n) time, and no memory but the result, at most four vertices per triangle. For the strips of the bunny at 21 levels, on a core of their own,
-//! `Dtfs` reads 360 million entries per second, `Stss` and `Linked` 260 million.
+//! O(n) time. The only memory is the result, at most four vertices per triangle. On one core, for
+//! the strips of the bunny at 21 levels, `Dtfs` reads 360 million entries per second, `Stss` and
+//! `Linked` 260 million.
 
 mod costs;
 mod dtfs;
@@ -47,13 +51,15 @@ pub(crate) use valid::{BLOCK, Gatherer};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Filter {
-    /// Sends strips unchanged, degenerate triangles included.
+    /// Sends strips unchanged, including degenerate triangles.
     None,
-    /// The simple triangle strip scanner: pairs of vertices that repeat immediately are sent once.
+    /// The simple triangle strip scanner: sends immediately repeated pairs of vertices once.
     Stss,
-    /// The degenerate triangle-free scanner: only valid triangles, with a new strip where two of them are not consecutive.
+    /// The degenerate triangle-free scanner: sends only valid triangles, and starts a new strip
+    /// where two of them are not consecutive.
     Dtfs,
-    /// Ours: only valid triangles, in the same order, at the least cost for this order.
+    /// Sends only valid triangles, in the same order, at the minimum cost for this order. Developed
+    /// for this library.
     #[default]
     Linked,
 }
@@ -67,8 +73,8 @@ names! {
 }
 
 impl Filter {
-    /// Filters all strips of an index map and appends their display strips. A buffer that is [cleared](Strips::clear) and filled
-    /// again at the next level does not allocate.
+    /// Filters all strips of an index map and appends their display strips. Clear and reuse
+    /// `display` at the next level to avoid allocation.
     ///
     /// ```
     /// use tristrip::{Strips, lod::{Filter, RESTART}};
@@ -80,7 +86,7 @@ impl Filter {
         self.scan(map, display);
     }
 
-    /// Filters simplified strips.
+    /// Returns the display strips of simplified strips.
     ///
     /// ```
     /// use tristrip::{Strips, lod::Filter};
@@ -95,7 +101,7 @@ impl Filter {
         display
     }
 
-    /// Returns the cost of what [`Filter::map_to`] would send, without storing it.
+    /// Returns the cost of the strips that [`Filter::map_to`] would append, without storing them.
     ///
     /// ```
     /// use tristrip::lod::{Filter, RESTART};

@@ -1,23 +1,27 @@
-//! Progressive strips: strips that follow every collapse and every vertex split, by the few slots that it renames.
+//! Progressive strips: strips that follow every collapse and every vertex split, by renaming a few
+//! slots.
 //!
-//! The vertices of all strips stand in one *index map*, with a restart between strips. A collapse overwrites the removed vertex with another entry in
-//! every slot that holds it; the vertex split that undoes the collapse writes the vertex back. The record of a split is therefore the vertex
-//! and its slots, and no step reads anything else.
+//! The vertices of all strips are stored in one *index map*, with a restart between strips. A
+//! collapse overwrites the removed vertex with another entry in every slot that contains it. The
+//! vertex split that undoes the collapse writes the vertex back. The record of a split is therefore
+//! the vertex and its slots, and no step reads anything else.
 //!
 //! ```text
 //! level 8   0 1 2 3 4 R 3 2 5       4 collapses to 2, then 3 to 2
 //! level 7   0 1 2 3 2 R 3 2 5       the split of level 7: vertex 4 in slot 4
 //! level 6   0 1 2 2 2 R 2 2 5       the split of level 6: vertex 3 in slots 3 and 6
 //! ```
-//! The number of slots, u, is the cost of sending a refinement: 12 bytes for the position of the vertex and 2 per slot. Toward the base mesh vertices
-//! accumulate slots, and u grows with them; [`encoded`] keeps it near three.
+//! The number of slots, u, determines the cost of sending a refinement: 12 bytes for the position
+//! of the vertex and 2 bytes per slot. Toward the base mesh, vertices accumulate slots and u grows;
+//! [`encoded`] limits it to about three.
 //!
 //! # References
-//! Hoppe: *Progressive Meshes*, 1996 ([`ProgressiveMesh`]). Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
-//! Meshes*, 2005, section 3.
+//! Hoppe: *Progressive Meshes*, 1996 ([`ProgressiveMesh`]). Kim, Park, Yang, Neelamkavil: *A
+//! Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005, section 3.
 //!
 //! # Complexity
-//! A step takes O(u) time. Memory: 4 bytes per entry of the map, 12 bytes per collapse, and 8 bytes per slot that it renames.
+//! A step takes O(u) time. Memory: 4 bytes per entry of the map, 12 bytes per collapse, and 8 bytes
+//! per slot that it renames.
 
 mod encoded;
 mod naive;
@@ -48,7 +52,7 @@ use crate::strip::Strips;
 pub enum Encoding {
     /// The kept vertex.
     Naive,
-    /// A symbol that refers to the kept vertex if that is nearby: see [`encoded_offset`].
+    /// A symbol that refers to the kept vertex if it is nearby; see [`encoded_offset`].
     #[default]
     Offsets,
 }
@@ -59,8 +63,9 @@ names! {
     Offsets => "offsets", "E-PS: slots that follow a neighbour are stored once (Kim et al. 2005)";
 }
 
-/// The strips of a mesh at all levels of a collapse sequence: an index map, and what each collapse renames in it. Immutable; a
-/// [`ProgressiveStripsCursor`] has the map of one level.
+/// The strips of a mesh at all levels of a collapse sequence: an index map, and the slots that each
+/// collapse renames in it. The model is immutable; a [`ProgressiveStripsCursor`] has the map of one
+/// level.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -91,11 +96,11 @@ pub struct ProgressiveStrips {
 }
 
 impl ProgressiveStrips {
-    /// Builds the model of strips under a sequence of collapses.
+    /// Builds the model from strips and a sequence of collapses.
     ///
     /// # Errors
-    /// A strip has a vertex that the sequence does not have; there are more than 2³² − 5 vertices, or more than 256 renamed slots per entry of
-    /// the map.
+    /// A strip has a vertex that is not in the sequence; there are more than 2³² − 5 vertices; the
+    /// collapses rename more than 256 slots per entry of the map.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -135,7 +140,7 @@ impl ProgressiveStrips {
         with_filter(filter: Filter);
     }
 
-    /// Returns what collapses write.
+    /// Returns the encoding: what collapses write into slots.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -169,7 +174,8 @@ impl ProgressiveStrips {
         }
     }
 
-    /// Returns what the split from `level` to the next one writes: an update per restored vertex; `None` if there is no such split.
+    /// Returns the slot updates of the split from `level` to `level` + 1, one update per restored
+    /// vertex; `None` if there is no such split.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -184,8 +190,8 @@ impl ProgressiveStrips {
         (level < self.records.len()).then(|| self.records.split_of(level))
     }
 
-    /// Returns the number of slots that the split from `level` to the next one writes: the u of the literature; 0 if there is no such
-    /// split.
+    /// Returns the number of slots written by the split from `level` to `level` + 1, called u in
+    /// the literature; 0 if there is no such split.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -217,9 +223,9 @@ impl LevelModel for ProgressiveStrips {
 pub struct ProgressiveStripsCursor {
     model: Arc<ProgressiveStrips>,
     replay: Replay,
-    /// Memory for the decoded map.
+    /// Reused memory for the decoded map.
     map: Vec<u32>,
-    /// The display strips, and whether they are those of the level.
+    /// The display strips; valid for the current level if `is_current`.
     display: Strips,
     is_current: bool,
 }
@@ -239,7 +245,7 @@ impl ProgressiveStripsCursor {
         &self.model
     }
 
-    /// Splits a vertex: one level up. Returns `false` at the full mesh.
+    /// Splits a vertex, which moves one level up. Returns `false` at the full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -257,7 +263,7 @@ impl ProgressiveStripsCursor {
         self.replay.refine(&self.model.records)
     }
 
-    /// Collapses a vertex: one level down. Returns `false` at the base mesh.
+    /// Collapses a vertex, which moves one level down. Returns `false` at the base mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -272,14 +278,15 @@ impl ProgressiveStripsCursor {
         self.replay.coarsen(&self.model.records)
     }
 
-    /// Returns the entries of the map at its level: vertices, [`RESTART`] between strips, and the [symbols](encoded_offset) of [`Encoding::Offsets`].
+    /// Returns the entries of the map at the current level: vertices, [`RESTART`] between strips,
+    /// and the [symbols](encoded_offset) of [`Encoding::Offsets`].
     ///
     /// ```
     #[doc = include_str!("example.txt")]
     /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?).cursor();
     /// cursor.coarsen();
     /// assert_eq!(cursor.entries()[..4], [0, 1, 2, 3]);
-    /// // Slot 4 follows slot 3, whatever vertex that has.
+    /// // Slot 4 refers to slot 3, regardless of its vertex.
     /// assert_eq!(encoded_offset(cursor.entries()[4]), Some(-1));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -287,7 +294,8 @@ impl ProgressiveStripsCursor {
         &self.replay.entries
     }
 
-    /// Fills `map` with the vertices at the level, [`RESTART`] between strips. Its contents are replaced and its memory is reused.
+    /// Fills `map` with the vertices of the current level, with [`RESTART`] between strips.
+    /// Replaces its contents and reuses its memory.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

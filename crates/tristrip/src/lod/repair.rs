@@ -1,39 +1,48 @@
-//! `repair`: our filter. Display strips for every level that cost about as much as strips found from scratch for that level.
+//! `repair`: a filter developed for this library. Its display strips cost, at every level, about as
+//! much as strips computed from scratch for that level.
 //!
-//! The other filters read the full mesh's strips with renamed vertices and remove degenerate triangles. Their strips break up as the mesh gets
-//! coarser: where a strip is cut, its ends stay. This filter keeps the strips as paths over the triangles that a level draws, follows each
-//! collapse and each split, and repairs the paths next to it.
+//! The other filters read the full mesh's strips with renamed vertices and remove degenerate
+//! triangles. Their strips break up as the mesh gets coarser, because the ends of a cut strip are
+//! never reconnected. This filter stores the strips as paths over the triangles that a level draws.
+//! It follows each collapse and each split, and repairs the paths next to it.
 //!
 //! ```text
 //!          x                    x
-//!   ━ u ━╱━━━╲━ v ━      ━ u ━╱━ v ━       a path through a dropped triangle d is linked across it
-//!      ╱   d   ╲             ╱
-//!   kept ──── removed     kept             a path over the edge of the two is cut; a local search nearby reconnects its ends
+//!   ━ u ━╱━━━╲━ v ━      ━ u ━╱━ v ━       a path through a dropped triangle d
+//!      ╱   d   ╲             ╱             is linked across it
+//!   kept ──── removed     kept
 //! ```
 //! # Algorithm
 //! *Coarsen*:
-//! 1. Cut the links of the dropped triangles, rename, drop, and pair the sides that changed.
-//! 2. Link the two neighbours of a dropped triangle that was linked to both, if they share an edge now.
-//! 3. *Search*: take the triangles nearest to the kept vertex, as many as the effort says; start a local search from each in turn, as often as the effort
-//!    says. A local search changes a few links, and is undone if the strips then cost more (see `cover/local_search.rs`).
+//! 1. Cut the links of the dropped triangles, rename, drop, and pair the half-edges that changed.
+//! 2. If a dropped triangle was linked to two neighbours, link these two if they now share an edge.
+//!    A path across the edge between the kept and the removed vertex remains cut; the local search
+//!    reconnects its ends.
+//! 3. *Search*: take the triangles nearest to the kept vertex; the effort sets their number. Start
+//!    a local search from each in turn, with a number of rounds set by the effort. A local search
+//!    changes a few links, and is undone if the strips then cost more (see
+//!    `cover/local_search.rs`).
 //!
-//! *Refine*: the same in reverse, around both vertices; a restored triangle is linked to the two triangles between which it lies, if they were
-//! linked.
+//! *Refine*: the reverse, around both vertices. A restored triangle is linked to the two triangles
+//! on its sides, if these were linked to each other.
 //!
-//! *At a level* directly: drop everything that the level does not draw, link triangles of one strip with nothing drawn between them that share an
-//! edge, as the filters do, then search from all triangles.
+//! *Directly at a level*: drop everything that the level does not draw. Link consecutive remaining
+//! triangles of a strip that share an edge, as the filters do. Then search from all triangles.
 //!
-//! The module `pairing` defines twins where more than two triangles meet at an edge.
+//! The module `pairing` defines twins where more than two triangles share an edge.
 //!
 //! # Determinism
-//! The strips of a level depend only on the levels passed on the way: the same steps give the same strips. Coarsening and then refining does not restore
-//! the earlier strips, but strips that draw the same triangles.
+//! The strips of a level depend only on the levels passed on the way: the same steps give the same
+//! strips. Coarsening and then refining can give strips other than the earlier ones, but they draw
+//! the same triangles.
 //!
 //! # Effort
-//! The bunny of 69,451 triangles, simplified to a twentieth of them in 33,042 collapses, with strips of the full mesh by `best` (36.7 % of
-//! three vertices per triangle): vertices sent over all levels and at the base mesh, in percent of three vertices per triangle, and the time per
-//! collapse on one core. Strips found from scratch for each level by `best` at its default effort send 39.2 %. At the base mesh, `Dtfs` sends 99.6 % and
-//! `Linked` 82.5 %.
+//! Measured on the bunny with 69,451 triangles, simplified to a twentieth in 33,042 collapses. The
+//! strips of the full mesh are by `best` and send 36.7 % of three vertices per triangle. The table
+//! lists the vertices sent, summed over all levels and at the base mesh, in percent of three
+//! vertices per triangle, and the time per collapse on one core. Strips computed from scratch for
+//! each level by `best` at its default effort send 39.2 %. At the base mesh, `Dtfs` sends 99.6 %
+//! and `Linked` 82.5 %.
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
 //! |---|---|---|---|---|---|---|---|---|
@@ -41,19 +50,22 @@
 //! | base mesh, % | 45.6 | 44.0 | 43.3 | 42.1 | 41.6 | 41.2 | 41.1 | 40.9 |
 //! | microseconds | 2 | 3 | 5 | 12 | 21 | 42 | 70 | 150 |
 //!
-//! Levels 8 and 9 take about twice and five times as long as 7. Computed directly, 40 % of the triangles take 44.2, 40.9 and 40.5 % at levels 1, 3 and 5,
-//! in 0.03, 0.1 and 0.5 s; level 0 does not search then, and sends as much as `Linked`, 55.0 %.
+//! Efforts 8 and 9 take about two and five times as long as 7. When a level with 40 % of the
+//! triangles is computed directly, it sends 44.2, 40.9 and 40.5 % at efforts 1, 3 and 5, in 0.03,
+//! 0.1 and 0.5 s. Effort 0 does not search in that case, and sends as much as `Linked`, 55.0 %.
 //!
 //! # References
-//! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001; Porcu, Sanna, Scateni: *Efficiently Keeping an
-//! Optimal Stripification over a CLOD Mesh*, 2005 (repair next to each change, by tunnels); Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
-//! Progressive Transmission of 3D Meshes*, 2005 (the filter that it starts from); Lin, Kernighan: *An Effective Heuristic
-//! Algorithm for the Traveling-Salesman Problem*, 1973 (chains of changes that are undone if they do not pay).
+//! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001; Porcu,
+//! Sanna, Scateni: *Efficiently Keeping an Optimal Stripification over a CLOD Mesh*, 2005 (repair
+//! next to each change, by tunnels); Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
+//! Progressive Transmission of 3D Meshes*, 2005 (the filter that it starts from); Lin, Kernighan:
+//! *An Effective Heuristic Algorithm for the Traveling-Salesman Problem*, 1973 (chains of changes
+//! that are undone if they do not reduce the cost).
 //!
 //! # Complexity
-//! The time of a step depends on the effort and on the valence of the removed vertices, not on the size of the mesh, except for cuts, which walk to
-//! the nearer end of their path. 56 bytes per triangle of the full mesh, 8 per vertex and 24 per edge of one
-//! triangle.
+//! The time of a step depends on the effort and on the valence of the removed vertices, not on the
+//! size of the mesh. Cuts are an exception: they walk to the nearer end of their path. Memory: 56
+//! bytes per triangle of the full mesh, 8 per vertex and 24 per edge of one triangle.
 
 mod model;
 mod nearby;
@@ -81,11 +93,12 @@ use options::{SEARCH_AMOUNTS, SearchAmount};
 use pairing::{Pairing, TwinChanges};
 use strip_order::{StripTriangle, check_size, order_of};
 
-/// The share of the steps of walks that a change may take on average: those that it leaves are saved for others. The test models take up to
-/// half of this share, a change of a ribbon of a million triangles as much as it may.
+/// A change may take on average 1/16 of the maximum number of walk steps; unused steps are saved
+/// for later changes. The test models take up to half of this share. A change of a ribbon of a
+/// million triangles takes the maximum.
 const AVERAGE_SHARE: u64 = 16;
 
-/// The strips of a level of detail that follow collapses and splits.
+/// The strips of a level of detail. They follow collapses and splits.
 ///
 /// ```
 /// use tristrip::{CollapseSequence, Rename, Strips};
@@ -115,14 +128,14 @@ pub struct Repair {
     work: SearchAmount,
     pairing: Pairing,
     changes: TwinChanges,
-    /// Pairs of half-edges between which a link was cut.
+    /// Pairs of half-edges whose link was cut.
     gaps: Vec<[u32; 2]>,
-    /// The strips of the level, once they have been asked for as a cursor's.
+    /// The strips of the level, built on first use through the cursor.
     display: Option<Strips>,
 }
 
 impl Repair {
-    /// Starts from the strips of the full mesh.
+    /// Builds the cursor at the full mesh from its strips.
     ///
     /// # Errors
     /// The strips do not draw every triangle of the full mesh exactly once with its winding, or there are too many triangles.
@@ -148,8 +161,8 @@ impl Repair {
     /// Computes the display strips of one level directly from the strips of the full mesh.
     ///
     /// # Errors
-    /// The strips do not draw every triangle of the full mesh exactly once with its winding; there are too many triangles; the level does not
-    /// exist.
+    /// The strips do not draw every triangle of the full mesh exactly once with its winding; there
+    /// are too many triangles; the level does not exist.
     ///
     /// ```
     /// # use tristrip::{CollapseSequence, Rename, Strips, lod::{LevelCursor, Repair, RepairOptions}};
@@ -182,7 +195,7 @@ impl Repair {
         Ok(repair)
     }
 
-    /// Builds the strips of the base mesh for collapses that are done and undone in any order.
+    /// Builds the strips of the base mesh for collapses that are applied and undone in any order.
     pub(super) fn in_any_order(
         sequence: &Arc<CollapseSequence>,
         strips: &Strips,
@@ -203,7 +216,7 @@ impl Repair {
         }
     }
 
-    /// Links the rest of the strips at a level, without a search.
+    /// Links what remains of the strips at a level, without search.
     fn linked_at(
         sequence: &Arc<CollapseSequence>,
         full_mesh: impl FnOnce(&Arc<CollapseSequence>) -> LevelMesh,
@@ -217,7 +230,8 @@ impl Repair {
         Ok(Self::linked(sequence, mesh, &order, level, options))
     }
 
-    /// Links the rest of the strips at a level, given the full mesh and the order of its triangles.
+    /// Links what remains of the strips at a level, given the full mesh and the order of its
+    /// triangles.
     fn linked(
         sequence: &Arc<CollapseSequence>,
         mut mesh: LevelMesh,
@@ -272,7 +286,8 @@ impl Repair {
         }
     }
 
-    /// Returns the number of vertices of all strips, swaps and winding repeats included, in O(1) time.
+    /// Returns the number of vertices of all strips, including swaps and winding repeats, in O(1)
+    /// time.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -286,7 +301,7 @@ impl Repair {
         self.repaired.vertices_sent(self.triangle_count)
     }
 
-    /// Moves to the next coarser level; returns `false` at the base mesh.
+    /// Moves to the next coarser level. Returns `false` at the base mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -305,7 +320,8 @@ impl Repair {
         true
     }
 
-    /// Does the collapse that leads to a level, whatever the level of the mesh. All that it depends on must be done.
+    /// Applies the collapse that leads to a level, whatever the current level. All collapses that
+    /// it depends on must be applied.
     pub(super) fn collapse_to(&mut self, level: usize) {
         self.display = None;
         let sequence = Arc::clone(&self.sequence);
@@ -329,7 +345,7 @@ impl Repair {
         self.search(collapse.renames.iter().map(|rename| rename.kept));
     }
 
-    /// Moves to the next finer level; returns `false` at the full mesh.
+    /// Moves to the next finer level. Returns `false` at the full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -347,7 +363,8 @@ impl Repair {
         true
     }
 
-    /// Undoes the collapse that leads to a level, whatever the level of the mesh. Nothing that depends on it may be done.
+    /// Undoes the collapse that leads to a level, whatever the current level. No applied collapse
+    /// may depend on it.
     pub(super) fn split_from(&mut self, level: usize) {
         self.display = None;
         let sequence = Arc::clone(&self.sequence);
@@ -387,14 +404,15 @@ impl Repair {
         }
     }
 
-    /// Pairs the released sides around vertices; cuts the links whose edge is gone and records the gaps.
+    /// Pairs the released half-edges around vertices, cuts links whose edge no longer exists, and
+    /// records the gaps.
     fn pair_around(&mut self, vertices: impl Iterator<Item = u32>) {
         self.changes.clear();
         self.pairing.pair_around(vertices, &self.mesh, &self.repaired.paths, &mut self.changes);
         self.apply_changes();
     }
 
-    /// Sets the new twins of half-edges; cuts their links and records the gaps.
+    /// Sets the new twins of half-edges, cuts their links and records the gaps.
     fn apply_changes(&mut self) {
         let paths = &mut self.repaired.paths;
         for &(h, _) in &self.changes {
@@ -406,14 +424,15 @@ impl Repair {
         self.changes.iter().for_each(|&(h, twin)| paths.set_twin(h, twin));
     }
 
-    /// Links two triangles over a half-edge, if neither is inside a path and the link does not close a path.
+    /// Links two triangles across a half-edge, unless one of them is inside a path or the link
+    /// would close a cycle.
     fn join(&mut self, h: u32) {
         if [h, self.repaired.paths.across(h)].iter().all(|h| self.repaired.paths.degree(h / 4) < 2) {
             self.repaired.paths.join(h);
         }
     }
 
-    /// Searches near vertices.
+    /// Runs local searches near vertices.
     fn search(&mut self, vertices: impl Iterator<Item = u32>) {
         let corners = vertices.flat_map(|v| self.mesh.around(v));
         self.repaired.find_near(corners.map(|corner| corner / 3), self.work.near);
@@ -437,7 +456,7 @@ impl LevelCursor for Repair {
         self.level
     }
 
-    /// Moves to a level step by step: the strips depend on the levels on the way.
+    /// Moves to a level step by step, because the strips depend on the levels on the way.
     fn set_level(&mut self, level: usize) -> Result<(), Error> {
         self.levels.check(level)?;
         while self.level > level && self.coarsen() {}

@@ -1,4 +1,4 @@
-//! Meshes, strips and collapse sequences for the tests of all level-of-detail models.
+//! Meshes, strips and collapse sequences for the tests of all level models.
 
 use proptest::prelude::*;
 
@@ -15,14 +15,15 @@ pub(crate) struct Sample {
     pub(crate) sequence: CollapseSequence,
 }
 
-/// Returns canonical triangles, sorted: equal drawings have equal results.
+/// Returns the triangles in canonical form and sorted. Drawings are equal if their results are.
 pub(crate) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     let mut sorted: Vec<_> = triangles.into_iter().map(canonical_triangle).collect();
     sorted.sort_unstable();
     sorted
 }
 
-/// A grid of quadrilaterals, with random diagonals and a random order of triangles, possibly closed to a torus.
+/// Generates a grid of quads with random diagonals and a random triangle order, optionally closed
+/// to a torus.
 fn grid() -> impl Strategy<Value = Vec<[u32; 3]>> {
     (2..6_u32, 2..6_u32, any::<bool>(), any::<u64>()).prop_map(|(w, h, is_torus, diagonals)| {
         let (columns, rows) = if is_torus { (w + 1, h + 1) } else { (w, h) };
@@ -43,7 +44,8 @@ fn grid() -> impl Strategy<Value = Vec<[u32; 3]>> {
     })
 }
 
-/// Triangles of any kind over a few vertices: edges of many triangles, doubles, both windings.
+/// Generates arbitrary triangles over a few vertices, with edges of many triangles, duplicates and
+/// both windings.
 fn soup() -> impl Strategy<Value = Vec<[u32; 3]>> {
     prop::collection::vec((0..9_u32, 1..9_u32, 1..9_u32), 1..20).prop_map(|triangles| {
         let corners = triangles.into_iter().map(|(a, b, c)| [a, (a + b) % 9, (a + b + c) % 9]);
@@ -51,7 +53,7 @@ fn soup() -> impl Strategy<Value = Vec<[u32; 3]>> {
     })
 }
 
-/// Triangles of both directions around one edge, and some next to them.
+/// Generates triangles of both windings around one edge, and some next to them.
 fn book() -> impl Strategy<Value = Vec<[u32; 3]>> {
     prop::collection::vec(0..4_u32, 1..30).prop_map(|kinds| {
         let page = |(kind, v): (u32, u32)| match kind {
@@ -64,13 +66,13 @@ fn book() -> impl Strategy<Value = Vec<[u32; 3]>> {
     })
 }
 
-/// Meshes with strips of several methods and with collapses: mostly along edges, sometimes of two vertices at once, or of any two
-/// vertices.
+/// Generates meshes with strips of several methods and with collapses. Most collapses are along
+/// edges; some collapse two vertices at once or any two vertices.
 pub(crate) fn samples() -> impl Strategy<Value = Sample> {
     samples_of(prop_oneof![4 => grid(), 1 => soup()])
 }
 
-/// Meshes of edges with many triangles.
+/// Generates meshes whose edges have many triangles.
 pub(super) fn crowded_samples() -> impl Strategy<Value = Sample> {
     samples_of(prop_oneof![book(), soup()])
 }
@@ -94,7 +96,7 @@ fn strips_of(triangles: &[[u32; 3]], method: usize) -> Strips {
     stripify(&mesh, &StripifyOptions::default().with_method(method)).unwrap()
 }
 
-/// Applies the chosen collapses, as far as they are possible.
+/// Applies the chosen collapses that are possible.
 fn collapse(vertex_count: u32, list: &[u32], choices: &[[u16; 4]]) -> CollapseSequence {
     let mut now = list.to_vec();
     let mut collapses: Vec<Vec<Rename>> = Vec::new();

@@ -1,35 +1,38 @@
-//! How well the normals of vertices fit the faces.
+//! How well vertex normals fit the faces.
 
 use super::surface::{normals_of, positions, scaled_to_one, vector};
 use crate::error::Error;
 use crate::mesh::{Mesh, check_corners, check_triangles, triangles_of};
 use crate::vector::{Point, dot, normal_of};
 
-/// The cosine of the largest angle between the normal of a flat face and those of its corners: 2 degrees, for normals of 8 bits.
+/// The cosine of the maximum angle between the normal of a flat face and those of its corners: 2
+/// degrees, which allows normals of 8 bits per component.
 pub(super) const SAME_NORMAL: f64 = 0.9994;
-/// The cosine of the largest angle between the normal of a face and one at its corner that fits: 45 degrees, which a rounded edge of a
-/// box needs with one row of faces. In pictures of a truck, of 45 to 18 degrees, less was worse.
+/// The cosine of the maximum angle between a face normal and a fitting normal at its corner: 45
+/// degrees. A rounded box edge with one row of faces needs this much. In images of a truck, angles
+/// from 45 down to 18 degrees were compared, and smaller ones looked worse.
 const FITS: f64 = 0.707;
 
-/// Returns whether a normal fits a face, both of length 1.
+/// Returns whether a normal fits a face. Both have length 1.
 pub(super) fn fits(normal: Point, face: Point) -> bool {
     dot(normal, face) >= FITS
 }
 
-/// How well the normals of vertices fit the faces, as shares of the area from 0 to 1; a corner counts for a third of its triangle.
+/// How well vertex normals fit the faces, as shares of the area from 0 to 1. Each corner counts for
+/// a third of its triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct NormalFit {
-    /// The corners at which the normal is at most 2 degrees off that of the face: flat sides.
+    /// The share of corners whose normal is at most 2 degrees off the face normal: flat faces.
     pub flat: f64,
-    /// The corners at which the normal is more than 45 degrees off. A simplification after which these are more has left vertices with the
-    /// normals of faces that are gone.
+    /// The share of corners whose normal is more than 45 degrees off. If simplification increases
+    /// it, vertices were left with normals of removed faces.
     pub unfit: f64,
 }
 
 impl NormalFit {
-    /// Measures how well the normals of a mesh fit triangles over its vertices; `None` if the mesh has no normals (`NORMAL`, three
-    /// components), or the triangles have no area.
+    /// Measures how well the normals of a mesh fit triangles over its vertices. Returns `None` if
+    /// the mesh has no normals (`NORMAL`, three components) or the triangles have no area.
     ///
     /// # Errors
     /// The number of indices is not a multiple of three, or an index is out of range.
@@ -38,7 +41,7 @@ impl NormalFit {
     /// # use tristrip::normals::NormalFit;
     #[doc = include_str!("example.txt")]
     /// assert!(NormalFit::of(&roof, &triangles)?.is_some_and(|fit| fit.flat == 1.0 && fit.unfit == 0.0));
-    /// // A triangle of the back with a vertex of the front, whose normal is at a right angle to it.
+    /// // A triangle on the back with a vertex of the front, whose normal is perpendicular to it.
     /// let third = 1.0 / 3.0;
     /// assert!(NormalFit::of(&roof, &[5, 8, 11])?.is_some_and(|fit| (fit.unfit - third).abs() < 1e-9));
     /// # Ok::<(), tristrip::Error>(())

@@ -6,14 +6,15 @@ use crate::csr::Csr;
 use crate::mesh::{Mesh, PositionIds};
 use crate::vector::{Point, dot};
 
-/// The cosine of the largest angle between a normal that is kept and the mean of the faces: 32 degrees. With less, normals of round
-/// shapes change that looked right; with more, those of faces that are gone stay.
+/// The cosine of the maximum angle between a kept normal and the mean of the faces: 32 degrees.
+/// Smaller angles replace normals of round shapes that looked right; larger ones keep normals of
+/// removed faces.
 const NEAR: f64 = 0.85;
 
-/// The number of normals at a point that are compared.
+/// The maximum number of normals compared at a point.
 const MAX_NORMALS: usize = 32;
 
-/// The normals that vertices have at the points of triangles.
+/// The vertex normals at the points of triangles.
 pub(super) struct KnownNormals {
     /// The point of each corner.
     points: Vec<u32>,
@@ -22,7 +23,7 @@ pub(super) struct KnownNormals {
 }
 
 impl KnownNormals {
-    /// Collects the normals of the vertices of `before`, at the points of `triangles`.
+    /// Collects the vertex normals of `before` at the points of `triangles`.
     pub(super) fn new(mesh: &Mesh, before: &[u32], triangles: &[u32]) -> Self {
         let mut ids = PositionIds::default();
         let points = ids.numbers(mesh.positions(), triangles);
@@ -37,12 +38,13 @@ impl KnownNormals {
         Self { points, normals: Csr::group_items(known.iter().copied(), point_count) }
     }
 
-    /// Returns the known normal at the point of a corner that is the nearest to a unit vector, or that vector if none is near.
+    /// Returns the known normal at a corner's point that is nearest to a unit vector, or that
+    /// vector if none is near.
     pub(super) fn nearest(&self, corner: usize, mean: Point) -> Point {
         self.best(corner, mean).filter(|&normal| dot(normal, mean) >= NEAR).unwrap_or(mean)
     }
 
-    /// Returns the known normal at the point of a corner that is the nearest to the normal of its face, if it fits.
+    /// Returns the known normal at a corner's point that is nearest to the face normal, if it fits.
     pub(super) fn fitting(&self, corner: usize, face: Point) -> Option<Point> {
         self.best(corner, face).filter(|&normal| fits(normal, face))
     }

@@ -1,25 +1,26 @@
-//! The faces of a surface, the edges that two of them share by position, and the normals of vertices.
+//! The faces of a surface, the edges that two faces share by position, and the vertex normals.
 
 use crate::error::Error;
 use crate::mesh::{Attribute, Mesh, PositionIds, check_corners, check_triangles, triangles_of};
 use crate::vector::{Point, dot, normal_of};
 
-/// An edge of two triangles with opposite directions. Corners are numbered through all triangles.
+/// An edge shared by two triangles in opposite directions. Corners are numbered across all
+/// triangles.
 pub(super) struct InnerEdge {
-    /// The corners of both triangles at each end of the edge.
+    /// For each end of the edge, its corner in both triangles.
     pub(super) ends: [[u32; 2]; 2],
 }
 
 impl InnerEdge {
-    /// Returns the numbers of the two triangles.
+    /// Returns the indices of the two triangles.
     pub(super) fn triangles(&self) -> [usize; 2] {
         self.ends[0].map(|corner| corner as usize / 3)
     }
 }
 
-/// Triangles with their unit normals, over points.
+/// Triangles over points, with their unit normals.
 pub(super) struct TriangleNormals {
-    /// The point of each corner: vertices of one position are one point.
+    /// The point of each corner. Vertices at the same position are one point.
     points: Vec<u32>,
     /// The unit normal of each triangle; `None` for one without area.
     pub(super) normals: Vec<Option<Point>>,
@@ -34,9 +35,10 @@ impl TriangleNormals {
         Ok(Self { points, normals: normals.collect() })
     }
 
-    /// Finds the edges of exactly two triangles, which pass them in opposite directions, by their points.
+    /// Finds the edges, by their points, that exactly two triangles share in opposite directions.
     pub(super) fn inner_edges(&self) -> Vec<InnerEdge> {
-        // The points of an edge, the lower one first, and the corner at which the triangle begins it.
+        // The points of an edge, lower index first, and the corner where the triangle enters the
+        // edge.
         let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(self.points.len());
         for corner in 0..self.points.len() as u32 {
             let [a, b] = [corner, next(corner)].map(|corner| self.points[corner as usize]);
@@ -53,31 +55,31 @@ impl TriangleNormals {
         inner.collect()
     }
 
-    /// Returns the cosine of the angle between the triangles of an edge; `None` if one of them has no area.
+    /// Returns the cosine of the angle between the triangles of an edge; `None` if one has no area.
     pub(super) fn cosine(&self, edge: &InnerEdge) -> Option<f64> {
         let [a, b] = edge.triangles().map(|triangle| self.normals[triangle]);
         Some(dot(a?, b?))
     }
 }
 
-/// Returns the corner that follows in the triangle.
+/// Returns the next corner of the same triangle.
 pub(super) fn next(corner: u32) -> u32 {
     if corner % 3 == 2 { corner - 2 } else { corner + 1 }
 }
 
-/// Returns the positions of the corners of a triangle; the caller has checked them.
+/// Returns the positions of a triangle's corners. The caller has checked the indices.
 pub(super) fn positions(mesh: &Mesh, corners: [u32; 3]) -> [Point; 3] {
     corners.map(|v| mesh.positions()[v as usize].map(f64::from))
 }
 
-/// Returns the unit normal of a triangle, unless it has no area.
+/// Returns the unit normal of a triangle; `None` if it has no area.
 pub(super) fn unit_normal(corners: [Point; 3]) -> Option<Point> {
     scaled_to_one(normal_of(corners))
 }
 
-/// Returns a vector scaled to length 1, unless it is too short for that.
+/// Returns a vector scaled to length 1; `None` if it is zero or not finite.
 pub(super) fn scaled_to_one(vector: Point) -> Option<Point> {
-    // Divided by the largest component first, so that no square overflows or vanishes.
+    // Divide by the largest component first, so that squares neither overflow nor underflow.
     let largest = vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if !(largest > 0.0 && largest.is_finite()) {
         return None;
@@ -92,7 +94,7 @@ pub(super) fn normals_of(mesh: &Mesh) -> Option<&Attribute> {
     mesh.attributes().iter().find(|a| a.name == "NORMAL" && a.components == 3)
 }
 
-/// Returns a value of three components; one that is not finite counts as zero.
+/// Returns a value with three components. Components that are not finite become zero.
 pub(super) fn vector(attribute: &Attribute, vertex: u32) -> Point {
     let component =
         |k: usize| attribute.float(3 * vertex as usize + k).filter(|x| x.is_finite()).unwrap_or(0.0);

@@ -1,6 +1,6 @@
-//! What the components of a stream cost.
+//! The bits spent on each component of a stream.
 
-/// The bits of the components of a stream.
+/// The bits spent on each component of a stream.
 ///
 /// ```
 /// use tristrip::stream::StreamCosts;
@@ -11,20 +11,20 @@
 pub struct StreamCosts {
     /// The base mesh, with its positions and attributes.
     pub base: f64,
-    /// Which vertices are split.
+    /// Marks: which vertices are split.
     pub marks: f64,
-    /// Which of their corners move.
+    /// Corners: which corners of split vertices move.
     pub corners: f64,
     /// The positions of new points.
     pub positions: f64,
-    /// Further bits of the positions of points that are there already.
+    /// Additional position bits of existing points.
     pub precision: f64,
     /// The attributes of new vertices.
     pub attributes: f64,
 }
 
 impl StreamCosts {
-    /// Returns the bits of the connectivity: marks and corners.
+    /// Returns the bits of the connectivity: marks plus corners.
     ///
     /// ```
     /// use tristrip::stream::StreamCosts;

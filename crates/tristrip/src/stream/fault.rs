@@ -1,35 +1,36 @@
-//! What is wrong with a stream: the chunk and the byte, what is there, and what should be.
+//! Errors of a stream: the chunk and byte, what was found, and what was expected.
 
 use crate::text::counted;
 
-/// A fault of a stream.
+/// An error in a stream.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{at}: found {found}, expected {expected}")]
 #[non_exhaustive]
 pub struct StreamError {
-    /// The chunk and the byte at which it starts.
+    /// The chunk, and the byte at which it starts.
     pub at: String,
-    /// What is there.
+    /// What was found.
     pub found: String,
-    /// What should be there.
+    /// What was expected.
     pub expected: String,
-    /// The limit that the stream exceeds, if that is the fault: it may be valid otherwise.
+    /// The limit that the stream exceeds; `None` for any other error. Such a stream can be valid
+    /// otherwise.
     pub exceeded: Option<ExceededLimit>,
 }
 
-/// A limit of a decoder, and what a stream asks for.
+/// A decoder limit, and the value that exceeds it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ExceededLimit {
     /// What is limited.
     pub what: &'static str,
-    /// What the stream asks for.
+    /// The value in the stream.
     pub found: u64,
     /// The limit.
     pub limit: u64,
 }
 
-/// What is wrong with a chunk.
+/// An error in a chunk.
 #[derive(Debug)]
 pub(super) struct ChunkFault {
     pub(super) found: String,
@@ -42,7 +43,8 @@ impl ChunkFault {
         Self { found: found.into(), expected: expected.into(), exceeded: None }
     }
 
-    /// Describes a stream that exceeds a limit: `found` and `expected` with the numbers in words.
+    /// Returns the error of a chunk that exceeds a limit. `found` and `expected` contain the
+    /// numbers as text.
     pub(super) fn limit(
         (found, expected): (String, String),
         what: &'static str,
@@ -51,7 +53,7 @@ impl ChunkFault {
         Self { found, expected, exceeded: Some(ExceededLimit { what, found: asked, limit }) }
     }
 
-    /// Describes a stream with too many corners around the vertices that it visits.
+    /// Returns the error of a chunk that visits too many corners.
     pub(super) fn corners(found: u64, limit: u64) -> Self {
         let words = format!("{} around vertices that are visited", counted(found, "corner"));
         Self::limit(

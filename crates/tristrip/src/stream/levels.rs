@@ -1,7 +1,7 @@
-//! A mesh of a stream as a level model: the levels that have arrived so far.
+//! A mesh of a stream as a level model over the levels decoded so far.
 //!
-//! The strips of the levels are those of [`RepairedStrips`]: a cursor starts with the strips of the mesh so far, and repairs them as it moves. The model is
-//! built when it is first asked for after a chunk.
+//! The strips are those of [`RepairedStrips`]: a cursor starts with the strips of the current mesh
+//! and repairs them as it moves. The model is built on first use after a chunk.
 
 use std::sync::Arc;
 
@@ -11,13 +11,15 @@ use crate::collapse::CollapseSequence;
 use crate::lod::{LevelCursor, LevelModel, LevelTable, RepairOptions, RepairedStrips};
 
 impl StreamPart {
-    /// Builds the model of the levels so far. Splits that are none of collapses, which no encoder writes, leave one level.
+    /// Builds the model of the levels decoded so far. If the splits are not the inverse of valid
+    /// collapses, which no encoder writes, the model has a single level.
     fn build_model(&self) -> Arc<RepairedStrips> {
         let strips = self.strips().unwrap_or_else(|| self.emit(&KeptStrips::new(self.surface())));
         let sequence = self.sequence().or_else(|_| self.one_level());
         let model =
             sequence.and_then(|sequence| RepairedStrips::new(sequence, strips, RepairOptions::default()));
-        // A mesh with more triangles than a model may have does not fit into the table of its corners either.
+        // A mesh with too many triangles for a model does not fit into the table of its corners
+        // either.
         Arc::new(model.unwrap_or_default())
     }
 
@@ -30,7 +32,7 @@ impl StreamPart {
     }
 }
 
-/// The levels that have arrived so far. More come with each chunk: cursors that were started before do not see them.
+/// The levels decoded so far. Each chunk adds levels; cursors started earlier do not see them.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -50,7 +52,8 @@ impl LevelModel for StreamPart {
         self.model().levels()
     }
 
-    /// The triangles and vertices of the mesh so far, its strips and the model of its levels. What the decoder learns of the stream is not counted.
+    /// Returns the bytes of the triangles and vertices decoded so far, their strips and the level
+    /// model. The adaptive state of the decoder is not counted.
     fn memory(&self) -> usize {
         self.mesh_bytes() + LevelModel::memory(&**self.model())
     }

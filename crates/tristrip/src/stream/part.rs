@@ -1,4 +1,4 @@
-//! A mesh of a stream: what its chunks so far have built.
+//! A mesh of a stream, as decoded so far.
 
 use std::sync::{Arc, OnceLock};
 
@@ -21,21 +21,22 @@ use crate::mesh::{Faces, Mesh};
 use crate::strip::Strips;
 use crate::text::counted;
 
-/// A mesh that a stream has built so far.
+/// A mesh of a stream, as decoded so far.
 #[derive(Debug, Clone)]
 pub struct StreamPart {
     head: Head,
     refiner: Refiner,
     error: f32,
-    /// The bytes of its chunks, without their heads.
+    /// The bytes of its chunks, without their headers.
     payload_bytes: usize,
-    /// The error before and the levels after each chunk.
+    /// For each refinement chunk, the error before it and the level after it.
     errors: Vec<(f32, u32)>,
-    /// The levels so far, once they have been asked for.
+    /// The levels decoded so far, built on first use.
     pub(super) model: OnceLock<Arc<RepairedStrips>>,
 }
 
-/// Streams have about two triangles in three bytes, more where surfaces are flat. For so many there is room before they come.
+/// Triangles to reserve memory for, per byte received. Streams have about two triangles per three
+/// bytes, and more where surfaces are flat.
 const TRIANGLES_PER_BYTE: usize = 64;
 
 impl StreamPart {
@@ -92,7 +93,7 @@ impl StreamPart {
         })
     }
 
-    /// Decodes a refinement.
+    /// Decodes a refinement chunk.
     pub(super) fn refine(
         &mut self,
         chunk: &ChunkHead,
@@ -107,7 +108,8 @@ impl StreamPart {
         let mut coder = RangeDecoder::new(payload);
         let refiner = &mut self.refiner;
         refiner.most_triangles = chunk.triangles as usize;
-        // Room for all that follows, unless so few bytes cannot be expected to build it.
+        // Reserve memory for the full mesh, limited to what this many bytes can be expected to
+        // build.
         self.payload_bytes += payload.len();
         let expected =
             TRIANGLES_PER_BYTE.saturating_mul(self.payload_bytes).min(self.head.triangles as usize);
@@ -140,7 +142,7 @@ impl StreamPart {
         Ok(())
     }
 
-    /// Keeps strips of the triangles: called after each chunk.
+    /// Updates the strips of the triangles. Called after each chunk.
     pub(super) fn keep_strips(&mut self) {
         match &mut self.refiner.strips {
             Some(strips) => strips.follow_chunk(),
@@ -148,8 +150,9 @@ impl StreamPart {
         }
     }
 
-    /// Returns strips of the triangles so far, if they are [kept](super::Decoder::keeping_strips): each triangle once, with its winding. Takes time in proportion to the
-    /// mesh.
+    /// Returns strips of the triangles decoded so far, if the decoder [maintains
+    /// them](super::Decoder::keeping_strips). Every triangle is drawn exactly once, with its
+    /// winding. Takes time proportional to the mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -172,7 +175,8 @@ impl StreamPart {
         strips.emit(|corner| self.refiner.vertices[self.refiner.surface.fan(corner) as usize])
     }
 
-    /// Counts the vertices of the strips, swaps and winding repeats included, in O(1) time, if they are [kept](super::Decoder::keeping_strips).
+    /// Returns the number of vertices of the strips, including swaps and winding repeats, if the
+    /// decoder [maintains strips](super::Decoder::keeping_strips). Takes O(1) time.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -188,12 +192,12 @@ impl StreamPart {
         self.refiner.strips.as_ref().map(KeptStrips::vertices_sent)
     }
 
-    /// The corners around the vertices that were visited, which decoding takes time in proportion to.
+    /// Returns the number of corners visited so far. Decoding time is proportional to it.
     pub(super) fn corner_count(&self) -> u64 {
         self.refiner.corner_count
     }
 
-    /// Returns the level so far: the number of collapses that are undone.
+    /// Returns the current level: the number of collapses undone so far.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -208,7 +212,7 @@ impl StreamPart {
         self.refiner.group_count as usize
     }
 
-    /// Returns the level of the full mesh, as the stream says.
+    /// Returns the level of the full mesh, as declared by the stream.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -223,7 +227,7 @@ impl StreamPart {
         self.head.levels as usize
     }
 
-    /// Counts the triangles so far.
+    /// Returns the number of triangles decoded so far.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -238,7 +242,7 @@ impl StreamPart {
         self.refiner.surface.triangle_count()
     }
 
-    /// Counts the triangles of the full mesh, as the stream says.
+    /// Returns the number of triangles of the full mesh, as declared by the stream.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -253,7 +257,8 @@ impl StreamPart {
         self.head.triangles as usize
     }
 
-    /// Returns the error of the level in mesh units, that of the positions included.
+    /// Returns the error of the current level in mesh units, including the error of quantized
+    /// positions.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -268,7 +273,8 @@ impl StreamPart {
         self.error
     }
 
-    /// Returns the bits of each component so far, if they are [counted](super::Decoder::counting_bits).
+    /// Returns the bits spent so far on each component, if the decoder [counts
+    /// them](super::Decoder::counting_bits).
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -284,7 +290,7 @@ impl StreamPart {
         self.refiner.costs.map(|(costs, _)| costs)
     }
 
-    /// Returns the bits of a coordinate that are known so far, and those of the full mesh.
+    /// Returns the bits per position coordinate that are known so far, and those of the full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -314,7 +320,7 @@ impl StreamPart {
         self.head.channels.iter().map(|channel| channel.name.as_str())
     }
 
-    /// Counts the vertices of the full mesh, as the stream says.
+    /// Returns the number of vertices of the full mesh, as declared by the stream.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -329,7 +335,7 @@ impl StreamPart {
         self.head.vertices as usize
     }
 
-    /// Counts the vertices so far.
+    /// Returns the number of vertices decoded so far.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -344,7 +350,7 @@ impl StreamPart {
         self.refiner.vertex_count as usize
     }
 
-    /// Returns the vertices of the triangles so far.
+    /// Returns the triangles decoded so far, three vertex indices each.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -360,7 +366,7 @@ impl StreamPart {
         surface.corners().map(|corner| self.refiner.vertices[surface.fan(corner) as usize]).collect()
     }
 
-    /// Returns the positions of the vertices so far.
+    /// Returns the positions of the vertices decoded so far, in mesh units.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -379,8 +385,10 @@ impl StreamPart {
         positions
     }
 
-    /// Returns a checksum of the mesh so far: the CRC-32 of the vertices of the triangles, then the grid positions of the vertices, then the integers of each attribute,
-    /// all as 32-bit numbers with the lowest byte first. Decoders that agree return the same after each chunk.
+    /// Returns a checksum of the mesh decoded so far. It is the CRC-32 of the vertex indices of the
+    /// triangles, the grid positions of the vertices, and the integers of each attribute, in this
+    /// order, all as little-endian 32-bit numbers. Decoders that agree return the same value after
+    /// each chunk.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -408,10 +416,11 @@ impl StreamPart {
         hasher.finalize()
     }
 
-    /// Returns the mesh so far, with its attributes.
+    /// Returns the mesh decoded so far, with its attributes.
     ///
     /// # Errors
-    /// The head of the stream has two attributes of one name, or one whose values no mesh may have; none where the stream was encoded.
+    /// The stream header has two attributes with the same name, or an attribute whose values are
+    /// invalid in a mesh. Streams written by the encoder have neither.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -430,10 +439,11 @@ impl StreamPart {
             .try_fold(mesh, |mesh, (channel, values)| mesh.with_attribute(channel.attribute(values)))
     }
 
-    /// Returns the collapses that lead from the mesh so far to the base mesh, over its vertices.
+    /// Returns the collapses from the mesh decoded so far to its base mesh, over its vertices.
     ///
     /// # Errors
-    /// The splits are none of collapses, or the errors are negative; none where the stream was encoded.
+    /// The splits are not the inverse of valid collapses, or an error is negative. Streams written
+    /// by the encoder have neither.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -467,7 +477,7 @@ impl StreamPart {
         CollapseSequence::from_collapses(self.vertex_count(), self.triangles(), collapses)
     }
 
-    /// Returns the bytes of the triangles and vertices so far, and of their strips.
+    /// Returns the memory of the triangles, vertices and strips in bytes.
     pub(super) fn mesh_bytes(&self) -> usize {
         let refiner = &self.refiner;
         let values: usize = refiner.values.iter().map(|values| size_of_val(&values[..])).sum();
@@ -479,13 +489,13 @@ impl StreamPart {
             + refiner.strips.as_ref().map_or(0, KeptStrips::memory)
     }
 
-    /// Returns the paths of the strips, for the tests.
+    /// Returns the paths of the strips, for tests.
     #[cfg(test)]
     pub(super) fn paths(&self) -> Option<&PricedPaths> {
         self.refiner.strips.as_ref().map(KeptStrips::paths)
     }
 
-    /// Returns the triangles with their neighbours.
+    /// Returns the triangles with their adjacency.
     pub(super) fn surface(&self) -> &StreamSurface {
         &self.refiner.surface
     }

@@ -1,4 +1,4 @@
-//! How [`Blocks`](super::Blocks) are built.
+//! Options for building [`Blocks`](super::Blocks).
 
 use crate::effort::Effort;
 use crate::lod::RepairOptions;
@@ -8,14 +8,14 @@ use crate::strip::Strips;
 
 use super::records::FLAG_BITS;
 
-/// The largest number of bytes per triangle; more have no effect.
+/// The maximum number of bytes per triangle. Larger values have no further effect.
 const MAX_MEMORY: u32 = 256;
 
-/// The slots written per collapse and the vertices of its record, on average over the test models.
+/// Slots written per collapse and vertices per record, averaged over the test models.
 const SLOTS_PER_COLLAPSE: f64 = 3.0;
 const VERTICES_PER_COLLAPSE: f64 = 2.8;
 
-/// How [`Blocks`](super::Blocks) are built.
+/// Options for building [`Blocks`](super::Blocks).
 ///
 /// ```
 /// use tristrip::lod::{BlockOptions, RepairOptions};
@@ -27,9 +27,9 @@ const VERTICES_PER_COLLAPSE: f64 = 2.8;
 pub struct BlockOptions {
     /// How the strips of the keys are repaired.
     pub repair: RepairOptions,
-    /// About how many bytes per triangle of the full mesh the model takes, up to 256.
+    /// The approximate size of the model in bytes per triangle of the full mesh, up to 256.
     pub memory: u32,
-    /// Whether strips are cut so that moves upload little.
+    /// Whether strips are split to keep uploads small.
     pub small_uploads: bool,
 }
 
@@ -55,8 +55,9 @@ impl BlockOptions {
         /// ```
         with_repair(repair: RepairOptions);
 
-        /// Sets about how many bytes per triangle of the full mesh the model takes, up to 256: with more bytes there are more keys, and fewer vertices are
-        /// sent. Below about 12, which the collapses take, there are few keys.
+        /// Sets the approximate size of the model in bytes per triangle of the full mesh, up to
+        /// 256. With more bytes there are more keys, so fewer vertices are sent. The collapses
+        /// alone take about 12 bytes; near or below that there are few keys.
         ///
         /// ```
         /// # use tristrip::lod::BlockOptions;
@@ -64,8 +65,9 @@ impl BlockOptions {
         /// ```
         with_memory(memory: u32);
 
-        /// Cuts the strips for small uploads: a move by a percent of the levels then changes a small part of the buffer, in few ranges. About a
-        /// quarter more vertices are sent: for buffers that are expensive to upload.
+        /// Splits strips to keep uploads small: a level change by a percent of the levels then
+        /// changes a small part of the buffer, in few ranges. This sends about a quarter more
+        /// vertices. Use it for buffers that are expensive to upload.
         ///
         /// ```
         /// # use tristrip::lod::BlockOptions;
@@ -74,7 +76,7 @@ impl BlockOptions {
         with_small_uploads(small_uploads: bool);
     }
 
-    /// Returns the levels of the keys over strips of the full mesh, from the full mesh on.
+    /// Returns the levels of the keys for strips of the full mesh, starting with the full mesh.
     #[allow(clippy::cast_sign_loss, reason = "numbers of triangles are not negative")]
     pub(super) fn key_levels(&self, levels: &LevelTable, strips: &Strips, largest: u32) -> Vec<usize> {
         let mut level = levels.collapse_count();
@@ -86,7 +88,7 @@ impl BlockOptions {
         let per_collapse = bytes(SLOTS_PER_COLLAPSE * slot_bits + VERTICES_PER_COLLAPSE * vertex_bits);
         let others = level as f64 * per_collapse + levels.memory() as f64;
         let for_keys = (f64::from(self.memory.min(MAX_MEMORY)) * full - others).max(full);
-        // The buffers of all keys have about 2 / (3 x) times the entries of the full mesh.
+        // All key buffers together have about 2 / (3 x) times the entries of the full mesh.
         let of_full = bytes(entry_count as f64 * f64::from(bits_for(largest + 1)));
         let x = 2.0 / 3.0 * of_full / for_keys;
         let mut keys = vec![level];

@@ -1,17 +1,18 @@
-//! The cost of all filters over an index map while collapses change it.
+//! The cost of all filters over an index map, updated as collapses change it.
 //!
 //! # Algorithm
-//! The map is cut into blocks of 64 entries. For each filter and block the state of the scan before the block and the cost of the
-//! block are stored. A collapse rescans the blocks of its slots, and the following ones as long as the state differs from the stored
-//! one. That ends soon, since a new display strip begins where two triangles are not consecutive, so the length of strips does not
-//! matter.
+//! The map is divided into blocks of 64 entries. For each filter and block, the state of the scan
+//! before the block and the cost of the block are stored. A collapse rescans the blocks of its
+//! slots, and the following blocks as long as the scan state differs from the stored one. This ends
+//! soon, because a new display strip begins where two triangles are not consecutive. So the length
+//! of strips does not matter.
 //!
 //! # Complexity
-//! A collapse rescans a few blocks per slot that it changes. 3 bytes per entry.
+//! A collapse rescans a few blocks per changed slot. 3 bytes per entry.
 
 use super::{BLOCK, DrawCost, DrawTally, Dtfs, Filter, Gatherer, Linked, Scanner, Stss};
 
-/// The cost of all filters over an index map that changes.
+/// The cost of all filters over an index map, updated as the map changes.
 ///
 /// ```
 /// use tristrip::lod::{Filter, FilterCosts};
@@ -31,7 +32,7 @@ pub struct FilterCosts {
 }
 
 impl FilterCosts {
-    /// Returns the costs over a map.
+    /// Computes the costs for a map.
     ///
     /// ```
     /// use tristrip::lod::FilterCosts;
@@ -50,8 +51,8 @@ impl FilterCosts {
         counts
     }
 
-    /// Rescans the blocks whose cost depends on the entries that changed since the last call. The map keeps its length and its
-    /// restarts.
+    /// Rescans the blocks whose cost depends on the entries changed since the last call. The length
+    /// of the map and its restarts must not change.
     ///
     /// ```
     /// use tristrip::lod::{Filter, FilterCosts};
@@ -75,7 +76,7 @@ impl FilterCosts {
         self.linked.update(map, &self.touched, &mut self.gatherer);
     }
 
-    /// Returns the cost by filter, in the order of [`Filter::ALL`].
+    /// Returns the cost per filter, in the order of [`Filter::ALL`].
     ///
     /// ```
     /// use tristrip::lod::FilterCosts;
@@ -86,7 +87,8 @@ impl FilterCosts {
     }
 }
 
-/// The state of a scan before each block and after the last, and the cost of each block and of the end.
+/// The state of a scan before each block and after the last, and the cost of each block and of the
+/// end of the map.
 struct FilterBlocks<S> {
     scans: Vec<S>,
     tallies: Vec<DrawTally>,
@@ -100,12 +102,13 @@ impl<S: Scanner> FilterBlocks<S> {
         Self { scans, tallies, sum: DrawTally::default() }
     }
 
-    /// Rescans blocks in rising order, and after each the following ones whose state before them has changed.
+    /// Rescans blocks in ascending order. After each, rescans the following ones while their
+    /// initial state has changed.
     fn update(&mut self, map: &[u32], touched: &[u32], gatherer: &mut Gatherer) {
         let mut next = 0;
         for &block in touched {
             let mut at = block as usize;
-            // A block that an earlier one led to was rescanned with all its changes.
+            // A block reached from an earlier one was already rescanned with all its changes.
             while at >= next && at < self.scans.len() - 1 {
                 let (mut scan, mut tally) = (self.scans[at].clone(), DrawTally::default());
                 scan.scan(&map[at * BLOCK..], gatherer, &mut tally);

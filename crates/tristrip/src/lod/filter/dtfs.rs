@@ -1,20 +1,26 @@
-//! The degenerate triangle-free scanner: only valid triangles are sent, with a new strip where two of them are not consecutive.
+//! The degenerate triangle-free scanner: only valid triangles are sent, and a new strip starts
+//! where two of them are not consecutive.
 //!
 //! # Algorithm
-//! Three vertices are read at a time, and skipped unless all are different. A valid triangle (d e f) after a valid one (a b c) is
+//! Read three vertices at a time; skip them unless all are different. The cases for a valid
+//! triangle (d e f) after a valid triangle (a b c) are:
 //!
 //! ```text
 //! regular   b = d and c = e, at a position of the other parity  sends f        a b c f
 //! swap      b = e and c = d, at a position of the same parity   sends b f      a b c b f
-//! split     otherwise                                           a new strip    a b c │ d e f, or d d e f at an odd position
+//! split     otherwise, at an even position                      a new strip    a b c │ d e f
+//! split     otherwise, at an odd position                       a new strip    a b c │ d d e f
 //! ```
-//! The paper does not require the parities: on an oriented surface they follow from the vertices. Where they do not, as may happen where more than two
-//! triangles meet at an edge, the scanner splits. The repeated vertex of a new strip at an odd position is what the paper calls overridden for a
-//! consistent orientation. The paper counts it in its results but not in its figure 8 (`502 615 206 620 │ 620 580 66 761`, of which the second begins
-//! at an odd position): [`DrawCost`](super::DrawCost) has both counts.
+//! The paper does not require the parities, because they follow from the vertices on an oriented
+//! surface. They may not where more than two triangles share an edge; the scanner then splits. The
+//! vertex repeated at the start of a strip at an odd position is what the paper calls overridden
+//! for a consistent orientation. The paper counts it in its results but not in its figure 8 (`502
+//! 615 206 620 │ 620 580 66 761`, where the second strip begins at an odd position).
+//! [`DrawCost`](super::DrawCost) has both counts.
 //!
-//! A scanner spends most of its time in unpredictable branches. Here valid triangles are gathered without a branch, and what each of them sends is a
-//! suffix of one word, d d e f, of which only the length depends on the case:
+//! A straightforward scanner spends most of its time on mispredicted branches. Here, valid
+//! triangles are gathered without branches. What each of them sends is a suffix of one word, d d e
+//! f; only the length of the suffix depends on the case:
 //!
 //! ```text
 //! d d e f     new strip at an odd position
@@ -22,13 +28,14 @@
 //!     e f     swap, where e is b
 //!       f     regular
 //! ```
-//! A block is written from its end to its beginning: the part of a word that is not sent is overwritten by the word of the triangle before it.
+//! A block is written from its end to its beginning. The unsent part of a word is overwritten by
+//! the word of the previous triangle.
 //!
 //! # References
 //! Kim et al. 2005, section 4.
 //!
 //! # Complexity
-//! O(n); at most four vertices per triangle.
+//! O(n) time; at most four vertices per triangle.
 
 #![allow(clippy::needless_bitwise_bool, reason = "a lazy operator would be a branch")]
 
@@ -54,7 +61,7 @@ impl Scanner for Dtfs {
         let valid = gatherer.gather(rest, &mut self.key);
         let Some(last) = valid.last() else { return };
         let mut words = [0; 4 * BLOCK];
-        // The starts of display strips among them, the last first.
+        // The starts of display strips in `words`, last one first.
         let mut starts = [0; BLOCK];
         let (mut at, mut begun, mut repeats) = (words.len(), 0, 0);
         let last = Triangle::of(rest, *last);
@@ -94,7 +101,7 @@ struct Triangle {
 }
 
 impl Triangle {
-    /// A triangle that no other follows: no strip has its key.
+    /// A triangle that no other can follow, because no strip has its key.
     const NONE: Self = Self { vertices: [0; 3], key: 0 };
 
     fn of(rest: &[u32], valid: Valid) -> Self {
@@ -102,7 +109,8 @@ impl Triangle {
         Self { vertices: [w[0], w[1], w[2]], key: valid.key }
     }
 
-    /// Returns whether this is the regular case after another triangle, and whether it is the split case.
+    /// Returns whether this triangle is the regular case after another one, and whether it is a
+    /// split.
     fn follows(&self, previous: &Self) -> (bool, bool) {
         let ([_, b, c], [d, e, _]) = (previous.vertices, self.vertices);
         let is_regular = (b == d) & (c == e) & (self.key == previous.key ^ 1);

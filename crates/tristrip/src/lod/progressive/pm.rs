@@ -1,10 +1,13 @@
-//! The progressive mesh: triangles drawn one by one, three vertices each. It is the baseline for progressive strips.
+//! The progressive mesh: triangles drawn one by one, three vertices each. It is the baseline for
+//! progressive strips.
 //!
 //! # Algorithm
-//! The triangles stand in the order in which vertex splits add them, so that those of a level are a prefix of the list. A split adds the next ones
-//! and renames corners of earlier ones. The published record describes these corners by its two *wing* vertices: the triangles around the
-//! split vertex from one wing to the other. That holds on a manifold surface. Here it must hold on any mesh, with seams and with edges of
-//! three triangles, so that the corners are listed as the slots of strips are. The wings are given in addition.
+//! The triangles are stored in the order in which vertex splits add them, so those of a level are a
+//! prefix of the list. A split adds the next triangles and renames corners of earlier ones. The
+//! published record describes these corners by its two *wing* vertices: the triangles around the
+//! split vertex from one wing to the other. This works on manifold surfaces. This module supports
+//! any mesh, with seams and with edges of three triangles, so the corners are listed explicitly,
+//! like the slots of strips. The wings are stored in addition.
 //!
 //! ```text
 //!       left wing                    left wing
@@ -17,7 +20,7 @@
 //! Hoppe: *Progressive Meshes*, 1996, section 3. Kim et al. 2005, section 3.2.
 //!
 //! # Complexity
-//! 12 bytes per triangle; about four corners of 8 bytes, and 28 bytes, per collapse.
+//! 12 bytes per triangle. Per collapse, 28 bytes plus about four corners of 8 bytes.
 
 use std::sync::Arc;
 
@@ -31,8 +34,9 @@ use crate::lod::level::replay::{Records, Replay};
 use crate::mesh::{is_degenerate, triangles_of};
 use crate::strip::Strips;
 
-/// The triangles of a mesh at all levels of a collapse sequence: a list, and what each collapse renames in it. Immutable; a
-/// [`ProgressiveMeshCursor`] has the list of one level.
+/// The triangles of a mesh at all levels of a collapse sequence: a list, and the corners that each
+/// collapse renames in it. The model is immutable; a [`ProgressiveMeshCursor`] has the list of one
+/// level.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -60,23 +64,24 @@ pub struct ProgressiveMesh {
     wings: Vec<[OptionalId; 2]>,
 }
 
-/// A vertex split as published: the vertex that becomes two, and the neighbours between which it opens.
+/// A vertex split as published: the vertex that is split in two, and the neighbours between which
+/// it opens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VertexSplit {
     /// The restored vertex.
     pub vertex: u32,
     /// The vertex that it is split from.
     pub kept: u32,
-    /// The third vertices of the first new triangles with the directed edge `kept` → `vertex`, and `vertex` → `kept`; `None` at a
-    /// boundary.
+    /// The third vertex of the first new triangle with the directed edge `kept` → `vertex`, and of
+    /// the first with `vertex` → `kept`; `None` at a boundary.
     pub wings: [Option<u32>; 2],
 }
 
 impl ProgressiveMesh {
-    /// Builds the model of a sequence of collapses.
+    /// Builds the model from a sequence of collapses.
     ///
     /// # Errors
-    /// There are more than 256 corners to rename per corner of the mesh.
+    /// The collapses rename more than 256 corners per corner of the mesh.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -113,8 +118,8 @@ impl ProgressiveMesh {
         }
     }
 
-    /// Returns the vertex splits that lead from `level` to the next one: one, or several of one position where attributes differ; `None`
-    /// if there is no such split.
+    /// Returns the vertex splits from `level` to `level` + 1; `None` if there is no such level.
+    /// There are several, all at one position, where attributes differ.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -141,7 +146,7 @@ impl ProgressiveMesh {
             let dropped = 3 * self.levels.triangles_at(level)..3 * self.levels.triangles_at(level + 1);
             for i in self.records.vertices_of(level) {
                 let (removed, kept) = (self.records.vertices[i], self.kept[i]);
-                // Backward, so that the first triangle decides.
+                // In reverse order, so that the first triangle determines the wing.
                 for t in replay.entries[dropped.clone()].chunks_exact(3).rev() {
                     for [a, b, c] in [[t[0], t[1], t[2]], [t[1], t[2], t[0]], [t[2], t[0], t[1]]] {
                         match () {
@@ -178,20 +183,21 @@ impl LevelModel for ProgressiveMesh {
 pub struct ProgressiveMeshCursor {
     model: Arc<ProgressiveMesh>,
     replay: Replay,
-    /// A strip per triangle, and whether they are those of the level.
+    /// A strip per triangle; valid for the current level if `is_current`.
     display: Strips,
     is_current: bool,
 }
 
 impl ProgressiveMeshCursor {
-    /// Returns the triangles at the level, three vertices each, those of coarser levels first.
+    /// Returns the triangles of the current level, three vertices each, those of coarser levels
+    /// first.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).cursor();
     /// let full = cursor.corners().to_vec();
     /// cursor.set_level(1)?;
-    /// // The triangle that the collapse drops is the last one.
+    /// // The triangle dropped by the collapse is the last one.
     /// assert_eq!((cursor.corners(), &full[6..]), (&full[..6], &[2, 3, 4][..]));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -234,7 +240,8 @@ impl LevelCursor for ProgressiveMeshCursor {
     }
 }
 
-/// Returns the corners of all triangles, those of coarser levels first. Triangles that are degenerate in the full mesh are left out.
+/// Returns the corners of all triangles, those of coarser levels first. Triangles that are
+/// degenerate in the full mesh are left out.
 fn in_order_of_splits(sequence: &CollapseSequence) -> Vec<u32> {
     let triangles = sequence.triangles();
     let corners_of = |t: usize| &triangles[3 * t..3 * t + 3];

@@ -1,4 +1,4 @@
-//! `repair` as a level model: each cursor repairs a copy of the strips of the full mesh.
+//! `repair` as a level model: each cursor repairs its own copy of the strips of the full mesh.
 
 use std::sync::Arc;
 
@@ -10,7 +10,8 @@ use crate::lod::level::level_model::{LevelCursor, LevelModel};
 use crate::lod::level::level_table::LevelTable;
 use crate::strip::Strips;
 
-/// The strips of a mesh at all levels, repaired by each cursor as it moves: the full strips and the collapses.
+/// The strips of a mesh at all levels: the full strips and the collapses. Each cursor repairs its
+/// strips as it moves.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -28,7 +29,7 @@ use crate::strip::Strips;
 /// ```
 #[derive(Debug, Clone)]
 pub struct RepairedStrips {
-    /// The cursor at the full mesh, of which all others are copies.
+    /// The cursor at the full mesh. All other cursors are copies of it.
     full: Repair,
 }
 

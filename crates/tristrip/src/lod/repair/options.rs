@@ -1,16 +1,16 @@
-//! How much `repair` searches, from which seed, and what it minimizes.
+//! Options of `repair`: the amount of search, the seed, and the cost to minimize.
 
 use crate::effort::Effort;
 use crate::strip::Cost;
 
-/// The amount of search next to a change, and everywhere when a level is computed directly.
+/// The amount of search next to a change, and for a level that is computed directly.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SearchAmount {
-    /// Triangles next to a change to search from.
+    /// The number of triangles next to a change to search from.
     pub(super) near: usize,
-    /// Searches from each of them.
+    /// The number of searches from each of them.
     pub(super) rounds: u32,
-    /// Searches from each triangle of a level that is computed directly.
+    /// The number of searches from each triangle of a level that is computed directly.
     pub(super) all_rounds: u32,
 }
 
@@ -38,11 +38,11 @@ pub struct RepairOptions {
     pub effort: Effort,
     /// The seed of the random choices.
     pub seed: u64,
-    /// What is minimized; see [`RepairOptions::with_cost`].
+    /// The cost to minimize; see [`RepairOptions::with_cost`].
     pub cost: Cost,
 }
 
-/// Default effort, seed 0, and the vertices sent as the cost.
+/// Default effort, seed 0, and [`Cost::OpenGl`] as the cost.
 impl Default for RepairOptions {
     fn default() -> Self {
         Self { effort: Effort::default(), seed: 0, cost: Cost::OpenGl }
@@ -51,7 +51,8 @@ impl Default for RepairOptions {
 
 impl RepairOptions {
     crate::setters! {
-        /// Sets how much to search next to each change. At effort 0 strips that are computed directly for a level are not searched.
+        /// Sets how much to search next to each change. At effort 0, there is no search in strips
+        /// that are computed directly for a level.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -72,13 +73,14 @@ impl RepairOptions {
         /// ```
         with_seed(seed: u64);
 
-        /// Sets what is minimized: the vertices sent, or with [`Cost::Restart`] and [`Cost::Degenerate`] also an index between strips.
-        /// [`Cost::Gl`] counts as the vertices sent.
+        /// Sets the cost to minimize. [`Cost::OpenGl`], the default, counts vertices sent.
+        /// [`Cost::Restart`] and [`Cost::Degenerate`] also count an index between strips.
+        /// [`Cost::Gl`] is treated as [`Cost::OpenGl`].
         ///
         /// ```
         #[doc = include_str!("example.txt")]
         /// let count = |cost| repaired(RepairOptions::default().with_cost(cost)).map(|strips| strips.len());
-        /// // Where an index stands between strips, fewer strips with more swaps are better.
+        /// // With an index between strips, fewer strips with more swaps are better.
         /// assert!(count(Cost::Restart)? < count(Cost::OpenGl)?);
         /// # Ok::<(), tristrip::Error>(())
         /// ```

@@ -1,16 +1,19 @@
-//! Several meshes simplified as one surface, with a seam where they touch.
+//! Several meshes simplified as one surface, with seams where they touch.
 //!
-//! A model with several materials has a mesh for each. Where two of them meet, each has vertices of its own at the same positions. Simplified
-//! separately, they would have to keep all of these, or gaps open. Simplified as one surface, both sides of such a border collapse together,
-//! along the border only, and to the same points. The last triangle of a mesh stays, so that no material vanishes.
+//! A model with several materials has one mesh per material. Where two meshes meet, each has its
+//! own vertices at the same positions. If the meshes were simplified separately, they would have to
+//! keep all of these vertices, or gaps would open. Simplified as one surface, both sides of such a
+//! border collapse together, only along the border, and to the same points. The last triangle of a
+//! mesh is kept, so no material vanishes.
 //!
 //! # Algorithm
-//! The vertices of all meshes, one after the other, are the vertices of one mesh. Those of different meshes count as different in their attributes,
-//! so that the borders between meshes are seams; they cost as much as borders of a mesh, since materials meet there. Every rename stays
-//! within a mesh, so that the collapses are split among the meshes at the end.
+//! The vertices of all meshes are concatenated into one mesh. Vertices of different meshes are
+//! assumed to differ in their attributes, which makes the borders between meshes seams. They cost
+//! as much as borders of a mesh, since materials meet there. Every rename stays within one mesh, so
+//! the collapses can be split among the meshes at the end.
 //!
 //! # Complexity
-//! As of the simplification of one mesh of all triangles, and 12 bytes per vertex.
+//! The time and memory of simplifying one mesh with all triangles, plus 12 bytes per vertex.
 
 use super::decimate::Decimation;
 use crate::collapse::{CollapseSequence, Rename};
@@ -26,23 +29,28 @@ use crate::simplify::{SimplifyOptions, Stopped};
 pub struct JoinedSimplification {
     /// The collapses of each mesh, over its own vertices.
     pub sequences: Vec<CollapseSequence>,
-    /// For each collapse of a mesh, from the full mesh on, the number of the collapse of the joined surface that it is a part of, ascending.
-    /// Collapses of different meshes with one number close a border together: one without the other opens a gap.
+    /// For each collapse of a mesh, from the full mesh on, the index of the joined collapse that it
+    /// belongs to; ascending. Collapses of different meshes with the same index change a shared
+    /// border together; applying only one of them opens a gap.
     pub steps: Vec<Vec<u32>>,
-    /// For each collapse of the joined surface the greatest cost of the collapses so far, as of [`SurfaceSimplifier::cost`].
+    /// For each collapse of the joined surface, the maximum cost so far, as returned by
+    /// [`SurfaceSimplifier::cost`].
     pub costs: Vec<f64>,
-    /// The reasons for which there are more triangles than requested, if there are, for all meshes together.
+    /// Why all meshes together have more triangles than requested; `None` if the target was
+    /// reached.
     pub stopped: Option<Stopped>,
 }
 
 impl JoinedSimplification {}
 
-/// Simplifies several meshes, each with triangles over its vertices, as one surface. The limits of the options are those of all
-/// meshes together; vertices are locked by their numbers if those of all meshes are counted one after the other.
+/// Simplifies several meshes, each with triangles over its vertices, as one surface. The limits of
+/// the options apply to all meshes together. Per-vertex options are indexed by the concatenated
+/// vertices of all meshes.
 ///
 /// # Errors
-/// The number of indices of a mesh is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option
-/// is invalid; the meshes together have too many vertices for 32-bit ids.
+/// The number of indices of a mesh is not a multiple of three; an index is out of range; there are
+/// more than 2²⁷ triangles; an option is invalid; the meshes together have too many vertices for
+/// 32-bit ids.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify_joined}};
@@ -69,8 +77,8 @@ pub fn simplify_joined(
     Ok(JoinedSimplification { stopped, ..surface.finish(options.triangle_count)? })
 }
 
-/// One or several meshes that are simplified as one surface, step by step: to share a number of triangles among several surfaces, the one
-/// whose last collapse cost least goes on.
+/// Simplifies one or several meshes as one surface, step by step. To distribute a triangle budget
+/// across several surfaces, always advance the one whose last collapse was cheapest.
 ///
 /// ```
 /// use tristrip::simplify::{SimplifyOptions, SurfaceSimplifier};
@@ -95,11 +103,13 @@ pub struct SurfaceSimplifier<'a> {
 }
 
 impl<'a> SurfaceSimplifier<'a> {
-    /// Joins meshes, each with triangles over its vertices, into one surface. Of the options the number of triangles does not count.
+    /// Joins meshes, each with triangles over its vertices, into one surface. The target number of
+    /// triangles in the options is ignored.
     ///
     /// # Errors
-    /// The number of indices of a mesh is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option
-    /// is invalid; the meshes together have too many vertices for 32-bit ids.
+    /// The number of indices of a mesh is not a multiple of three; an index is out of range; there
+    /// are more than 2²⁷ triangles; an option is invalid; the meshes together have too many
+    /// vertices for 32-bit ids.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -111,7 +121,7 @@ impl<'a> SurfaceSimplifier<'a> {
     pub fn new(parts: Vec<(&'a Mesh, &'a [u32])>, options: &SimplifyOptions) -> Result<Self, Error> {
         let vertex_count = parts.iter().map(|(mesh, _)| mesh.vertex_count()).sum();
         check_count("vertices", vertex_count)?;
-        // 1. One mesh of all vertices and triangles.
+        // 1. Concatenate all vertices and triangles into one mesh.
         let (mut positions, mut triangles) = (Vec::with_capacity(vertex_count), Vec::new());
         let mut starts = Vec::with_capacity(parts.len());
         for (mesh, corners) in &parts {
@@ -126,7 +136,7 @@ impl<'a> SurfaceSimplifier<'a> {
         }
         options.check(vertex_count, triangles.len())?;
 
-        // 2. What its collapses depend on.
+        // 2. Prepare what its collapses depend on.
         let mesh_of = |v: u32| starts.partition_point(|&start| start <= v).saturating_sub(1);
         let bits = |v: u32| {
             let part = mesh_of(v);
@@ -146,7 +156,7 @@ impl<'a> SurfaceSimplifier<'a> {
         Ok(Self { parts, starts, decimation, sequence })
     }
 
-    /// Counts the triangles that are left.
+    /// Returns the number of remaining triangles.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -158,14 +168,15 @@ impl<'a> SurfaceSimplifier<'a> {
         self.sequence.triangles_at(0)
     }
 
-    /// Goes on until there are at most this number of triangles, or no more collapse is possible. Returns whether the number is reached. There
-    /// may be fewer, as collapses are done many at a time; [`SurfaceSimplifier::finish`] puts them in the order of their costs.
+    /// Simplifies until at most this many triangles remain or no more collapses are possible.
+    /// Returns whether the target was reached. Fewer triangles can remain, because collapses are
+    /// applied in batches; [`SurfaceSimplifier::finish`] sorts them by cost.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// assert!(surface.simplify_to(100) && surface.triangle_count() <= 100);
-    /// // The peak and the corners stay.
+    /// // The peak and the corners are kept.
     /// assert!(!surface.simplify_to(0) && surface.triangle_count() > 0);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -173,10 +184,11 @@ impl<'a> SurfaceSimplifier<'a> {
         self.decimation.run(triangle_count, &mut self.sequence)
     }
 
-    /// Returns the greatest cost of the collapses so far: squared deviations of the surface and its attributes, times the square root of the
-    /// area that they concern, in mesh units to the third power; by [`Price::Quadric`](crate::simplify::Price::Quadric) without the area, in square
-    /// mesh units. The collapse that costs least comes next, so that costs of several surfaces tell
-    /// which of them suffers least from the next collapse.
+    /// Returns the maximum cost of the collapses so far, in cubic mesh units: squared deviations of
+    /// the surface and its attributes, times the square root of the affected area. With
+    /// [`Price::Quadric`](crate::simplify::Price::Quadric) the area does not count, and the unit is
+    /// square mesh units. The cheapest collapse is always next, so comparing the costs of several
+    /// surfaces tells which of them loses least by its next collapse.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -184,7 +196,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// surface.simplify_to(100);
     /// let flat = surface.cost();
     /// surface.simplify_to(0);
-    /// // The side of the peak costs more.
+    /// // The side of the peak is more expensive.
     /// assert!(surface.cost() > 1e3 * flat);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -192,7 +204,7 @@ impl<'a> SurfaceSimplifier<'a> {
         f64::from(self.decimation.greatest_cost()) * self.cost_unit()
     }
 
-    /// Counts the reasons for which the remaining vertices stay.
+    /// Returns why the remaining vertices cannot be removed, as counts per reason.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -205,11 +217,12 @@ impl<'a> SurfaceSimplifier<'a> {
         self.decimation.stopped()
     }
 
-    /// Returns the collapses of each mesh in the order of their costs, until all meshes together have at most this number of triangles; 0 for all
-    /// that were done. The reasons for which vertices stay are not counted.
+    /// Returns the collapses of each mesh in the order of their costs, up to the first at which all
+    /// meshes together have at most this many triangles. With 0, returns all collapses. `stopped`
+    /// is `None` in the result.
     ///
     /// # Errors
-    /// None for meshes that [`SurfaceSimplifier::new`] accepted.
+    /// Meshes accepted by [`SurfaceSimplifier::new`] cause no error.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -238,13 +251,14 @@ impl<'a> SurfaceSimplifier<'a> {
         Ok(JoinedSimplification { sequences, steps, costs, stopped: None })
     }
 
-    /// Returns the cost of 1 of the frame, in mesh units.
+    /// Returns the unit of costs in the local frame, in mesh units.
     fn cost_unit(&self) -> f64 {
         self.decimation.cost_unit()
     }
 }
 
-/// Splits the collapses of the joined mesh among the meshes, each with the numbers of its collapses.
+/// Splits the collapses of the joined mesh among the meshes, with the indices of the joined
+/// collapses.
 fn split(
     joined: &CollapseSequence,
     parts: &[(&Mesh, &[u32])],
@@ -292,7 +306,8 @@ mod tests {
     use super::*;
     use crate::mesh::{Attribute, AttributeData, Faces};
 
-    /// Returns a grid of columns of squares between two heights `z(x, y)`, with normals or texture coordinates.
+    /// Returns a grid of squares with the given columns, heights `z(x, y)`, and normals or texture
+    /// coordinates.
     fn grid(columns: std::ops::Range<u32>, uv: bool) -> (Mesh, Vec<u32>) {
         let (width, height) = (columns.end - columns.start, 12);
         let at = |i: u32| [columns.start + i % (width + 1), i / (width + 1)];
@@ -315,7 +330,8 @@ mod tests {
 
     type BorderEdge = [[u32; 3]; 2];
 
-    /// Returns the edges along the line x = 8 that one triangle has, in each mesh, by the bits of their positions.
+    /// Returns the edges of one triangle along the line x = 8 in a mesh, as the bits of their
+    /// positions.
     fn border(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<BorderEdge> {
         let mut count: BTreeMap<BorderEdge, usize> = BTreeMap::new();
         for [a, b, c] in triangles {
@@ -352,11 +368,12 @@ mod tests {
         assert!(lengths[0] == 12 && *lengths.last().unwrap() < 9, "{lengths:?}");
     }
 
-    /// On a plane no collapse moves the surface, and the attributes are constant: only the line between the meshes is visible.
+    /// On a plane with constant attributes, no collapse moves the surface: only the line between
+    /// the meshes is visible.
     #[test]
     fn the_line_between_meshes_costs_as_much_as_a_border() {
         let flat = |(mesh, triangles): (Mesh, Vec<u32>)| {
-            // The line swings from side to side.
+            // The line is a zigzag.
             let at = |&[x, y, _]: &[f32; 3]| {
                 let is_on_line = (x - 8.0).abs() < 0.1;
                 [if is_on_line && y % 4.0 > 1.5 { 8.4 } else { x }, y, 0.0]

@@ -1,38 +1,48 @@
-//! Merge trees: collapses level by level, so that a vertex hierarchy for view-dependent detail is low.
+//! Merge trees: collapses in independent sets, for vertex hierarchies of small height.
 //!
-//! Cheapest-first simplification collapses one place many times before it comes to the next, and each of these collapses needs the ones before it. Here
-//! each level of the tree is a set of collapses that do not touch each other: none of them needs another one of its level, and the tree has
-//! about log(n) levels.
+//! Cheapest-first simplification collapses one region many times before it reaches the next, and
+//! each of these collapses depends on the ones before it. Here, each level of the tree is a set of
+//! collapses that do not touch each other. None of them depends on another collapse of its level,
+//! and the tree has about log(n) levels.
 //!
 //! ```text
-//! level 2          a               A vertex that is kept is promoted to the next level, as is one that takes part in no collapse.
-//!                ╱   ╲
+//! level 2          a               A kept vertex is promoted to the next level,
+//!                ╱   ╲             as is a vertex that takes part in no collapse.
 //! level 1      a       c
 //!            ╱   ╲   ╱   ╲
 //! level 0   a     b c     d
 //! ```
 //! # Algorithm
 //! For each level:
-//! 1. The best collapse of each vertex is priced, unless nothing has changed around it since it was priced.
-//! 2. Collapses are taken in the order of their prices: the edge length, as published, or the quadric at the kept vertex. One is taken if neither of
-//!    its vertices has a triangle with a vertex of an edge that this level has taken, so that their neighbourhoods have no triangle in common. A vertex
-//!    whose best target has one takes the best of the other targets: the set is maximal.
-//! 3. By quadric, only collapses up to a limit count, below which a quarter of the vertices are: a maximal set of all would remove vertices of features early, and
-//!    what depends on them could never be drawn without a large error.
+//! 1. Price the best collapse of each vertex, unless nothing has changed around it since it was
+//!    last priced.
+//! 2. Take collapses in the order of their prices: the edge length, as published, or the quadric at
+//!    the kept vertex. A collapse is taken if neither of its vertices shares a triangle with a
+//!    vertex of an edge taken at this level, so the neighbourhoods of taken collapses have no
+//!    triangle in common. A vertex whose best target is blocked takes the best of its other
+//!    targets, which makes the set maximal.
+//! 3. In the quadric order, only collapses up to a limit are taken; a quarter of the vertices are
+//!    below it. A maximal set without a limit would remove feature vertices early, and every
+//!    refinement that depends on them would have a large error.
 //!
-//! What is never allowed is as in the module `decimate`. Moreover, no triangle may turn by more than 78 degrees from the full mesh, or farther where it has already: from the
-//! sum of the normals, weighted by area, of the full mesh at the vertices that one of its corners stands for. That holds for the triangles of the removed vertex, and for those of
-//! the kept one, which then stands for more. Without it triangles fold over step by step. The levels themselves are in `decimate/merge_levels.rs`.
+//! The rules of the module `decimate` apply. In addition, no triangle may turn by more than 78
+//! degrees from the full mesh, or farther than it already has. The reference is the area-weighted
+//! sum of the normals of the full mesh at the vertices that one of its corners represents. This
+//! rule applies to the triangles of the removed vertex, and to those of the kept vertex, which
+//! represents more vertices afterwards. Without it, triangles fold over step by step.
+//! `decimate/merge_levels.rs` builds the levels.
 //!
 //! # Departures
-//! Collapses are half-edge collapses, and the order by quadric is not published.
+//! Collapses are half-edge collapses. The quadric order is not published.
 //!
 //! # References
-//! Xia, El-Sana, Varshney: *Adaptive Real-Time Level-of-Detail-Based Rendering for Polygonal Models*, 1997. El-Sana, Evans, Kalaiah, Varshney, Skiena,
-//! Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*, 2000, section 4.2.
+//! Xia, El-Sana, Varshney: *Adaptive Real-Time Level-of-Detail-Based Rendering for Polygonal
+//! Models*, 1997. El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and
+//! Updating Triangle Strips for Real-Time Rendering*, 2000, section 4.2.
 //!
 //! # Complexity
-//! O(n log n) time: each level has a share less vertices than the one before. 110 bytes per triangle while it runs.
+//! O(n log n) time: each level removes a constant share of the vertices. 110 bytes per triangle
+//! during construction.
 
 use super::decimate::Decimation;
 use super::stopped::Stopped;
@@ -47,7 +57,7 @@ use crate::simplify::price::attributes::PricedAttributes;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum MergeOrder {
-    /// The least quadric at the kept vertex first, up to a limit per level.
+    /// The smallest quadric error at the kept vertex first, up to a limit per level.
     #[default]
     Quadric,
     /// The shortest edge first, as published.
@@ -60,12 +70,12 @@ names! {
     ShortestEdge => "shortest-edge", "The shortest edge first (Xia et al. 1997)";
 }
 
-/// How far the collapses of a level are from each other.
+/// The minimum distance between collapses of the same level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Spacing {
-    /// No triangle has a vertex of two of them: each could be done alone.
+    /// No triangle has vertices of two collapses: each can be applied alone.
     Disjoint,
-    /// No triangle has two vertices that are removed, and irregular points stay.
+    /// No triangle has two removed vertices, and irregular points are kept.
     Apart,
 }
 
@@ -73,19 +83,21 @@ pub(crate) enum Spacing {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct MergeTree {
-    /// The collapses, level by level from the full mesh on.
+    /// The collapses, level by level, starting from the full mesh.
     pub sequence: CollapseSequence,
-    /// For each level of the tree the number of collapses up to its end, counted from the full mesh.
+    /// For each level of the tree, the number of collapses up to its end, counted from the full
+    /// mesh.
     pub level_ends: Vec<u32>,
-    /// The reasons for which there are more triangles than requested, if there are.
+    /// Why the base mesh has more triangles than requested; `None` if the target was reached.
     pub stopped: Option<Stopped>,
 }
 
-/// Builds the merge tree of triangles over the vertices of a mesh. The limits and weights of the options apply; their price does not.
+/// Builds the merge tree of triangles over the vertices of a mesh. The limits and weights of the
+/// options apply; their price is ignored.
 ///
 /// # Errors
-/// The number of indices is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option is
-/// invalid.
+/// The number of indices is not a multiple of three; an index is out of range; there are more than
+/// 2²⁷ triangles; an option is invalid.
 ///
 /// ```
 #[doc = include_str!("../example.txt")]
@@ -93,7 +105,7 @@ pub struct MergeTree {
 /// let triangles = grid.faces().corners().to_vec();
 /// let tree = merge_tree(&grid, triangles, MergeOrder::Quadric, &SimplifyOptions::default())?;
 /// assert_eq!(tree.level_ends.last().copied(), Some(tree.sequence.len() as u32));
-/// // 81 vertices.
+/// // The grid has 81 vertices.
 /// assert!(tree.level_ends.len() < 30);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
@@ -106,13 +118,15 @@ pub fn merge_tree(
     levels(mesh, triangles, (order, Spacing::Disjoint), options)
 }
 
-/// Collapses triangles over the vertices of a mesh in batches for a [stream](crate::stream): a batch removes vertices of which no two have a common triangle, as many
-/// as there can be among the cheaper ones, by [`SimplifyOptions::with_error_factors`] relative to where they are seen from. These are fewer and larger than the levels of a [merge tree](merge_tree), since a vertex may be kept by several collapses of a batch; where a
-/// surface is not manifold, its points stay.
+/// Collapses triangles over the vertices of a mesh in batches for a [stream](crate::stream). No two
+/// vertices removed by a batch share a triangle. A batch removes as many of the cheaper vertices as
+/// this allows; [`SimplifyOptions::with_error_factors`] weights their errors. Batches are fewer and
+/// larger than the levels of a [merge tree](merge_tree), because several collapses of a batch may
+/// share their kept vertex. Non-manifold points are kept.
 ///
 /// # Errors
-/// The number of indices is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; an option is
-/// invalid.
+/// The number of indices is not a multiple of three; an index is out of range; there are more than
+/// 2²⁷ triangles; an option is invalid.
 ///
 /// ```
 #[doc = include_str!("../example.txt")]
@@ -158,7 +172,8 @@ mod tests {
     use crate::simplify::tests::grid;
     use crate::vector::{Point, dot, normal_of};
 
-    /// Counts the triangles that face away from the sum of the normals of the full mesh at one of their corners.
+    /// Returns the number of triangles that face away from the sum of the full mesh's normals at
+    /// one of their corners.
     fn turned(positions: &[[f32; 3]], triangles: &[[u32; 3]], sums: &[Point]) -> usize {
         let faces_away = |triangle: &&[u32; 3]| {
             let normal = normal_of(triangle.map(|v| positions[v as usize].map(f64::from)));
@@ -172,7 +187,7 @@ mod tests {
         for (order, flatness) in
             [(MergeOrder::Quadric, 0.03), (MergeOrder::ShortestEdge, 0.03), (MergeOrder::Quadric, 1.0)]
         {
-            // A ring whose upper and lower side nearly touch: thin sheets are folded most easily.
+            // A ring whose upper and lower sides nearly touch. Thin shapes fold over most easily.
             let (mut positions, triangles) = grid(40, 16, [true, true]);
             positions.iter_mut().for_each(|p| p[2] *= flatness);
             let mesh =

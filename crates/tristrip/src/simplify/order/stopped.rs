@@ -1,18 +1,18 @@
-//! The reasons for which a simplification ended above its target.
+//! The reasons why a simplification stopped above its target.
 
 use crate::text::counted;
 use std::fmt;
 
-/// The reasons for which a simplification could not continue, as numbers of remaining points. A point counts by the first reason
-/// that applies.
+/// Why a simplification could not continue, as numbers of remaining points per reason. A point is
+/// counted under the first reason that applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Stopped {
-    /// The remaining triangles.
+    /// The number of remaining triangles.
     pub triangle_count: usize,
     /// Points that the caller locked.
     pub locked: usize,
-    /// Points whose triangles are neither arranged like a disk nor like half of one.
+    /// Points whose triangles form neither a disk nor a half disk.
     pub non_manifold: usize,
     /// Points on attribute seams whose collapse would open the seam.
     pub seam: usize,
