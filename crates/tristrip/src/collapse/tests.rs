@@ -1,7 +1,8 @@
 use super::*;
 
 fn fan() -> CollapseSequence {
-    // A hexagon around vertex 6, whose corners 0, 1 and 2 collapse one after the other to the next corner.
+    // A hexagon around vertex 6. Its corners 0, 1 and 2 collapse one after the other to the next
+    // corner.
     let triangles = (0..6).flat_map(|i| [i, (i + 1) % 6, 6]).collect();
     let renames = [
         [Rename { removed: 0, kept: 1 }],
@@ -114,7 +115,8 @@ fn few_of_many_vertices_take_little_memory() {
 
 #[test]
 fn long_chains_of_collapses_are_checked_in_little_time() {
-    // A fan around vertex 0 that goes around its rim, one vertex at a time: the hub of n corners is renamed n times.
+    // A fan around vertex 0, which moves along its rim one vertex at a time: the hub of n corners
+    // is renamed n times.
     let n = 100_000;
     let triangles: Vec<u32> = (1..n).flat_map(|i| [0, i, i + 1]).collect();
     let renames: Vec<_> = (0..n - 1).map(|v| [Rename { removed: v, kept: v + 1 }]).collect();
@@ -122,7 +124,7 @@ fn long_chains_of_collapses_are_checked_in_little_time() {
     let sequence = CollapseSequence::from_collapses(n as usize + 1, triangles, collapses).unwrap();
     assert_eq!(sequence.triangle_count(0).unwrap(), 0);
     sequence.check().unwrap();
-    // One collapse of many renames.
+    // One collapse with many renames.
     let renames: Vec<_> = (1..n).map(|v| Rename { removed: v, kept: n }).collect();
     let triangles: Vec<u32> = (1..n).flat_map(|i| [0, i, i + 1]).collect();
     let sequence =

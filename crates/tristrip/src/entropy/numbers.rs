@@ -1,9 +1,12 @@
-//! Numbers as decisions: the size as a bucket relative to what is expected, one of sixteen symbols, then the place within the bucket, and the sign.
+//! Codes integers as decisions: first the bucket of the size, relative to the expected one, as one
+//! of sixteen symbols; then the position within the bucket; then the sign.
 //!
-//! Buckets have the bounds 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, … : the bucket of a size is the whole part of twice its binary logarithm.
+//! The bounds of the buckets are 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, …: the bucket of a size is the
+//! integer part of twice its binary logarithm.
 //!
 //! # Algorithm
-//! The logarithm of the size that is expected, the *level*, is a weighted sum of features. Its weights follow the gradient of the square of the error.
+//! The *level*, the logarithm of the expected size, is a weighted sum of features. Its weights are
+//! updated by the gradient of the squared error.
 //!
 //! # References
 //! Widrow, Hoff: *Adaptive Switching Circuits*, 1960 (the weights).
@@ -11,36 +14,39 @@
 use super::range_coder::{BitCoder, code_bits};
 use super::slots::Simple;
 
-/// The levels that have symbols of their own, from −2 on in quarters of an octave.
+/// The number of levels with their own symbols, in quarters of an octave, starting at −2.
 const CONTEXTS: u32 = 80;
-/// The symbol of the usual bucket.
+/// The symbol of the expected bucket.
 const MIDDLE: i32 = 9;
-/// The symbols at both ends are followed by how much farther the bucket is.
+/// The last symbol. After the first and the last symbol, the distance to the actual bucket is
+/// coded.
 const LAST: i32 = 15;
 /// The largest bucket.
 const MAX_BUCKET: i32 = 59;
 
-/// Returns the binary logarithm of a number below 2⁵³, at least 1, in 1/8, with straight lines between the powers of two: the exponent and the first bits of the
-/// float that it is.
+/// Returns the binary logarithm of a number from 1 to 2⁵³ − 1, in 1/8, linearly interpolated
+/// between powers of two. It is read from the exponent and the first mantissa bits of the number as
+/// a float.
 #[inline]
 pub(crate) fn logarithm(x: u64) -> i32 {
     ((x.cast_signed() as f64).to_bits() >> 49) as i32 - 8 * 1023
 }
 
-/// Returns the bucket of a size: twice the binary logarithm, roughly.
+/// Returns the bucket of a size: about twice its binary logarithm.
 #[inline]
 fn bucket_of(x: u32) -> i32 {
     if x < 2 { x.cast_signed() } else { logarithm(x.into()) >> 2 }
 }
 
-/// Expects the levels of numbers of one kind, in 1/16 of an octave, from `N` features in about the same unit.
+/// Predicts the levels of one kind of number, in 1/16 of an octave, from `N` features of about the
+/// same unit.
 #[derive(Debug, Clone)]
 pub(crate) struct NumberLevel<const N: usize> {
     weights: [i32; N],
 }
 
 impl<const N: usize> NumberLevel<N> {
-    /// Weights are in 1/65536.
+    /// Creates a predictor with weights in 1/65536.
     pub(crate) fn new(weights: [i32; N]) -> Self {
         Self { weights }
     }
@@ -54,7 +60,8 @@ impl<const N: usize> NumberLevel<N> {
         sum >> 16
     }
 
-    /// Learns from how far a level was from what was expected; features are less than 1024. Weights are numbers modulo 2³².
+    /// Learns from the error of a predicted level. Features are less than 1024; weights wrap modulo
+    /// 2³².
     #[inline]
     pub(crate) fn learn(&mut self, features: [i32; N], error: i32) {
         let error = error.clamp(-32, 32);
@@ -64,7 +71,7 @@ impl<const N: usize> NumberLevel<N> {
     }
 }
 
-/// The model of numbers of one kind.
+/// The model of one kind of number.
 #[derive(Debug, Clone)]
 pub(crate) struct NumberModel {
     symbols: Simple,
@@ -72,12 +79,13 @@ pub(crate) struct NumberModel {
 }
 
 impl NumberModel {
-    /// Creates the model of numbers in some sets.
+    /// Creates a model with separate statistics for each of some sets of numbers.
     pub(crate) fn new(sets: usize) -> Self {
         Self { symbols: Simple::new(16 * CONTEXTS as usize * sets), escapes: Simple::new(32) }
     }
 
-    /// Codes a number of a set. Also returns how far its level is from that which is expected.
+    /// Codes a number of a set. Returns the number and the difference of its level from the
+    /// expected one.
     #[inline]
     pub(crate) fn code<C: BitCoder>(
         &mut self,
@@ -107,7 +115,7 @@ impl NumberModel {
         if bucket == 0 {
             return (0, (-16_i32).wrapping_sub(level));
         }
-        // 2. The place within the bucket, and the sign.
+        // 2. The position within the bucket, and the sign.
         let rest = (bucket >> 1).max(1) - 1;
         let least = ((2 | bucket & 1) << rest) >> u32::from(bucket < 2);
         let low = size & ((1 << rest) - 1);
@@ -119,7 +127,7 @@ impl NumberModel {
     }
 }
 
-/// Codes a number that is usually small, below 2²⁴, with a model of 32 decisions.
+/// Codes a number below 2²⁴ that is usually small, with a model of 32 decisions.
 pub(crate) fn code_small<C: BitCoder>(coder: &mut C, model: &mut Simple, number: u32) -> u32 {
     let to_encode = 32 - (number + 1).leading_zeros();
     let mut bits = 1;
@@ -135,7 +143,7 @@ mod tests {
     use crate::entropy::range_coder::{RangeDecoder, RangeEncoder};
     use proptest::prelude::*;
 
-    /// Numbers of any size up to those of the largest bucket.
+    /// Generates numbers of any size up to the largest bucket.
     fn number() -> impl Strategy<Value = i32> {
         let most = (3 << 28) + (1 << 28) - 1;
         prop_oneof![-10..10_i32, -1000..1000_i32, -most..=most, Just(most), Just(-most)]

@@ -1,7 +1,8 @@
-//! A range coder: turns decisions and choices with known probabilities into bytes, and back.
+//! A range coder: converts decisions and choices with known probabilities to bytes, and back.
 //!
-//! A range of 32 bits is cut in proportion to the probability of each decision; whole bytes leave at the top when it has become small. One coder
-//! serves the whole project. Only integers are used, so that another implementation gives the same bytes.
+//! A 32-bit range is split in proportion to the probability of each decision. When it has become
+//! small, its top bytes are written. The same coder is used throughout the project. All arithmetic
+//! is integer, so other implementations produce the same bytes.
 //!
 //! # Complexity
 //! O(1) per decision; O(n) memory for n bytes.
@@ -9,38 +10,41 @@
 //! # References
 //! Martin: *Range encoding: an algorithm for removing redundancy from a digitised message*, 1979.
 
-/// The number of which probabilities are shares.
+/// The denominator of probabilities.
 pub(crate) const WHOLE: u32 = 1 << 16;
 
-/// The range is at least this.
+/// The minimum range.
 const MIN_RANGE: u32 = 1 << 24;
 
-/// Zeros at the end that are left out, at most.
+/// The maximum number of trailing zero bytes that are left out.
 const MAX_TRIMMED: usize = 4;
 
-/// Either side of the coder, so that what is coded is written down once.
+/// An encoder or decoder. Code written against this trait serves both directions.
 pub(crate) trait BitCoder {
-    /// Codes a decision that is true in `probability` of [`WHOLE`] cases, more than none and less than all. A decoder ignores `bit`; both return the decision.
+    /// Codes a decision that is true with probability `probability` / [`WHOLE`], strictly between 0
+    /// and 1. A decoder ignores `bit`. Returns the decision.
     fn code(&mut self, probability: u32, bit: bool) -> bool;
 
-    /// Cuts the range into two to the power of `bits` equal parts, at most 2¹⁶; returns `part`, or what it is to a decoder. [`take`](Self::take) follows.
+    /// Splits the range into 2^`bits` equal parts, at most 2¹⁶. Returns `part`, or, in a decoder,
+    /// the part that was encoded. Call [`take`](Self::take) next.
     fn seek(&mut self, bits: u32, part: u32) -> u32;
 
-    /// Takes some of the parts, that one among them.
+    /// Takes `size` parts from `start`, which include the part of [`seek`](Self::seek).
     fn take(&mut self, start: u32, size: u32);
 
-    /// Returns whether more has been read than there is: what follows was not written by an encoder.
+    /// Returns whether more bytes were read than exist. No encoder wrote what is decoded from then
+    /// on.
     fn is_past_end(&self) -> bool {
         false
     }
 
-    /// Returns the bits that all decisions so far have taken.
+    /// Returns the bits of all decisions so far.
     fn bits(&self) -> f64 {
         0.0
     }
 }
 
-/// Codes nothing: the decisions are only to be learned from.
+/// A coder without output, for passes that only train models.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Rehearsal;
 
@@ -59,7 +63,7 @@ impl BitCoder for Rehearsal {
     fn take(&mut self, _: u32, _: u32) {}
 }
 
-/// Codes the lowest bits of a number, each as likely as not: at most 32.
+/// Codes the lowest `count` bits of a number, at most 32, with equal probabilities.
 #[inline]
 pub(crate) fn code_bits<C: BitCoder>(coder: &mut C, count: u32, number: u32) -> u32 {
     if count > 16 {
@@ -71,7 +75,7 @@ pub(crate) fn code_bits<C: BitCoder>(coder: &mut C, count: u32, number: u32) -> 
     number
 }
 
-/// Collects decisions as bytes.
+/// Encodes decisions as bytes.
 #[derive(Debug, Clone)]
 pub(crate) struct RangeEncoder {
     low: u64,
@@ -84,7 +88,7 @@ impl RangeEncoder {
         Self { low: 0, range: u32::MAX, bytes: Vec::new() }
     }
 
-    /// Returns a bound on the number of bytes so far.
+    /// Returns an upper bound of the number of bytes so far.
     pub(crate) fn len(&self) -> usize {
         self.bytes.len() + 4
     }
@@ -110,7 +114,7 @@ impl RangeEncoder {
         self.low = (self.low << 8) & u64::from(u32::MAX);
     }
 
-    /// Adds one to the number that the bytes form.
+    /// Propagates a carry into the bytes written.
     fn carry(&mut self) {
         for byte in self.bytes.iter_mut().rev() {
             *byte = byte.wrapping_add(1);
@@ -121,7 +125,7 @@ impl RangeEncoder {
         self.low &= u64::from(u32::MAX);
     }
 
-    /// Ends the bytes with as few as tell all decisions, given that zeros follow.
+    /// Ends the bytes with as few as identify all decisions, given that zeros follow.
     pub(crate) fn finish(mut self) -> Vec<u8> {
         let most = self.low + u64::from(self.range - 1);
         let value = (0..32).rev().map(|zeros| most >> zeros << zeros).find(|&value| value >= self.low);
@@ -164,7 +168,7 @@ impl BitCoder for RangeEncoder {
     }
 }
 
-/// Reads the decisions back. Zeros follow the bytes.
+/// Decodes decisions. Zeros follow the end of the bytes.
 #[derive(Debug, Clone)]
 pub(crate) struct RangeDecoder<'a> {
     bytes: &'a [u8],
@@ -201,7 +205,7 @@ impl BitCoder for RangeDecoder<'_> {
     fn code(&mut self, probability: u32, _: bool) -> bool {
         let bound = (self.range >> 16) * probability;
         let bit = self.code < bound;
-        // Which one it is cannot be predicted, so that a branch would be expensive.
+        // The decision is unpredictable, so a branch would be expensive.
         let no = u32::from(bit).wrapping_sub(1);
         self.code -= bound & no;
         self.range = (self.range & no).wrapping_add((bound ^ no).wrapping_sub(no));
@@ -246,7 +250,7 @@ mod tests {
         (encoder.finish(), bound)
     }
 
-    /// Probabilities, often the least and the largest.
+    /// Generates probabilities, often the smallest and the largest.
     fn probability() -> impl Strategy<Value = u32> {
         prop_oneof![1..WHOLE, Just(1), Just(WHOLE - 1), Just(WHOLE / 2), WHOLE - 40..WHOLE]
     }
@@ -254,7 +258,7 @@ mod tests {
     proptest! {
         #[test]
         fn choices_are_read_back(choices in prop::collection::vec((0..=16_u32, any::<[u32; 3]>()), 0..400)) {
-            // Of a number of parts one, in a run of some of them.
+            // One of a number of parts, within a run of them.
             let choice = |&(bits, [part, before, after]): &(u32, [u32; 3])| {
                 let (total, part) = (1 << bits, part % (1 << bits));
                 let start = part - before % (part + 1);
@@ -294,7 +298,7 @@ mod tests {
             let share = |&(p, bit): &(u32, bool)| f64::from(if bit { p } else { WHOLE - p }) / f64::from(WHOLE);
             let ideal: f64 = decisions.iter().map(|decision| -libm::log2(share(decision))).sum();
             let (bytes, _) = encoded(&decisions);
-            // A range of at least 24 bits is cut into 16-bit shares.
+            // A range of at least 24 bits is split into 16-bit shares.
             prop_assert!((bytes.len() * 8) as f64 <= ideal * 1.01 + 0.01 * decisions.len() as f64 + 16.0);
         }
     }

@@ -1,8 +1,9 @@
-//! Choices by scores: each feature of a choice adds to its score, and the probability of a choice is in proportion to the exponential of its score.
+//! Choices by scores: each feature of a choice adds to its score, and the probability of a choice
+//! is proportional to the exponential of its score.
 //!
 //! # Algorithm
-//! After a choice, each score moves by the difference of what was chosen and its probability: the gradient of the bits that the choice took. A
-//! decision is a choice between a score and 0.
+//! After a choice, each score moves by the difference between the outcome and its probability. This
+//! is the gradient of the bits that the choice took. A decision is a choice between a score and 0.
 //!
 //! Scores are integers modulo 2³², in units of 1/65536 of a natural logarithm.
 //!
@@ -14,7 +15,8 @@
 
 use super::range_coder::{BitCoder, WHOLE};
 
-/// Falls by one part in 32 of a natural logarithm: 2²⁴ e^(−k / 32), rounded down at each step.
+/// Exponentials in steps of 1/32 of a natural logarithm: 2²⁴ e^(−k / 32), rounded down at each
+/// step.
 const FALLS: [u32; 256] = {
     let mut falls = [1 << 24; 256];
     let mut k = 1;
@@ -25,7 +27,7 @@ const FALLS: [u32; 256] = {
     falls
 };
 
-/// The same, 4096 at first.
+/// `FALLS` scaled to 4096 for the first.
 const WEIGHTS: [u16; 256] = {
     let mut weights = [0; 256];
     let mut k = 0;
@@ -36,7 +38,8 @@ const WEIGHTS: [u16; 256] = {
     weights
 };
 
-/// The shares of [`WHOLE`] of a decision: by 1/32 of a natural logarithm, those of scores less than 0 first.
+/// The probabilities of a decision as shares of [`WHOLE`], by score in steps of 1/32 of a natural
+/// logarithm. The first half is for negative scores.
 const SHARES: [u16; 512] = {
     let mut shares = [0; 512];
     let mut k = 0;
@@ -49,16 +52,17 @@ const SHARES: [u16; 512] = {
     shares
 };
 
-/// Returns the weight of a choice, from 1 to 4096, whose score is less than the largest one by `difference`.
+/// Returns the weight of a choice, from 1 to 4096, given the difference of its score from the
+/// largest.
 #[inline]
 pub(crate) fn weight_of(difference: u32) -> u32 {
     WEIGHTS[(difference >> 11).min(255) as usize].into()
 }
 
-/// How slowly the scores of decisions move: by one part in 2⁴ of an error.
+/// The learning rate of decisions: scores move by 2⁻⁴ of an error.
 const DECISION_RATE: i32 = 4;
 
-/// The scores of one kind of decision, which has some features.
+/// The scores of the features of one kind of decision.
 #[derive(Debug, Clone)]
 pub(crate) struct Scores {
     scores: Vec<i32>,
@@ -69,7 +73,7 @@ impl Scores {
         Self { scores: vec![0; size] }
     }
 
-    /// Codes a decision with some features, each less than the number of scores.
+    /// Codes a decision with some features, each an index into the scores.
     #[inline]
     pub(crate) fn code<C: BitCoder, const N: usize>(
         &mut self,

@@ -1,17 +1,19 @@
 //! Probabilities of decisions, learned while coding.
 //!
 //! # Algorithm
-//! Each context has a slot with a probability and a count. After a decision the probability moves towards it by one part in count + 1.5, and the count
-//! grows up to a limit: at first the slot is the mean of what it has seen, later it follows changes.
+//! Each context has a slot with a probability and a count. After a decision, the probability moves
+//! towards it by 1 / (count + 1.5), and the count grows up to a limit. At first the slot is the
+//! mean of what it has seen; later it follows changes.
 //!
-//! Everything is an integer of at most 32 bits: probabilities of 24 bits in slots and 16 bits for the coder.
+//! All state is integer, at most 32 bits: probabilities have 24 bits in slots and 16 bits for the
+//! coder.
 //!
 //! # Complexity
 //! O(1) per decision; 4 bytes per slot.
 
 use super::range_coder::BitCoder;
 
-/// A slot counts up to this.
+/// The maximum count of a slot.
 const MAX_COUNT: u8 = 255;
 
 /// 2¹⁵ / (count + 1.5).
@@ -25,7 +27,7 @@ const RATES: [u16; MAX_COUNT as usize + 1] = {
     rates
 };
 
-/// A slot: a probability of 24 bits above a count of 8 bits.
+/// A new slot: a probability of 24 bits above a count of 8 bits.
 const NEW_SLOT: u32 = 1 << 31;
 
 #[inline]
@@ -33,11 +35,11 @@ fn learn(slot: &mut u32, bit: bool) {
     let count = *slot as u8;
     let target = i32::from(bit).wrapping_neg() & 0xFF_FFFF;
     let change = ((target - (*slot >> 8).cast_signed()) >> 8) * i32::from(RATES[usize::from(count)]);
-    // One part in 2⁷ of it, above the count.
+    // 2⁻⁷ of the change, added above the count.
     *slot = slot.wrapping_add(change.cast_unsigned() << 1 & !0xFF) + u32::from(count < MAX_COUNT);
 }
 
-/// A decision with a probability in each of some contexts.
+/// One kind of decision, with a probability per context.
 #[derive(Debug, Clone)]
 pub(crate) struct Simple {
     slots: Vec<u32>,
@@ -48,13 +50,14 @@ impl Simple {
         Self { slots: vec![NEW_SLOT; size] }
     }
 
-    /// Codes a decision in a context, which is less than the number of slots.
+    /// Codes a decision in a context, an index into the slots.
     #[inline]
     pub(crate) fn code<C: BitCoder>(&mut self, coder: &mut C, context: usize, bit: bool) -> bool {
         code_slot(coder, &mut self.slots[context], bit)
     }
 
-    /// Codes a number of up to four bits by as many decisions, the highest bit first, with the slots of a context; each context has 16.
+    /// Codes a number of up to four bits as one decision per bit, highest bit first, with the slots
+    /// of a context. Each context has 16 slots.
     #[inline]
     pub(crate) fn code_number<C: BitCoder>(
         &mut self,
@@ -75,7 +78,7 @@ impl Simple {
 
 #[inline]
 fn code_slot<C: BitCoder>(coder: &mut C, slot: &mut u32, bit: bool) -> bool {
-    // Neither none nor all.
+    // The probability is never 0 or 1.
     let bit = coder.code(*slot >> 16 | 1, bit);
     learn(slot, bit);
     bit

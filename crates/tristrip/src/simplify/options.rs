@@ -235,8 +235,8 @@ impl SimplifyOptions {
         with_locked_borders(locked_borders: bool);
 
         /// Allows components to vanish. Each value is the error of removing the vertex's whole
-        /// component, in mesh units. A component keeps a triangle if one of its vertices has no
-        /// value, a negative value or NaN.
+        /// component, in mesh units. Vertices with a missing, negative or NaN value keep one triangle
+        /// of their component.
         ///
         /// ```
         /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};

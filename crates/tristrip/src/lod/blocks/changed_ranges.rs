@@ -1,11 +1,11 @@
-//! The ranges of a buffer that have to be sent to a graphics processor, as few as asked for.
+//! The ranges of a buffer to upload to the GPU, merged to at most a given number.
 
 use std::ops::Range;
 
-/// Slots that are sent together: 32 or 64 bytes, about what a memory transfer moves at once.
+/// Slots that are uploaded together: 32 or 64 bytes, about the granularity of a memory transfer.
 const BLOCK: usize = 16;
 
-/// The blocks of a buffer in which a slot has changed.
+/// The blocks of a buffer with changed slots.
 #[derive(Debug)]
 pub(super) struct ChangedRanges {
     slot_count: usize,
@@ -14,7 +14,7 @@ pub(super) struct ChangedRanges {
 }
 
 impl ChangedRanges {
-    /// Starts with a buffer of so many slots, none of them changed.
+    /// Creates the state of a buffer with this many slots, all unchanged.
     pub(super) fn of(slot_count: usize) -> Self {
         Self { slot_count, blocks: vec![0; slot_count.div_ceil(BLOCK * u64::BITS as usize)] }
     }
@@ -24,7 +24,8 @@ impl ChangedRanges {
         self.blocks[block / 64] |= 1 << (block % 64);
     }
 
-    /// Returns at most `most` ranges, and one if `most` is 0, with the fewest slots between them that are not needed.
+    /// Returns at most `most` ranges, or one if `most` is 0, with the fewest unchanged slots
+    /// between merged ranges.
     pub(super) fn ranges(&self, most: usize) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
         for (word, &bits) in self.blocks.iter().enumerate() {
@@ -43,7 +44,7 @@ impl ChangedRanges {
     }
 }
 
-/// Merges rising ranges, those with the least between them first, until at most `most` are left.
+/// Merges ascending ranges, smallest gaps first, until at most `most` remain.
 fn merge(mut ranges: Vec<Range<usize>>, most: usize) -> Vec<Range<usize>> {
     let surplus = ranges.len().saturating_sub(most);
     if surplus == 0 {

@@ -1,4 +1,4 @@
-//! The strips of the keys: those of the full mesh, and below it the same, repaired.
+//! The strips of the keys: those of the full mesh, repaired for each coarser key.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::lod::level::level_model::LevelCursor;
 use crate::lod::repair::Repair;
 use crate::strip::Strips;
 
-/// The strips of the keys, which are asked for from the full mesh on.
+/// The strips of the keys, requested in order from the full mesh.
 pub(super) struct KeyStrips<'a> {
     full: &'a Strips,
     sequence: &'a Arc<CollapseSequence>,
@@ -18,8 +18,11 @@ pub(super) struct KeyStrips<'a> {
 }
 
 impl<'a> KeyStrips<'a> {
+    /// Starts at the full mesh.
+    ///
     /// # Errors
-    /// As [`Repair::new`].
+    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or
+    /// there are too many triangles.
     pub(super) fn new(
         full: &'a Strips,
         sequence: &'a Arc<CollapseSequence>,
@@ -32,7 +35,7 @@ impl<'a> KeyStrips<'a> {
     /// Returns the index map of the strips of a level.
     ///
     /// # Errors
-    /// There is no such level.
+    /// The level does not exist.
     pub(super) fn at(&mut self, level: usize) -> Result<Vec<u32>, Error> {
         if level == self.sequence.len() {
             return Ok(self.full.to_restart(RESTART));

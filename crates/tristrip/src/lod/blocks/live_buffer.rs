@@ -1,26 +1,28 @@
-//! The index buffer of a key while the collapses below it are applied, to find what each of them writes.
+//! The index buffer of a key while the collapses below it are applied, to find the slots that each
+//! collapse writes.
 //!
 //! ```text
 //! strip         a b c d e f g h
 //! d, e, f → c   a b c c c c g h     a b c and c g h are drawn
-//! written       a b c ⟂ ⟂ c g h     the slots between them are restarts: two vertices less
+//! written       a b c ⟂ ⟂ c g h     the slots between them are restarts: two vertices fewer
 //! ```
 //! # Algorithm
-//! A collapse writes the kept vertex into the slots of the removed one. Then the degenerate triangles around each of these slots are looked at, as
-//! far as they follow each other. Between the triangle before them and the triangle after them, or the ends of the strip, slots are not needed and
-//! become restarts. What remains begins at an even position of the strip as it was, so that the winding of all triangles is kept: at an odd one, the
-//! slot before it stays.
+//! A collapse writes the kept vertex into the slots of the removed one. Then the consecutive
+//! degenerate triangles around each of these slots are examined. Slots that are not needed become
+//! restarts: those between the triangles before and after the degenerate ones, or up to the ends of
+//! the strip. The remaining part begins at an even position of the original strip, which preserves
+//! the winding of all triangles. If it would begin at an odd position, the slot before it is kept.
 //!
 //! # Complexity
-//! Degenerate triangles between which there is something to overwrite are looked at once, so that others are few: a constant number of steps per
-//! renamed slot.
+//! A run of degenerate triangles is overwritten the first time it is examined, so runs remain
+//! short: a constant number of steps per renamed slot.
 
 use crate::collapse::Rename;
 use crate::lod::level::index_map::RESTART;
 use crate::lod::level::replay::VertexSlots;
 use crate::mesh::is_degenerate;
 
-/// What a collapse writes into a slot, ordered by what it overwrites.
+/// What a collapse writes into a slot, ordered by the overwritten entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Change {
     pub(super) fine: u32,
@@ -32,18 +34,18 @@ pub(super) struct Change {
 #[derive(Debug)]
 pub(super) struct LiveBuffer {
     entries: Vec<u32>,
-    /// The slots of each vertex; those that have become restarts are still listed.
+    /// The slots of each vertex, including those that have become restarts.
     of_vertex: VertexSlots,
-    /// Whether the triangle that begins at a slot has the opposite direction, by slot.
+    /// For each slot, whether the triangle that begins there has reversed winding.
     is_odd: Vec<bool>,
     taken: Vec<u32>,
-    /// The slots written by a collapse and their entries before it.
+    /// The slots written by a collapse, with their previous entries.
     written: Vec<(u32, u32)>,
     changes: Vec<Change>,
 }
 
 impl LiveBuffer {
-    /// Starts from an index map. The buffer has at least one slot.
+    /// Starts with an index map. The buffer has at least one slot.
     pub(super) fn new(mut entries: Vec<u32>, vertex_count: usize) -> Self {
         if entries.is_empty() {
             entries.push(RESTART);
@@ -68,7 +70,8 @@ impl LiveBuffer {
         &self.entries
     }
 
-    /// Applies a collapse and returns what it writes, at least one slot, if only with the entry that it has.
+    /// Applies a collapse and returns what it writes. At least one slot is returned, even if its
+    /// entry does not change.
     pub(super) fn collapse(&mut self, renames: &[Rename]) -> &[Change] {
         self.written.clear();
         for &Rename { removed, kept } in renames {
@@ -84,7 +87,7 @@ impl LiveBuffer {
             let slot = self.written[i].0 as usize;
             (slot.saturating_sub(2)..=slot).for_each(|first| self.clear_around(first));
         }
-        // The first entry of a slot is that before the collapse.
+        // The first entry recorded for a slot is the one before the collapse.
         self.written.sort_by_key(|&(slot, _)| slot);
         self.written.dedup_by_key(|&mut (slot, _)| slot);
         if self.written.is_empty() {
@@ -111,7 +114,7 @@ impl LiveBuffer {
         !is_degenerate([a, b, c])
     }
 
-    /// Overwrites what is superfluous around the triangle that begins at a slot, if it is degenerate.
+    /// Overwrites superfluous slots around the triangle that begins at a slot, if it is degenerate.
     fn clear_around(&mut self, first: usize) {
         if !self.is_inside(first) || self.is_drawn(first) {
             return;

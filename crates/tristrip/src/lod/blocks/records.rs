@@ -1,10 +1,12 @@
-//! What collapses write into the slots of the index buffers, in the order of the levels, read in both directions.
+//! What collapses write into the slots of the index buffers, in the order of the levels. The
+//! records are read in both directions.
 //!
 //! ```text
-//! words      [slot 17] [slot 90 *] [slot 18 r**]    * the last word of a rename    ** also of a collapse    r a restart
-//! vertices   5 → 4                 4                before the collapse, and after it unless that is a restart
+//! words      [slot 17] [slot 90 *] [slot 18 r**]    * last word of a rename  ** also of a collapse
+//! vertices   5 → 4                 4                r a restart
 //! ```
-//! A word has a slot and three flags. The loop over words has no other branch than its end.
+//! The vertices of a rename are the one before the collapse and, unless it is a restart, the one
+//! after. A word has a slot and three flags. The loop over words branches only at its end.
 
 use std::ops::Range;
 
@@ -14,44 +16,44 @@ use crate::index::Index;
 use crate::lod::level::index_map::RESTART;
 use crate::packed::{Packed, bits_for};
 
-/// The flags of a word, below its slot. The last word of a collapse is one of a rename, too.
+/// The flags of a word, below its slot. The last word of a collapse is also the last of a rename.
 const END_OF_RENAME: u32 = 1;
 const END_OF_COLLAPSE: u32 = 2;
 const RESTART_AFTER: u32 = 4;
 pub(super) const FLAG_BITS: u32 = 3;
 
-/// A place between two collapses.
+/// A position between two collapses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct Position {
     word: usize,
     vertex: usize,
 }
 
-/// The records of all collapses, from the full mesh on, while they are made.
+/// The records of all collapses, from the full mesh on, during construction.
 #[derive(Debug)]
 pub(super) struct RecordList {
     words: Vec<u32>,
     vertices: Packed,
-    /// The number that stands for a restart: that after the largest vertex.
+    /// The value that represents a restart: the largest vertex plus one.
     restart: u32,
     vertex_count: usize,
 }
 
 impl RecordList {
-    /// Creates a list of collapses of vertices up to `largest`.
+    /// Creates a list for collapses of vertices up to `largest`.
     pub(super) fn new(largest: u32) -> Self {
         Self { words: Vec::new(), vertices: Packed::default(), restart: largest + 1, vertex_count: 0 }
     }
 
-    /// Returns the place after the last collapse.
+    /// Returns the position after the last collapse.
     pub(super) fn end(&self) -> Position {
         Position { word: self.words.len(), vertex: self.vertex_count }
     }
 
-    /// Appends what a collapse writes: at least one slot.
+    /// Appends what a collapse writes, at least one slot.
     ///
     /// # Errors
-    /// A slot is too high.
+    /// A slot index is too large.
     pub(super) fn push(&mut self, changes: &[Change]) -> Result<(), Error> {
         for renamed in changes.chunk_by(|a, b| (a.fine, a.coarse) == (b.fine, b.coarse)) {
             let Change { fine, coarse, .. } = renamed[0];
@@ -74,7 +76,7 @@ impl RecordList {
     }
 
     fn push_vertex(&mut self, vertex: u32) {
-        // An empty collapse may have a restart before it, too.
+        // A collapse without renames can have a restart before it.
         self.vertices.push(vertex.min(self.restart), bits_for(self.restart));
         self.vertex_count += 1;
     }
@@ -115,12 +117,12 @@ impl BlockRecords {
         index_of(self.vertices.get(i * bits as usize, bits), self.restart)
     }
 
-    /// Applies this number of collapses, which must follow the position, to the buffer of their key.
+    /// Applies `count` collapses, starting at the position, to the buffer of their key.
     pub(super) fn collapse<I: Index>(&self, count: usize, position: &mut Position, buffer: &mut [I]) {
         let (mut left, Position { word: mut next, mut vertex }) = (count, *position);
         while left > 0 {
             let word = self.word(next);
-            // A restart has no vertex of its own: that before it is read, and not used.
+            // A restart has no vertex of its own: the one before it is read and ignored.
             let coarse = self.vertex(vertex + usize::from(word & RESTART_AFTER == 0));
             buffer[(word >> FLAG_BITS) as usize] =
                 if word & RESTART_AFTER == 0 { coarse } else { I::RESTART };
@@ -131,10 +133,10 @@ impl BlockRecords {
         *position = Position { word: next, vertex };
     }
 
-    /// Undoes this number of collapses, which must lie before the position, in the buffer of their key.
+    /// Undoes `count` collapses before the position, in the buffer of their key.
     pub(super) fn split<I: Index>(&self, count: usize, position: &mut Position, buffer: &mut [I]) {
         let (mut left, Position { word: mut next, mut vertex }) = (count, *position);
-        // Up to the last word of the collapse before the first one that is undone.
+        // Stop at the last word of the collapse before the first one to undo.
         while next > 0 {
             let word = self.word(next - 1);
             if word & END_OF_COLLAPSE != 0 {
@@ -150,7 +152,7 @@ impl BlockRecords {
         *position = Position { word: next, vertex };
     }
 
-    /// Returns the slots written between two positions, some of them several times.
+    /// Returns the slots written between two positions, possibly with repeats.
     pub(super) fn slots(&self, between: Range<Position>) -> impl Iterator<Item = usize> {
         (between.start.word..between.end.word).map(|i| (self.word(i) >> FLAG_BITS) as usize)
     }
@@ -161,13 +163,13 @@ impl BlockRecords {
     }
 }
 
-/// Returns the number of vertices of a rename at its last word, and none at the others.
+/// Returns the number of vertices of a rename for its last word, and 0 for other words.
 #[inline]
 fn vertices_behind(word: u32) -> usize {
     (word & END_OF_RENAME) as usize * (2 - usize::from(word & RESTART_AFTER != 0))
 }
 
-/// Converts an entry of a packed buffer or record to an index, of a type that all vertices fit.
+/// Converts an entry of a packed buffer or record to an index. All vertices fit into its type.
 #[inline]
 pub(super) fn index_of<I: Index>(entry: u32, restart: u32) -> I {
     let index = I::from_vertex(entry).unwrap_or(I::RESTART);

@@ -5,7 +5,8 @@ use crate::collapse::Rename;
 use crate::lod::samples::{crowded_samples, samples, sorted};
 
 proptest! {
-    /// The oracle of the ranges is the comparison of both buffers; that of the strips stands in the tests of all models.
+    /// The oracle of the ranges compares both buffers. The oracle of the strips is in the tests of
+    /// all models.
     #[test]
     fn changed_ranges_contain_every_change(
         sample in prop_oneof![samples(), crowded_samples()],
@@ -23,7 +24,7 @@ proptest! {
             cursor.set_level(level).unwrap();
             prop_assert_eq!(sorted(cursor.strips().triangles()), sorted(sample.sequence.drawn(level).unwrap()));
             if jump % 3 == 0 {
-                // Several moves between two calls, also to other keys and back.
+                // Several level changes between two calls, also to other keys and back.
                 continue;
             }
             let changed = cursor.take_changed(most);
@@ -39,7 +40,7 @@ proptest! {
         }
     }
 
-    /// The order of moves does not matter: each level has one buffer.
+    /// The order of level changes does not matter: each level has one buffer.
     #[test]
     fn a_level_has_the_same_buffer_from_both_sides(sample in samples(), memory in 0..60_u32) {
         let options = BlockOptions::default().with_memory(memory);
@@ -58,7 +59,7 @@ proptest! {
     }
 }
 
-/// Returns what the collapses leave of one strip, without keys.
+/// Returns the buffers after each collapse of one strip, without keys.
 fn buffers_of(strip: &[u32], renames: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let mut buffer = LiveBuffer::new(strip.to_vec(), 32);
     let of_rename = |&[removed, kept]: &[u32; 2]| {
@@ -74,7 +75,7 @@ const R: u32 = RESTART;
 fn ends_without_triangles_become_restarts() {
     assert_eq!(
         buffers_of(&[0, 1, 2, 3, 4, 5], &[[0, 2], [5, 3], [2, 3]]),
-        // The first triangle that is left has the opposite direction, so that the slot before it stays.
+        // The first remaining triangle has reversed winding, so the slot before it is kept.
         [[2, 1, 2, 3, 4, 5], [2, 1, 2, 3, 4, R], [R; 6]]
     );
 }
@@ -82,14 +83,15 @@ fn ends_without_triangles_become_restarts() {
 #[test]
 fn slots_between_two_triangles_become_restarts() {
     let strip = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9];
-    // Two degenerate triangles share all their slots with those next to them; four have two slots of their own.
+    // Two degenerate triangles share all their slots with their neighbours; four have two slots of
+    // their own.
     assert_eq!(
         buffers_of(&strip, &[[3, 4], [5, 4], [6, 4]]),
         [[0, 1, 2, 4, 4, 5, 6, 7, 8, 9], [0, 1, 2, 4, 4, 4, 6, 7, 8, 9], [0, 1, 2, 4, R, R, 4, 7, 8, 9]]
     );
 }
 
-/// Builds the model of one strip and moves over all levels; every one is drawn.
+/// Builds the model of one strip, moves over all levels and checks that each is drawn.
 fn check_levels(strips: &Strips, sequence: &CollapseSequence) {
     for small_uploads in [false, true] {
         let options = BlockOptions::default().with_small_uploads(small_uploads);
@@ -114,7 +116,7 @@ fn collapses_may_rename_what_is_not_drawn() {
     let mut strips = Strips::default();
     strips.push(&[0, 1, 2]);
     check_levels(&strips, &sequence_of(3, vec![0, 1, 2], &[[2, 1], [1, 0]]));
-    // The kept vertex is in no strip.
+    // The kept vertex is not in any strip.
     check_levels(&strips, &sequence_of(10, vec![0, 1, 2, 9, 9, 9], &[[2, 9]]));
     check_levels(&Strips::default(), &sequence_of(3, vec![0, 0, 1], &[[0, 1]]));
     strips.push(&[3, 4, 5]);

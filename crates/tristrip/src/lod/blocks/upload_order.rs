@@ -1,42 +1,47 @@
-//! The order of the triangles in a buffer of which moves upload little: what changes together lies together.
+//! The order of the triangles in a buffer with small uploads: triangles that change together are
+//! stored together.
 //!
 //! ```text
 //! levels of a key     ├───────────────┤          triangles that change on both sides of the middle
-//!                     ├───────┼───────┤          … on one side of it, but on both sides of its quarter
-//!                     ├───┼───┼───┼───┤          … within one quarter
+//!                     ├───────┼───────┤          on one side, but on both sides of its quarter
+//!                     ├───┼───┼───┼───┤          within one quarter
 //! ```
-//! A collapse changes a few triangles anywhere in the strips, so that a move changes some slots in all parts of the buffer. Here the levels of a key are
-//! halved several times. A triangle belongs to the smallest of these intervals in which all its changes lie, or to none. The
-//! buffer has the triangles of each interval one after the other: a move uploads those of the intervals that contain it.
+//! A collapse changes a few triangles anywhere in the strips, so without this order a level change
+//! would write slots in all parts of the buffer. Here the levels of a key are halved several times.
+//! A triangle belongs to the smallest of these intervals that contains all its changes, or to none.
+//! The buffer stores the triangles of each interval together. A level change uploads the intervals
+//! that contain it.
 //!
 //! # Algorithm
-//! Strips are cut into pieces of one interval each. A triangle may also be in a larger interval, which is uploaded more often, and one that never changes in
-//! any. The pieces of a strip are those for which the vertices of the cuts, and the uploaded slots times a price, cost the least: dynamic programming
-//! over its triangles and the intervals that contain them.
+//! Strips are split into pieces of one interval each. A triangle may also be put into a larger
+//! interval, which is uploaded more often; one that never changes may be put into any interval. The
+//! chosen pieces minimize the vertices of the cuts plus the uploaded slots times a price. They are
+//! found by dynamic programming over the triangles of a strip and the intervals that contain them.
 //!
 //! # Complexity
-//! For each triangle a step per pair of intervals that contain it and the one before it, of which there are at most ten. Long strips are taken in
-//! segments of [`SEGMENT`] triangles, each at the least cost, so that the memory is limited.
+//! For each triangle, one step per pair of intervals that contain it and the previous triangle; at
+//! most ten contain each. Long strips are processed in segments of [`SEGMENT`] triangles, each at
+//! minimum cost, to limit memory.
 
 use crate::lod::level::index_map::RESTART;
 use crate::mesh::is_degenerate;
 
-/// What a cut costs: two vertices again, and a restart.
+/// The cost of a cut: two repeated vertices and a restart.
 const CUT: f32 = 3.0;
 
-/// The price of a slot that each move uploads.
+/// The price of a slot that every level change uploads.
 const UPLOAD: f32 = 6.0;
 
-/// How far a triangle that never changes looks for one that does.
+/// How many triangles a triangle that never changes looks ahead for one that does.
 const LOOK_AHEAD: usize = 16;
 
-/// Triangles that are taken at once.
+/// The number of triangles processed at once.
 const SEGMENT: usize = 1 << 12;
 
-/// The most halvings.
+/// The maximum number of halvings.
 const MAX_DEPTH: u32 = 9;
 
-/// An interval of levels: how often the levels of the key are halved, and the number of the part.
+/// An interval of levels: the number of halvings, and the index of the part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Interval {
     depth: u32,
@@ -52,13 +57,14 @@ impl Interval {
         Some(Self { depth, number: self.number / 2 })
     }
 
-    /// Returns the place of the interval among all: that of its middle.
+    /// Returns the position of the interval in the buffer order, which is that of its middle.
     fn place(self) -> u32 {
         (2 * self.number + 1) << (MAX_DEPTH - self.depth)
     }
 }
 
-/// When each slot of a buffer changes: the first and the last collapse, counted from the key on.
+/// For each slot of a buffer, the first and the last collapse that changes it, counted from the
+/// key.
 #[derive(Debug)]
 pub(super) struct SlotChanges {
     spans: Vec<Option<[u32; 2]>>,
@@ -67,23 +73,24 @@ pub(super) struct SlotChanges {
 }
 
 impl SlotChanges {
-    /// Starts with slots that never change. Levels are halved until a part has at most `smallest` collapses.
+    /// Creates the state of slots that never change. Levels are halved until a part has at most
+    /// `smallest` collapses.
     pub(super) fn new(slot_count: usize, collapse_count: usize, smallest: usize) -> Self {
         let depth = (0..MAX_DEPTH).find(|depth| collapse_count >> depth <= smallest).unwrap_or(MAX_DEPTH);
         Self { spans: vec![None; slot_count], collapse_count: collapse_count as u32, depth }
     }
 
-    /// Records that a collapse changes a slot; collapses come in their order.
+    /// Records that a collapse changes a slot. Call it in the order of the collapses.
     pub(super) fn add(&mut self, slot: u32, collapse: u32) {
         let span = &mut self.spans[slot as usize];
         *span = Some([span.map_or(collapse, |[first, _]| first), collapse]);
     }
 
-    /// Returns the smallest interval in which three slots change.
+    /// Returns the smallest interval that contains all changes of three slots.
     fn label(&self, first: usize) -> Label {
         let spans = self.spans[first..first + 3].iter().flatten();
         let [first, last] = spans.copied().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
-        // The number of the part at the greatest depth, of collapses of a fraction.
+        // The index of the part that contains a collapse, at the maximum depth.
         let part =
             |collapse: u32| (u64::from(collapse) << self.depth) / u64::from(self.collapse_count.max(1));
         let (mut a, mut b, mut depth) = (part(first) as u32, part(last) as u32, self.depth);
@@ -94,7 +101,7 @@ impl SlotChanges {
     }
 }
 
-/// Returns the strips of an index map in pieces that lie in the order of their intervals.
+/// Returns the strips of an index map, split into pieces in the order of their intervals.
 pub(super) fn ordered(entries: &[u32], changes: &SlotChanges) -> Vec<u32> {
     let mut pieces: Vec<(u32, usize, usize, bool)> = Vec::new();
     let mut start = 0;
@@ -121,30 +128,30 @@ pub(super) fn ordered(entries: &[u32], changes: &SlotChanges) -> Vec<u32> {
         if i > 0 {
             ordered.push(RESTART);
         }
-        // The winding of the piece stays if its first vertex is repeated.
+        // Repeating the first vertex preserves the winding of the piece.
         ordered.extend(is_odd.then_some(entries[first]));
         ordered.extend_from_slice(&entries[first..end]);
     }
     ordered
 }
 
-/// A label of a triangle, and what the strip costs up to it.
+/// A label of a triangle, and the cost of the strip up to it.
 #[derive(Debug, Clone, Copy)]
 struct LabelChoice {
     label: Label,
     cost: f32,
-    /// The choice of the triangle before it.
+    /// The choice of the previous triangle.
     before: u8,
 }
 
-/// Returns for each triangle of a strip the label with which the strip costs the least.
+/// Returns for each triangle of a strip the label that minimizes the cost of the strip.
 fn cheapest(labels: &[Label]) -> Vec<Label> {
     let mut choices: Vec<Vec<LabelChoice>> = Vec::with_capacity(labels.len());
     for (i, &label) in labels.iter().enumerate() {
         // 1. The labels that contain the changes of the triangle.
         let mut allowed: Vec<Label> = containing(label).collect();
         if label.is_none() {
-            // Those of its neighbours.
+            // Also the labels of its neighbours.
             if let Some(before) = choices.last() {
                 allowed.extend(before.iter().map(|choice| choice.label));
             }
@@ -153,7 +160,7 @@ fn cheapest(labels: &[Label]) -> Vec<Label> {
             allowed.sort_unstable();
             allowed.dedup();
         }
-        // 2. Each goes on with the same label, or after a cut.
+        // 2. Each label continues the same label or follows a cut.
         let of_triangle = allowed.into_iter().map(|label| {
             let price = label.map_or(0.0, |interval| UPLOAD / (1_u32 << interval.depth) as f32);
             let Some(all_before) = choices.last() else {
@@ -169,7 +176,7 @@ fn cheapest(labels: &[Label]) -> Vec<Label> {
         let of_triangle = of_triangle.collect();
         choices.push(of_triangle);
     }
-    // 3. Back from the cheapest end.
+    // 3. Trace back from the cheapest end.
     let ends = choices.last().into_iter().flatten().enumerate();
     let mut at = ends.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost)).map_or(0, |(i, _)| i);
     let mut chosen = Vec::with_capacity(labels.len());
@@ -182,7 +189,8 @@ fn cheapest(labels: &[Label]) -> Vec<Label> {
     chosen
 }
 
-/// Returns the intervals that contain an interval, with itself; for a triangle that never changes, that it does not.
+/// Returns the intervals that contain an interval, including itself. For `None`, returns only
+/// `None`.
 fn containing(label: Label) -> impl Iterator<Item = Label> {
     let ancestors = std::iter::successors(label, |interval| interval.parent()).map(Some);
     ancestors.chain(label.is_none().then_some(None))
@@ -196,7 +204,7 @@ mod tests {
     use crate::lod::samples::sorted;
     use crate::strip::Strips;
 
-    /// Any interval of at most two halvings, or none.
+    /// Generates an interval of at most two halvings, or none.
     fn labels() -> impl Strategy<Value = Label> {
         prop_oneof![
             Just(None),
@@ -205,7 +213,8 @@ mod tests {
         ]
     }
 
-    /// Returns what a strip costs with one label per triangle; `None` if a label does not contain the changes of its triangle.
+    /// Returns the cost of a strip with one label per triangle; `None` if a label does not contain
+    /// the changes of its triangle.
     fn cost(labels: &[Label], chosen: &[Label]) -> Option<f32> {
         let contains = labels.iter().zip(chosen).all(|(&label, chosen)| {
             label.is_none() || containing(label).any(|containing| containing == *chosen)
@@ -216,7 +225,7 @@ mod tests {
     }
 
     proptest! {
-        /// The oracle is the search among all labels of all triangles.
+        /// The oracle is an exhaustive search over all labels of all triangles.
         #[test]
         fn the_chosen_labels_cost_the_least(labels in prop::collection::vec(labels(), 1..6)) {
             let all: Vec<Label> = (0..3_u32)
@@ -256,7 +265,7 @@ mod tests {
 
     #[test]
     fn triangles_lie_in_the_order_of_their_changes() {
-        // Two fans that share nothing; the first changes late, the second early, and one triangle never.
+        // Two separate fans. The first changes late, the second early, and one triangle never.
         let map = [0, 1, 2, 3, 4, RESTART, 5, 6, 7, 8, 9, RESTART, 10, 11, 12];
         let mut changes = SlotChanges::new(map.len(), 16, 1);
         (6..11).for_each(|slot| changes.add(slot, 1));

@@ -1,29 +1,34 @@
-//! Ours: the valid triangles of a simplified strip in their order, at the least cost that strips in this order have.
+//! A filter developed for this library: sends the valid triangles of a simplified strip in their
+//! order, at the minimum cost for strips in this order.
 //!
 //! # Algorithm
-//! The next valid triangle is linked to the one sent last if the two share an edge with opposite directions that is not the entry edge of the last one.
-//! A swap is sent only when a link needs it. The triangle sent last is z x y, entered across z x:
+//! The next valid triangle is linked to the last one if the two share an edge with opposite
+//! directions that is not the entry edge of the last one. A swap is sent only when a link needs it.
+//! The last triangle is z x y, entered across z x:
 //!
 //! ```text
 //!     y           across x y   w follows                            z x y w
 //!    ╱ ╲          across z y   a swap changes the exit edge         z x z y w
-//!   ╱   ╲         across z x   only for the first triangle, which is rotated: all its links are free
-//!  z─────x        otherwise    a new strip, whose first triangle begins at an even position by a rotation, not a repeat
+//!   ╱   ╲         across z x   only if it is the first triangle: rotate it; all its links are free
+//!  z─────x        otherwise    a new strip; rotate its first triangle to begin at an even position
 //! ```
-//! A strip whose second triangle took a swap is reversed without the swap where its length allows: the parities of all its triangles then change
-//! with the direction.
+//! If the second triangle of a strip took a swap, the strip is reversed without the swap, provided
+//! its length allows it: the parities of all its triangles then change with the direction.
 //!
-//! Strips are not joined by degenerate triangles, which would send two of them in a row: that is part of the [layout](crate::strip::layout).
+//! Strips are not joined by degenerate triangles, which would send two of them in a row. Joining is
+//! part of the [layout](crate::strip::layout).
 //!
-//! A sequence of linked triangles therefore costs what [`emit`](crate::strip::emit()) would send for its path. A link always pays: it costs one vertex and
-//! at most two swaps, a new strip three vertices and a restart. On a surface where at most two triangles meet at an edge the result is never
-//! worse than that of [`dtfs`](super::dtfs), which splits wherever the shared edge is not the last one.
+//! A sequence of linked triangles therefore costs as much as the strip that
+//! [`emit`](crate::strip::emit()) would send for its path. A link is always worthwhile: it costs
+//! one vertex and at most two swaps, while a new strip costs three vertices and a restart. On a
+//! surface with at most two triangles per edge, the result is never worse than that of
+//! [`dtfs`](super::dtfs), which splits wherever the shared edge is not the last one.
 //!
 //! # References
 //! Kim et al. 2005, section 4. Departures: rotations, links across other edges, and late swaps.
 //!
 //! # Complexity
-//! O(n); at most three vertices per triangle.
+//! O(n) time; at most three vertices per triangle.
 
 use super::scanner::{Scanner, Sink};
 use super::valid::{FIRST_KEY, Gatherer};
@@ -32,7 +37,7 @@ use super::valid::{FIRST_KEY, Gatherer};
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Linked {
     key: u32,
-    /// The simplified strip of the triangle sent last.
+    /// The index of the simplified strip that contains the last triangle.
     strip: u32,
     run: DisplayStrip,
 }
@@ -71,7 +76,7 @@ impl Scanner for Linked {
 /// The open display strip.
 #[derive(Debug, Clone, PartialEq)]
 struct DisplayStrip {
-    /// The triangle sent last, entered across its first two vertices unless it is the only one.
+    /// The last triangle sent, entered across its first two vertices unless it is the only one.
     last: [u32; 3],
     /// Whether an even number of vertices was sent.
     is_even: bool,
@@ -95,11 +100,12 @@ impl DisplayStrip {
             Self { last: triangle, is_even: false, count: SentTriangles::One, is_swapped_at_start: false };
     }
 
-    /// Sends a triangle if the last one can be left across an edge that the two share.
+    /// Sends a triangle if the last one can exit across an edge shared with it. Returns whether it
+    /// did.
     fn link(&mut self, triangle: [u32; 3], sink: &mut impl Sink) -> bool {
         let [z, x, y] = self.last;
         if self.count == SentTriangles::One {
-            // It is at an even position, so its vertices are in its winding.
+            // The last triangle is at an even position, so its vertices are in its winding order.
             for [z, x, y] in [[z, x, y], [x, y, z], [y, z, x]] {
                 if let Some(w) = across(triangle, y, x) {
                     sink.replace_last([z, x, y]);
@@ -109,7 +115,7 @@ impl DisplayStrip {
             }
             return false;
         }
-        // The triangle sent last is at an odd position if the number of vertices is even.
+        // The last triangle is at an odd position if the number of vertices is even.
         let turned =
             |from, to| if self.is_even { across(triangle, to, from) } else { across(triangle, from, to) };
         if let Some(w) = turned(y, x) {

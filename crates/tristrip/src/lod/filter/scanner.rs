@@ -1,4 +1,5 @@
-//! What the filters share: scans of an index map, and the sinks that store or count the display strips.
+//! Shared code of the filters: scans of an index map, and the sinks that store or count display
+//! strips.
 
 use super::valid::{BLOCK, Gatherer};
 use crate::strip::Strips;
@@ -6,15 +7,16 @@ use crate::strip::Strips;
 /// The cost of display strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct DrawCost {
-    /// Vertices sent, swaps and winding repeats included.
+    /// Vertices sent, including swaps and winding repeats.
     pub vertices: usize,
     /// Display strips.
     pub strips: usize,
-    /// Vertices among those sent that a strip repeats at its start to keep its winding.
+    /// Vertices that strips repeat at their start to preserve the winding; included in `vertices`.
     pub winding_repeats: usize,
 }
 
-/// A scan of an index map, block by block. The value is the state between two blocks: equal states continue equally.
+/// A scan of an index map, block by block. The value is the state between two blocks: from equal
+/// states, scans continue identically.
 pub(crate) trait Scanner: Clone + PartialEq + Default {
     /// Scans the first block of `rest`.
     fn scan(&mut self, rest: &[u32], gatherer: &mut Gatherer, sink: &mut impl Sink);
@@ -30,13 +32,14 @@ pub(crate) trait Scanner: Clone + PartialEq + Default {
     }
 }
 
-/// A receiver of display strips that stores or only counts them.
+/// Receives display strips, and stores or only counts them.
 pub(crate) trait Sink {
     /// Sends a vertex.
     fn send(&mut self, vertex: u32);
     /// Sends vertices.
     fn send_all(&mut self, vertices: &[u32]);
-    /// Sends vertices in which display strips begin at `starts`. Unless a strip `is_begun`, the first start is the first vertex of all.
+    /// Sends vertices of display strips that begin at `starts`. Unless a strip `is_begun`, the
+    /// first start is the first vertex.
     fn send_block(
         &mut self,
         vertices: &[u32],
@@ -44,9 +47,9 @@ pub(crate) trait Sink {
         winding_repeats: usize,
         is_begun: bool,
     );
-    /// Inserts a vertex before the one sent last.
+    /// Inserts a vertex before the last one.
     fn send_before_last(&mut self, vertex: u32);
-    /// Replaces the three vertices sent last.
+    /// Replaces the last three vertices.
     fn replace_last(&mut self, vertices: [u32; 3]);
     /// Reverses the open strip, without the swap of its second triangle.
     fn reverse_open_strip(&mut self);
@@ -54,7 +57,8 @@ pub(crate) trait Sink {
     fn end(&mut self);
 }
 
-/// The cost of a part of a scan. It may be negative: a strip may become cheaper when it ends.
+/// The cost of a part of a scan. It can be negative, because a strip can become cheaper when it
+/// ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct DrawTally {
     pub(crate) vertices: isize,
@@ -109,7 +113,7 @@ impl Sink for DrawTally {
     }
 }
 
-/// Replaces the last vertex of a strip, which is returned.
+/// Replaces the last vertex of a strip and returns the old one.
 pub(crate) fn replace_last_vertex(strip: &mut [u32], vertex: u32) -> Option<u32> {
     strip.last_mut().map(|last| std::mem::replace(last, vertex))
 }
@@ -121,7 +125,7 @@ pub(crate) fn replace_last_triangle(strip: &mut [u32], vertices: [u32; 3]) {
     }
 }
 
-/// Reverses a strip v0 v1 v2 v1 w … so that it is … w v1 v2 v0 v1, of which the last vertex is to be dropped.
+/// Reverses a strip v0 v1 v2 v1 w … to … w v1 v2 v0 v1. The caller drops the last vertex.
 pub(crate) fn reverse_but_for_start(strip: &mut [u32]) {
     strip.reverse();
     if let [.., second, first] = strip {

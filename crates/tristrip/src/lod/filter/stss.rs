@@ -1,29 +1,37 @@
-//! The simple triangle strip scanner: pairs of vertices that repeat immediately, (a a)+ and (a b)+, are sent once.
+//! The simple triangle strip scanner: vertices and pairs that repeat immediately, (a a)+ and (a
+//! b)+, are sent once.
 //!
 //! # Algorithm
-//! The strip is read in pairs. A pair that equals the next one is not sent: so each of the longest runs of the regular expressions, which take two
-//! vertices at a time from the start of the strip, becomes one pair.
+//! The strip is read in pairs. A pair that equals the next one is skipped. So each longest run of
+//! the regular expressions, which consume two vertices at a time from the start of the strip,
+//! becomes one pair.
 //!
-//! Removing two vertices changes no parity and removes only the two degenerate triangles that begin with them: windings are kept, although
-//! neither paper mentions them. Waste such as (a a b b) or (a b b c) is sent, and so is a repeat that begins within a pair, such as c (a b a b) d.
+//! Removing two vertices does not change parities and removes only the two degenerate triangles
+//! that begin with them. Windings are preserved, although neither paper mentions them. Redundant
+//! sequences such as (a a b b) or (a b b c) are sent, as is a repeat that begins within a pair,
+//! such as c (a b a b) d.
 //!
-//! # The other reading
-//! The papers do not say whether a run may begin at any vertex. A scanner that moves on by one vertex after each that it sends finds more of them. With
-//! it, table 2 of Kim et al. cannot be reached: 66.4 and 63.0 % of single triangles on cow and bunny where 73.1 and 69.1 are printed, and in pairs
-//! 71.4 and 68.3, with strips that agree with the printed results of the other filters within 2.4.
+//! # The other interpretation
+//! The papers do not say whether a run may begin at any vertex. A scanner that advances by one
+//! vertex after each one that it sends finds more runs. It cannot reproduce table 2 of Kim et al.:
+//! it gives 66.4 and 63.0 % of single triangles on cow and bunny, where the table has 73.1 and
+//! 69.1. Scanning in pairs gives 71.4 and 68.3, with strips that match the printed results of the
+//! other filters within 2.4.
 //!
 //! # The published example
-//! Figure 8 of Kim et al. prints, for a strip of 26 vertices, 11 that the scanner sends:
-//! `615 615 502 615 206 620 620 580 66 761 258`. The rules give 14, in both readings: pairs leave three of five equal vertices, and at the end
-//! `761 761 258 761`. A pass that first shortens runs of equal vertices to two would give the printed list up to `66`; nothing gives
-//! its end. Moreover, two triangles of the printed strip have the wrong winding, since a run of five lost three, and a third,
-//! `66 761 258`, is not in the mesh.
+//! Figure 8 of Kim et al. prints 11 vertices that the scanner sends for a strip of 26 vertices:
+//! `615 615 502 615 206 620 620 580 66 761 258`. The rules give 14 in both interpretations: pairs
+//! leave three of five equal vertices, and `761 761 258 761` at the end. A pass that first shortens
+//! runs of equal vertices to two would give the printed list up to `66`. No reading of the rules
+//! gives its end. Moreover, two triangles of the printed strip have the wrong winding, since a run
+//! of five lost three vertices, and a third, `66 761 258`, is not in the mesh.
 //!
 //! # References
-//! El-Sana et al. 2000, section 5.4; Kim et al. 2005, section 2.3, and section 5, where it reads four vertices at a time.
+//! El-Sana et al. 2000, section 5.4; Kim et al. 2005, section 2.3, and section 5, where it reads
+//! four vertices at a time.
 //!
 //! # Complexity
-//! O(n).
+//! O(n) time.
 
 use super::scanner::{Scanner, Sink};
 use super::valid::{BLOCK, Gatherer};
@@ -32,7 +40,7 @@ use crate::lod::level::index_map::RESTART;
 /// The state of the scan after a block.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Stss {
-    /// Entries of the next block that are done.
+    /// The number of entries of the next block that are already processed.
     done: usize,
     /// Whether a vertex of the strip was sent.
     is_begun: bool,

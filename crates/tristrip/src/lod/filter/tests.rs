@@ -25,7 +25,7 @@ fn draws_the_same(display: &Strips, strip: &[u32]) -> bool {
 fn figure_2e() {
     assert_eq!(filtered(Filter::None, &FIGURE_2E).vertices(), FIGURE_2E);
     assert_eq!(filtered(Filter::Stss, &FIGURE_2E).vertices(), [2, 3, 2, 5]);
-    // One triangle, at an odd place: {d, c, f}.
+    // One triangle, at an odd position: {d, c, f}.
     assert_eq!(filtered(Filter::Dtfs, &FIGURE_2E).vertices(), [3, 3, 2, 5]);
     assert_eq!(filtered(Filter::Linked, &FIGURE_2E).vertices(), [2, 3, 5]);
 }
@@ -43,7 +43,7 @@ fn figure_8() {
     let linked = filtered(Filter::Linked, &FIGURE_8);
     let strips: Vec<&[u32]> = linked.iter().collect();
     assert_eq!(strips, [&[502, 615, 206, 620][..], &[620, 66, 580, 761]]);
-    // What the figure prints for STSS draws a triangle that the strip does not have.
+    // The list that the figure prints for STSS draws a triangle that is not in the strip.
     let printed = [615, 615, 502, 615, 206, 620, 620, 580, 66, 761, 258];
     assert!(strip_triangles(&printed).any(|t| t == [66, 761, 258]));
     assert!(!strip_triangles(&FIGURE_8).any(|t| t.contains(&258)));
@@ -59,7 +59,7 @@ fn cases_of_figure_7() {
 
 #[test]
 fn triangles_of_one_sense_at_an_edge_are_not_linked() {
-    // 0 1 2 and 1 2 3 both have the directed edge 1 → 2: no strip can draw both without a break.
+    // 0 1 2 and 1 2 3 both have the directed edge 1 → 2, so no strip can draw both without a break.
     let strip = [0, 1, 2, 2, 1, 1, 1, 2, 3];
     for filter in [Filter::Dtfs, Filter::Linked] {
         let display = filtered(filter, &strip);
@@ -83,7 +83,7 @@ fn what_has_no_triangle_sends_nothing() {
 
 #[test]
 fn a_swap_at_the_start_is_saved_from_the_other_end() {
-    // 1 2 3 is left across 1 3: a swap, or the strip from its other end.
+    // The strip exits 1 2 3 across 1 3: with a swap, or reversed.
     let strip = [0, 1, 2, 1, 3, 4];
     assert_eq!(filtered(Filter::Linked, &strip).vertices(), [4, 3, 1, 2, 0]);
     assert_eq!(filtered(Filter::Dtfs, &strip).vertices(), strip);
@@ -95,8 +95,8 @@ fn share_an_edge(a: [u32; 3], b: [u32; 3]) -> bool {
     edges(a).into_iter().any(|[from, to]| edges(b).contains(&[to, from]))
 }
 
-/// Returns the fewest vertices that draw triangles in this order as one strip: a breadth-first search over the number of triangles drawn,
-/// the parity and the last two vertices.
+/// Returns the minimum number of vertices that draw triangles in this order as one strip: a
+/// breadth-first search over the number of triangles drawn, the parity and the last two vertices.
 fn cheapest_strip(triangles: &[[u32; 3]]) -> usize {
     let same = |t: &[u32; 3], u: [u32; 3]| *t == u || *t == [u[1], u[2], u[0]] || *t == [u[2], u[0], u[1]];
     let vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
@@ -125,11 +125,12 @@ fn cheapest_strip(triangles: &[[u32; 3]]) -> usize {
     unreachable!()
 }
 
-/// Returns the fewest vertices that draw triangles in this order as any number of strips, each from either end.
+/// Returns the minimum number of vertices that draw triangles in this order as any number of
+/// strips, each in either direction.
 fn cheapest(triangles: &[[u32; 3]]) -> usize {
     let mut best = vec![0];
     for end in 1..=triangles.len() {
-        // Strips joined only by degenerate triangles belong to a layout, not to a filter.
+        // Joining strips by degenerate triangles belongs to the layout, not to a filter.
         let is_linked = |start: &usize| triangles[*start..end].windows(2).all(|t| share_an_edge(t[0], t[1]));
         let from = |start: usize| {
             let strip = &triangles[start..end];
@@ -141,7 +142,8 @@ fn cheapest(triangles: &[[u32; 3]]) -> usize {
     best[triangles.len()]
 }
 
-/// A strip over an oriented triangulated surface, with vertices renamed as by collapses along its edges.
+/// Generates a strip over an oriented triangulated surface, with vertices renamed as by collapses
+/// along its edges.
 fn simplified() -> impl Strategy<Value = Vec<u32>> {
     let strip = prop::collection::vec((0..4_u32, 0..3_usize), 3..30).prop_map(|steps| {
         let mut strip = vec![0, 1, 2];
@@ -181,7 +183,8 @@ proptest! {
             }
             let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| filter.sent_by_map(&strip));
             prop_assert!(stss.vertices <= none.vertices);
-            // Otherwise a triangle may be drawn twice in a row, and the edge that links two triangles may be needed later.
+            // On other meshes, a triangle can be drawn twice in a row, and an edge used for a link
+            // can be needed later.
             prop_assert!(!is_surface || linked.vertices <= dtfs.vertices && linked.strips <= dtfs.strips);
             prop_assert_eq!(none.winding_repeats + stss.winding_repeats + linked.winding_repeats, 0);
         }

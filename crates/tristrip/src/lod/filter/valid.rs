@@ -1,7 +1,8 @@
-//! The valid triangles of simplified strips: the positions where three consecutive vertices are different.
+//! The valid triangles of simplified strips: the positions where three consecutive vertices are
+//! different.
 //!
-//! Which positions are valid is unpredictable, so that a branch per position would cost more than everything else. The positions are
-//! therefore gathered without a branch, a block at a time.
+//! Valid positions are unpredictable, so a branch per position would dominate the run time. The
+//! positions are therefore gathered without branches, one block at a time.
 
 #![allow(clippy::needless_bitwise_bool, reason = "a lazy operator would be a branch")]
 
@@ -10,13 +11,14 @@ use crate::lod::level::index_map::RESTART;
 /// The key of the first position of a map.
 pub(super) const FIRST_KEY: u32 = 2;
 
-/// Entries of a block.
+/// The number of entries per block.
 pub(crate) const BLOCK: usize = 64;
 
 /// A valid triangle of an index map.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Valid {
-    /// Twice the number of its strip, plus the parity of its position there. Strips are counted from one.
+    /// Twice the index of its strip, counted from one, plus the parity of its position in the
+    /// strip.
     pub(super) key: u32,
     /// Its position in the block.
     pub(super) position: u32,
@@ -32,8 +34,8 @@ impl Gatherer {
         Self { valid: [Valid::default(); BLOCK] }
     }
 
-    /// Gathers the valid triangles of the first block of `rest`. `key` is the key of its first position, and becomes the key of the
-    /// position after the block.
+    /// Gathers the valid triangles of the first block of `rest`. `key` is the key of its first
+    /// position; it becomes the key of the position after the block.
     pub(super) fn gather(&mut self, rest: &[u32], key: &mut u32) -> &[Valid] {
         let Some(positions) = rest.len().checked_sub(2) else { return &[] };
         let block = &rest[..positions.min(BLOCK) + 2];
@@ -46,7 +48,7 @@ impl Gatherer {
         }
         let mut now = *key;
         for (position, (&vertex, &is_valid)) in block[..block.len() - 2].iter().zip(&is_valid).enumerate() {
-            // Within the block: `count` is at most `position`.
+            // The index is in range: `count` is at most `position`.
             self.valid[count % BLOCK] = Valid { key: now, position: position as u32 };
             count += usize::from(is_valid);
             now = if vertex == RESTART { (now | 1).wrapping_add(1) } else { now ^ 1 };

@@ -1,53 +1,61 @@
-//! If the kept vertex is nearby in the strip, a collapse writes a symbol that refers to it, so that fewer slots hold the vertex.
+//! Encoded progressive strips: if the kept vertex is nearby in the strip, a collapse writes a
+//! symbol that refers to it, so fewer slots contain the vertex.
 //!
-//! The two vertices of a collapsed edge that a strip draws are at most two slots apart. The removed one need not become another copy of the kept one: the
-//! symbol R−2, R−1, R+1 or R+2 in its slot means "the vertex 2 before, 1 before, 1 after, 2 after".
+//! The two vertices of a collapsed edge that a strip draws are at most two slots apart. The removed
+//! one need not become another copy of the kept one: the symbol R−2, R−1, R+1 or R+2 in its slot
+//! means "the vertex 2 before, 1 before, 1 after, 2 after".
 //!
 //! ```text
 //! map        0 1 2 3 4 5           4 collapses to 3, then 3 to 2
 //! naive      0 1 2 3 3 5           0 1 2 2 2 5            two slots
 //! offsets    0 1 2 3 ◁ 5           0 1 2 ◁ ◁ 5            one: R−1 in slot 4 follows slot 3
 //! ```
-//! A symbol refers to a slot, not to a vertex: when that slot is renamed later, its followers change with it, although no record names them. Only
-//! the slots that hold the vertex itself, its *roots*, are updated and stand in the record of the split.
+//! A symbol refers to a slot, not to a vertex. When that slot is renamed later, its followers
+//! change with it, although no record lists them. Only the slots that contain the vertex itself,
+//! its *roots*, are updated and listed in the record of the split.
 //!
 //! # Algorithm
-//! 1. Swaps and winding repeats are symbols in the full mesh already.
-//! 2. At a collapse each root of the removed vertex looks at the slots 1 and 2 before and after it in its strip. It refers to one that stands for the
-//!    kept vertex, or to one that stands for the removed vertex through another root, since that root will be renamed now. Otherwise the kept
-//!    vertex is written, as in both exceptions of the paper: a *disjoint* vertex, where the edge is not in this strip or not at this
-//!    position of it, and a *closed* one, which a strip passes twice.
-//! 3. References never close a cycle: a root may only refer to a slot whose root is another one.
+//! 1. Swaps and winding repeats are symbols already in the full mesh.
+//! 2. At a collapse, each root of the removed vertex examines the slots 1 and 2 before and after it
+//!    in its strip. It refers to one that represents the kept vertex. It may also refer to one that
+//!    represents the removed vertex through another root, since that root is renamed by the same
+//!    collapse. Otherwise the kept vertex is written. This includes both exceptions of the paper: a
+//!    *disjoint* vertex, where the edge is not in this strip or not at this position, and a
+//!    *closed* one, which a strip passes twice.
+//! 3. References never form a cycle: a root may only refer to a slot with another root.
 //!
-//! Joining trees of the same vertex is ours; it saves less than one percent of the slots. A split writes the vertex back into its roots, and the
-//! followers change with them.
+//! Joining trees of the same vertex is not in the paper; it saves less than one percent of the
+//! slots. A split writes the vertex back into its roots, and the followers change with them.
 //!
-//! Decoding resolves each reference once: chains are followed to their root, and the vertex is written to the whole chain.
+//! Decoding resolves each reference once: chains are followed to their root, and the vertex is
+//! written to the whole chain.
 //!
 //! # References
 //! Kim et al. 2005, sections 3.3 and 3.4.
 //!
 //! # Complexity
-//! Decoding is O(n). Recording takes one step per slot renamed naively, and temporarily 12 bytes per entry.
+//! Decoding is O(n). Recording takes one step per slot renamed naively, and temporarily 12 bytes
+//! per entry.
 
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
 use crate::lod::level::index_map::RESTART;
 use crate::lod::level::replay::{Records, VertexSlots};
 
-/// The number of vertices whose ids are below the symbols.
+/// The maximum number of vertices whose ids are below the symbols.
 pub(super) const MAX_VERTEX_COUNT: u32 = u32::MAX - 4;
 
 /// The meaning of the symbols, from the lowest.
 const SYMBOLS: [i8; 4] = [-2, -1, 1, 2];
 
-/// The slots that a root looks at, nearest first.
+/// The slots that a root examines, nearest first.
 const OFFSETS: [i8; 4] = [-1, 1, -2, 2];
 
-/// A chain of more references is not extended, so that a collapse takes bounded time.
+/// The maximum length of a chain of references, which bounds the time of a collapse.
 const MAX_CHAIN: usize = 64;
 
-/// Returns the slot that an entry of an encoded map refers to, as an offset in entries: −2, −1, 1 or 2; `None` for a vertex or a restart.
+/// Returns the offset of the slot that an entry of an encoded map refers to: −2, −1, 1 or 2
+/// entries; `None` for a vertex or a restart.
 ///
 /// ```
 /// use tristrip::lod::{RESTART, encoded_offset};
@@ -62,7 +70,8 @@ fn symbol(offset: i8) -> u32 {
     MAX_VERTEX_COUNT + SYMBOLS.iter().take_while(|&&other| other != offset).count() as u32
 }
 
-/// Records all collapses over a map of vertices and restarts; returns the entries of the full mesh, and the records.
+/// Records all collapses over a map of vertices and restarts. Returns the entries of the full mesh,
+/// and the records.
 pub(super) fn record(map: &[u32], sequence: &CollapseSequence) -> Result<(Vec<u32>, Records), Error> {
     let full = encode_repeats(map);
     let mut roots = VertexSlots::of(map, sequence.vertex_count(), |slot| full[slot] == map[slot]);
@@ -77,7 +86,7 @@ pub(super) fn record(map: &[u32], sequence: &CollapseSequence) -> Result<(Vec<u3
                     None => removed,
                 };
             }
-            // Roots without a reference now stand for all entries that refer to them.
+            // All entries that refer to a root without a reference now represent `kept`.
             for &slot in &taken {
                 if entries[slot as usize] == removed {
                     entries[slot as usize] = kept;
@@ -91,7 +100,7 @@ pub(super) fn record(map: &[u32], sequence: &CollapseSequence) -> Result<(Vec<u3
     Ok((full, records))
 }
 
-/// Writes symbols for vertices that occur one or two slots before in the same strip.
+/// Writes symbols for vertices that occur one or two slots earlier in the same strip.
 fn encode_repeats(map: &[u32]) -> Vec<u32> {
     let repeats = |slot: usize, back: usize| {
         slot >= back && map[slot] != RESTART && map[slot] == map[slot - back] && map[slot - 1] != RESTART
@@ -105,7 +114,8 @@ fn encode_repeats(map: &[u32]) -> Vec<u32> {
         .collect()
 }
 
-/// Finds a neighbour in the strip that stands for one of two vertices, but not through the slot itself.
+/// Finds a neighbouring slot in the strip that represents one of two vertices, but not through the
+/// slot itself.
 fn reference(entries: &[u32], slot: usize, vertices: [u32; 2]) -> Option<i8> {
     let [removed, kept] = vertices;
     let is_near = |offset: i8| {
@@ -119,7 +129,7 @@ fn reference(entries: &[u32], slot: usize, vertices: [u32; 2]) -> Option<i8> {
     OFFSETS.into_iter().find_map(is_near)
 }
 
-/// Follows references to the slot of a vertex; `None` if the chain is too long.
+/// Follows references to the slot of a vertex. Returns `None` if the chain is too long.
 fn root(entries: &[u32], slot: usize) -> Option<usize> {
     let mut root = slot;
     for _ in 0..MAX_CHAIN {
@@ -131,12 +141,13 @@ fn root(entries: &[u32], slot: usize) -> Option<usize> {
     None
 }
 
-/// Fills `map` with the vertices that entries stand for. References must lead to vertices, over any number of others.
+/// Fills `map` with the vertices that entries represent. Every chain of references must end at a
+/// vertex.
 ///
 /// ```
 /// use tristrip::lod::decode_entries;
 /// let mut map = Vec::new();
-/// // The symbol R−1 stands for the vertex before it in the strip.
+/// // The symbol R−1 represents the vertex before it in the strip.
 /// decode_entries(&[7, u32::MAX - 3, 9], &mut map);
 /// assert_eq!(map, [7, 7, 9]);
 /// ```
@@ -145,7 +156,7 @@ pub fn decode(entries: &[u32], map: &mut Vec<u32>) {
     map.extend_from_slice(entries);
     for slot in 0..map.len() {
         let Some(first) = encoded_offset(map[slot]) else { continue };
-        // Follow the chain to a vertex or a decoded entry; then again, to write the vertex.
+        // Follow the chain to a vertex or a decoded entry. Follow it again to write the vertex.
         let follow = |at: usize, offset: i8| at.wrapping_add_signed(offset as isize);
         let mut end = follow(slot, first);
         while let Some(next) = encoded_offset(map[end]) {

@@ -1,7 +1,8 @@
-//! The kept vertex is written into every slot of the removed one.
+//! Naive progressive strips: the kept vertex is written into every slot of the removed one.
 //!
-//! A vertex collects the slots of all vertices that collapsed to it, those of swaps and degenerate parts of strips included, and passes them on
-//! when it collapses itself. For the models of the paper a collapse renames six or seven slots on average.
+//! A vertex accumulates the slots of all vertices that collapsed to it, including those of swaps
+//! and degenerate parts of strips. When it collapses itself, it passes them on. For the models of
+//! the paper, a collapse renames six or seven slots on average.
 //!
 //! # References
 //! Kim et al. 2005, section 3.2.
@@ -13,8 +14,9 @@ use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
 use crate::lod::level::replay::{Records, VertexSlots};
 
-/// Records all collapses over a map of vertices and restarts; returns the entries of the full mesh, and the records. The entries from `live(level)` on are not drawn at that level or below it,
-/// and stay as they were.
+/// Records all collapses over a map of vertices and restarts. Returns the entries of the full mesh,
+/// and the records. Entries from `live(level)` on are not drawn at that level or below, and are not
+/// renamed.
 pub(super) fn record(
     map: Vec<u32>,
     sequence: &CollapseSequence,

@@ -26,7 +26,7 @@ fn cursor(strips: &Strips, sequence: &CollapseSequence, encoding: Encoding) -> P
     Arc::new(ProgressiveStrips::new(strips, sequence, encoding).unwrap()).cursor()
 }
 
-/// Formats the entries for people.
+/// Formats the entries as readable text.
 fn text(model: &ProgressiveStripsCursor) -> String {
     let entry = |&e: &u32| match encoded_offset(e) {
         Some(offset) => format!("{offset:+}"),
@@ -76,13 +76,13 @@ fn a_swap_follows_the_vertex_that_it_repeats() {
     let mut model = cursor(&strips, &sequence, Encoding::Offsets);
     assert_eq!(text(&model), "0 1 2 -2 3");
     model.coarsen();
-    // The root is three slots from 3. Its follower is next to it, but is not considered.
+    // The root is three slots from 3. Its follower is adjacent to 3, but is not considered.
     assert_eq!((text(&model).as_str(), decoded(&model)), ("0 3 2 -2 3", vec![0, 3, 2, 3, 3]));
 }
 
 #[test]
 fn a_closed_vertex_is_encoded_on_one_side_only() {
-    // A spiral passes vertex 1 twice; its second slot is next to vertex 5.
+    // A spiral passes vertex 1 twice; its second slot is adjacent to vertex 5.
     let strips = strips(&[&[0, 1, 2, 3, 4, 1, 5]]);
     let sequence = sequence(&strips, &[(1, 5)]);
     let mut model = cursor(&strips, &sequence, Encoding::Offsets);
@@ -111,7 +111,8 @@ fn what_does_not_belong_together_is_refused() {
 
 #[test]
 fn a_hostile_sequence_hits_the_limit() {
-    // A fan of one strip whose rim collapses along itself: the number of slots over all collapses is quadratic.
+    // A fan of one strip whose rim collapses along itself: the number of slots over all collapses
+    // is quadratic.
     let count = 2000;
     let zigzag: Vec<u32> = (1..count).flat_map(|i| [0, i]).collect();
     let strips = strips(&[&zigzag]);
@@ -124,7 +125,7 @@ fn a_hostile_sequence_hits_the_limit() {
     let sequence = CollapseSequence::from_collapses(count as usize, list, renames).unwrap();
     let error = ProgressiveStrips::new(&strips, &sequence, Encoding::Naive).unwrap_err().to_string();
     assert!(error.starts_with("slots renamed by all collapses: found "), "{error}");
-    // The mesh drops triangles and their corners: two to rename at each collapse.
+    // The mesh drops triangles with their corners, so only two are renamed at each collapse.
     assert!(ProgressiveMesh::new(&sequence).is_ok());
     let encoded = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
     assert!((0..sequence.len()).all(|level| encoded.slot_count(level) == 1));
@@ -213,7 +214,7 @@ proptest! {
 
 #[test]
 fn wings_of_a_grid() {
-    // Two quadrilaterals; the middle of the upper edge collapses to that of the lower one, then to a corner.
+    // Two quads. The middle of the upper edge collapses to that of the lower one, then to a corner.
     //  3──4──5
     //  │╲ │╲ │
     //  0──1──2

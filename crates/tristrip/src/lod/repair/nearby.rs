@@ -1,4 +1,4 @@
-//! The triangles near a change, from which `repair` searches.
+//! The triangles near a change, the start points of the search of `repair`.
 
 use crate::cover::priced::PricedPaths;
 
@@ -12,7 +12,7 @@ pub(super) struct NearbyTriangles {
 }
 
 impl NearbyTriangles {
-    /// Prepares searches among a number of triangles.
+    /// Prepares searches among this many triangles.
     pub(super) fn among(triangle_count: usize) -> Self {
         Self { marks: vec![0; triangle_count], ..Self::default() }
     }
@@ -27,11 +27,11 @@ impl NearbyTriangles {
         size_of_val(&self.marks[..]) + size_of_val(&self.triangles[..])
     }
 
-    /// Finds up to `most` triangles nearest to those of the start, these included.
+    /// Finds up to `most` triangles nearest to the start triangles, including these.
     pub(super) fn find(&mut self, paths: &PricedPaths, mut start: impl Iterator<Item = u32>, most: usize) {
         self.search = self.search.wrapping_add(1);
         self.triangles.clear();
-        // The start may be all triangles around a vertex of high valence.
+        // The start can be all triangles around a vertex of high valence.
         while self.triangles.len() < most
             && let Some(t) = start.next()
         {

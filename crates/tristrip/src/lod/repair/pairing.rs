@@ -1,20 +1,29 @@
-//! The twins of half-edges under collapses and splits.
+//! The twins of half-edges under collapses and splits. Half-edges of triangles are called *sides*
+//! here.
 //!
 //! ```text
-//!          x                A collapse of r to k renames the edges r–x, and drops the triangles of the edge r–k. So only the edges
-//!        ╱ │ ╲              k–x change, and of their sides only those that came from r and those whose twin was dropped are *released*;
-//!      k ━ r   ∙            all other twins stay, however many triangles surround k or share an edge.
+//!          x
+//!        ╱ │ ╲
+//!      k ━ r   ∙
 //! ```
-//! The two sides of an edge are twins if they have opposite directions. Of more sides, those that were twins stay so. The others have no twin;
-//! after each change they are paired as brackets are: in order of the triangles, each one takes the last one of the other direction that has
-//! no twin yet. So the sides of an edge that remain without a twin have one direction.
+//! A collapse of r to k renames the edges r–x, and drops the triangles at the edge r–k. So only the
+//! edges k–x change. Of their sides, only those that came from r and those whose twin was dropped
+//! are *released*. All other twins remain, no matter how many triangles surround k or share an
+//! edge.
+//!
+//! If an edge has two sides, they are twins if they have opposite directions. If it has more, those
+//! that were twins remain twins. The others have no twin. After each change they are paired like
+//! brackets: in the order of the triangles, each one takes the last side of the other direction
+//! that has no twin yet. So all sides of an edge that remain without a twin have the same
+//! direction.
 //!
 //! # Algorithm
-//! The sides without a twin are kept in a set ordered by edge. To pair the released sides of an edge:
-//! 1. Those of the direction of the sides without a twin join the set.
-//! 2. Each of the others, in order, takes the last side of the set before it. If there is none, it is *pending*, and the next sides of
-//!    the set take the pending ones, the last one first.
-//! 3. Sides that are left pending are now the set.
+//! The sides without a twin are kept in a set ordered by edge. To pair the released sides of an
+//! edge:
+//! 1. Those with the direction of the sides without a twin join the set.
+//! 2. Each of the others, in order, takes the last side of the set before it. If there is none, it
+//!    is *pending*. The next sides of the set take pending sides, last one first.
+//! 3. Sides that remain pending form the new set.
 //!
 //! # Complexity
 //! O(log n) time per released side. About 24 bytes per side without a twin.
@@ -54,7 +63,7 @@ impl Pairing {
         2 * self.unpaired.len() * size_of::<UnpairedSide>()
     }
 
-    /// Releases the sides that a collapse will change, before the mesh changes.
+    /// Releases the sides that a collapse will change. Call it before the mesh changes.
     pub(super) fn release_for_collapse(
         &mut self,
         collapse: &Collapse<'_>,
@@ -76,7 +85,8 @@ impl Pairing {
         self.released.retain(|&h| !is_dropped(collapse, h));
     }
 
-    /// Releases the sides that a split has changed, after the mesh has changed and the restored triangles were inserted.
+    /// Releases the sides that a split has changed. Call it after the mesh has changed and the
+    /// restored triangles were inserted.
     pub(super) fn release_for_split(
         &mut self,
         collapse: &Collapse<'_>,
@@ -105,8 +115,8 @@ impl Pairing {
         }
     }
 
-    /// Pairs the released sides around vertices; appends the changes in the order of the vertices, and around each of them of its
-    /// neighbours.
+    /// Pairs the released sides around vertices. Appends the changes in the order of the vertices,
+    /// and for each vertex in the order of its neighbours.
     pub(super) fn pair_around(
         &mut self,
         vertices: impl Iterator<Item = u32>,
@@ -124,7 +134,7 @@ impl Pairing {
         self.pair(mesh, paths, row, changes);
     }
 
-    /// Pairs the released sides edge by edge, in the order of a key of each edge.
+    /// Pairs the released sides edge by edge, ordered by a key of each edge.
     fn pair(
         &mut self,
         mesh: &LevelMesh,
@@ -147,7 +157,7 @@ impl Pairing {
         self.released = released;
     }
 
-    /// Pairs the released sides of one edge, which are sorted.
+    /// Pairs the sorted released sides of one edge.
     fn pair_edge(
         &mut self,
         sides: impl Iterator<Item = u32> + Clone,
@@ -232,7 +242,7 @@ fn sides_of(t: u32) -> [u32; 3] {
     [4 * t, 4 * t + 1, 4 * t + 2]
 }
 
-/// Returns the half-edges at a corner: the one that begins there, and the one that ends there.
+/// Returns the half-edges that begin and end at a corner.
 fn sides_at(corner: u32) -> [u32; 2] {
     let (t, e) = (corner / 3, corner % 3);
     [4 * t + e, 4 * t + (e + 2) % 3]

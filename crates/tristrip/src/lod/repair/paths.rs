@@ -1,4 +1,4 @@
-//! The paths of a mesh that changes, repaired next to each change.
+//! The paths of a changing mesh, repaired next to each change.
 
 use super::nearby::NearbyTriangles;
 use crate::cover::PathCover;
@@ -8,12 +8,12 @@ use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::strip::{Strips, emit};
 
-/// The most steps of the walks to the ends of paths that the searches next to a change may take, and of those for each triangle that a
-/// search starts from. The test models take less than 20,000 next to a change.
+/// The maximum number of steps of the walks to path ends for the searches next to a change, and for
+/// each triangle that a search starts from. The test models take less than 20,000 next to a change.
 const WALK_STEPS: u64 = 1 << 14;
 const WALK_STEPS_PER_SEARCH: u64 = 128;
 
-/// Paths, a search that improves them, and the triangles from which it starts.
+/// Paths, a local search that improves them, and the triangles where it starts.
 #[derive(Debug, Clone)]
 pub(crate) struct RepairedPaths {
     pub(crate) paths: PricedPaths,
@@ -22,7 +22,7 @@ pub(crate) struct RepairedPaths {
 }
 
 impl RepairedPaths {
-    /// Allocates slots for triangles, all of them empty.
+    /// Allocates empty slots for triangles.
     pub(crate) fn empty(triangle_count: usize, prices: StripPrices, seed: u64) -> Self {
         Self {
             paths: PricedPaths::empty(triangle_count, prices),
@@ -31,7 +31,7 @@ impl RepairedPaths {
         }
     }
 
-    /// Allocates slots up to a number of triangles; the new ones are empty.
+    /// Allocates empty slots up to this many triangles.
     pub(crate) fn grow(&mut self, triangle_count: usize) {
         self.paths.grow(triangle_count);
         self.near.grow(triangle_count);
@@ -42,20 +42,22 @@ impl RepairedPaths {
         self.paths.memory() + self.near.memory()
     }
 
-    /// Returns the number of vertices of all strips, swaps and winding repeats included, in O(1) time.
+    /// Returns the number of vertices of all strips, including swaps and winding repeats, in O(1)
+    /// time.
     pub(crate) fn vertices_sent(&self, triangle_count: usize) -> usize {
-        // Derived from the cost, in which strips have another price.
+        // Derived from the cost, in which strips can have another price.
         let strips = self.paths.strip_count().cast_signed() as i64;
         let beyond = self.paths.cost() - strips * i64::from(self.paths.prices().strip - 2);
         triangle_count + usize::try_from(beyond).unwrap_or(0)
     }
 
-    /// Finds up to `most` triangles nearest to those of the start, these included, from which the next searches start.
+    /// Finds up to `most` triangles nearest to the start triangles, including these. The next
+    /// searches start from them.
     pub(crate) fn find_near(&mut self, start: impl Iterator<Item = u32>, most: usize) {
         self.near.find(&self.paths, start, most);
     }
 
-    /// Searches from each of the triangles near a change that `selects`, as often as `rounds` says.
+    /// Searches `rounds` times from each of the triangles near a change that `selects` accepts.
     pub(crate) fn search_near(&mut self, rounds: u32, selects: impl Fn(&PricedPaths, u32) -> bool) {
         for _ in 0..rounds {
             for &t in &self.near.triangles {
@@ -66,9 +68,10 @@ impl RepairedPaths {
         }
     }
 
-    /// Builds the strips, in O(n) time. `triangle` returns the vertices of a triangle that is drawn.
+    /// Builds the strips, in O(n) time. `triangle` returns the vertices of a drawn triangle, and
+    /// `None` for others.
     pub(crate) fn emit(&self, triangle: impl Fn(u32) -> Option<[u32; 3]>) -> Strips {
-        // Triangles are renumbered without those that are not drawn.
+        // Renumber the triangles without those that are not drawn.
         let mut number = vec![0; self.paths.len()];
         let (mut corners, mut drawn) = (Vec::new(), Vec::new());
         for t in 0..number.len() as u32 {
@@ -97,7 +100,7 @@ impl RepairedPaths {
     }
 }
 
-/// Returns the most steps of the walks of searches from some triangles.
+/// Returns the maximum number of walk steps of searches from this many triangles.
 pub(crate) fn walk_steps(rounds: u32, triangle_count: usize) -> u64 {
     WALK_STEPS + WALK_STEPS_PER_SEARCH * u64::from(rounds) * triangle_count as u64
 }

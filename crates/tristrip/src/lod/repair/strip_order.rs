@@ -1,4 +1,4 @@
-//! The triangles of the full mesh in the order in which its strips draw them: how `repair` begins.
+//! The triangles of the full mesh in the order of its strips: the input of `repair`.
 
 use crate::collapse::CollapseSequence;
 use crate::cover::priced::TRIANGLE_LIMIT;
@@ -8,7 +8,7 @@ use crate::mesh::canonical_triangle;
 use crate::strip::{Strips, strip_triangles};
 use crate::text::counted;
 
-/// Checks that corners and vertices fit one numbering of 32 bits.
+/// Checks that corners and vertices fit into one 32-bit numbering.
 pub(super) fn check_size(sequence: &CollapseSequence) -> Result<(), Error> {
     let (triangles, vertices) = (sequence.triangles().len() / 3, sequence.vertex_count());
     let over = |what, found: usize, limit: usize| {
@@ -27,11 +27,11 @@ pub(super) fn check_size(sequence: &CollapseSequence) -> Result<(), Error> {
 pub(super) struct StripTriangle {
     pub(super) strip: u32,
     pub(super) triangle: u32,
-    /// The half-edge over which the strip enters, numbered by fours.
+    /// The half-edge where the strip enters, numbered by fours.
     pub(super) entry: u32,
 }
 
-/// Returns the triangles of the full mesh in the order in which strips draw them.
+/// Returns the triangles of the full mesh in the order in which the strips draw them.
 pub(super) fn order_of(strips: &Strips, mesh: &LevelMesh) -> Result<Vec<StripTriangle>, Error> {
     let mut known: Vec<([u32; 3], u32)> = (0..mesh.triangle_count() as u32)
         .filter(|&t| mesh.is_drawn(t))

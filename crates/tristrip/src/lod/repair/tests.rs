@@ -1,4 +1,5 @@
-//! Strips at every level of generated meshes, compared with the oracle: triangles drawn, paths, twins and costs as computed from scratch.
+//! Strips at every level of generated meshes, compared with oracles: triangles drawn, paths, twins,
+//! and costs computed from scratch.
 
 use proptest::prelude::*;
 
@@ -16,7 +17,7 @@ use crate::strip::{Cost, Strips, path_cost};
 use crate::stripify::{Method, stripify};
 use crate::verify::verify_drawing;
 
-/// A wavy grid of triangles, simplified to a tenth.
+/// Returns a wavy grid of triangles, simplified to a tenth.
 fn waves(side: u32) -> Sample {
     let at = |i: u32| [(i % side) as f32, (i / side) as f32, ((i * i) % 7) as f32 / 9.0];
     let cells = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
@@ -29,8 +30,8 @@ fn waves(side: u32) -> Sample {
     Sample { sequence: simplify_triangles(&mesh, triangles, &options).unwrap().sequence, strips }
 }
 
-/// Checks twins by all pairs of half-edges: they are mutual, and no two half-edges of opposite direction over an edge are both
-/// without a twin.
+/// Checks twins over all pairs of half-edges: they are mutual, and no two half-edges of opposite
+/// directions at an edge are both without a twin.
 fn check_twins(repair: &Repair) -> Result<(), TestCaseError> {
     let slots = 0..repair.repaired.paths.len() as u32;
     let twins = |t: u32| (4 * t..4 * t + 3).map(|h| repair.repaired.paths.twin(h));
@@ -56,13 +57,14 @@ fn check_twins(repair: &Repair) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Returns the twins of all half-edges of the slots.
+/// Returns the twins of the half-edges of all slots.
 fn twins(repair: &Repair) -> Vec<Option<u32>> {
     let half_edges = 0..4 * repair.repaired.paths.len() as u32;
     half_edges.map(|h| if h % 4 < 3 { repair.repaired.paths.twin(h) } else { None }).collect()
 }
 
-/// Pairs the sides of every edge: those that were twins stay so, if they are on one edge; the others are paired as brackets.
+/// Pairs the half-edges of every edge from scratch: former twins remain twins if they are at the
+/// same edge; the others are paired like brackets.
 fn paired_from_scratch(repair: &Repair, before: &[Option<u32>]) -> Vec<Option<u32>> {
     let mesh = &repair.mesh;
     let is_opposite = |a: u32, b: u32| {
@@ -230,7 +232,7 @@ fn strips_of_another_mesh_are_refused() {
 
 #[test]
 fn a_path_is_led_over_what_is_dropped_and_back() {
-    // A strip over two rows; 3 collapses to 1, which drops the second triangle.
+    // A strip over two rows. 3 collapses to 1, which drops the second triangle.
     let mut strips = Strips::default();
     strips.push(&[0, 1, 2, 3, 4, 5, 6, 7]);
     let rename = [Rename { removed: 3, kept: 1 }];

@@ -1,11 +1,14 @@
-//! What SETS and models like it share (MTS, in `tristrip-lab`): each strip is a graph, a strip at any of its states is recovered by a walk through it, and only the strips whose state
-//! changed are walked.
+//! Shared parts of SETS and similar models (MTS, in `tristrip-lab`). Each strip is a graph. A walk
+//! through the graph recovers the strip at any of its states. Only strips whose state changed are
+//! walked.
 //!
-//! State 0 of a strip is that of the full mesh, and each collapse that changes it leads to the next one. The collapses at which the states begin are
-//! stored per strip, so that the labels of a graph are states, of which a strip has few, and not levels.
+//! State 0 of a strip is the full mesh, and each collapse that changes the strip leads to the next
+//! state. The collapses at which states begin are stored per strip. So the labels of a graph are
+//! states, of which a strip has few, and not levels.
 //!
 //! # References
-//! Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*, 2006, sections 3.2 to 3.4.
+//! Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*, 2006,
+//! sections 3.2 to 3.4.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -20,17 +23,18 @@ use crate::lod::level::replay::MAX_SLOTS_PER_ENTRY;
 use crate::packed::{Packed, PackedRow, bits_for};
 use crate::strip::Strips;
 
-/// How the successors of the nodes are stored and found.
+/// How the successors of nodes are stored and found.
 pub trait SuccessorLists: Send + Sync + 'static {
     /// Collects the lists of a strip.
     type Builder: ListBuilder;
     /// Reads the lists of a strip.
     type Reader<'a>;
 
-    /// Returns the lists of a strip, which begin at a bit.
+    /// Returns the lists of a strip that begin at a bit of the packed array.
     fn reader<'a>(packed: &'a Packed, start: usize, graph: &Graph) -> Self::Reader<'a>;
 
-    /// Returns the node that follows a visit of a node at a state. `visit` is 0 at the first visit, and what the last one made it at each later one.
+    /// Returns the node that follows a visit of a node at a state. `visit` is 0 at the first visit;
+    /// at later visits it has the value that the previous one assigned.
     fn successor(
         lists: &Self::Reader<'_>,
         node: u32,
@@ -40,9 +44,9 @@ pub trait SuccessorLists: Send + Sync + 'static {
     ) -> u32;
 }
 
-/// Counts the entries of lists that are read, or nothing.
+/// Counts the list entries that are read, or counts nothing.
 pub trait Accesses {
-    /// Counts one.
+    /// Adds one.
     fn add_one(&mut self);
 }
 
@@ -59,7 +63,7 @@ impl Accesses for u64 {
 
 /// The lists of one strip while its states are enumerated.
 pub trait ListBuilder: Default {
-    /// Removes everything.
+    /// Removes all lists.
     fn clear(&mut self);
 
     /// Records what changed at a state.
@@ -68,46 +72,48 @@ pub trait ListBuilder: Default {
     /// Closes the lists at the last state.
     fn end(&mut self, last: u32);
 
-    /// Counts the arcs or edges. In linear time.
+    /// Returns the number of arcs or edges, in linear time.
     fn arc_count(&self) -> usize;
 
-    /// Counts the successors that the arcs list.
+    /// Returns the number of successors that the arcs list.
     fn successor_count(&self) -> usize;
 
-    /// Counts what must stay in proportion to the slots of the full mesh. Grows with each state; exact at the end.
+    /// Returns the cost to compare with the number of slots of the full mesh. It grows with each
+    /// state and is exact at the end.
     fn cost(&self) -> usize;
 
-    /// Packs the lists of a graph, whose number of nodes stands for the end of the strip.
+    /// Packs the lists of a graph. The number of nodes as a successor means the end of the strip.
     fn push(&self, graph: &Graph, packed: &mut Packed);
 }
 
-/// The graph of one strip, packed: its beginnings, each the last state of which it is one and a node; the vertex of each node; the lists of successors.
+/// The packed graph of one strip: its beginnings, each with the last state where it is valid and a
+/// node; the vertex of each node; the lists of successors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Graph {
     start: usize,
     state_count: u32,
     beginning_count: u32,
-    /// The nodes.
+    /// The number of nodes.
     pub node_count: u32,
-    /// The arcs or edges.
+    /// The number of arcs or edges.
     pub arc_count: u32,
-    /// The successors that the arcs list.
+    /// The number of successors that the arcs list.
     pub successor_count: u32,
 }
 
 impl Graph {
-    /// Returns the bits of a state.
+    /// Returns the number of bits of a state.
     pub fn state_bits(&self) -> u32 {
         bits_for(self.state_count - 1)
     }
 
-    /// Returns the bits of a node or the end of the strip.
+    /// Returns the number of bits of a node or of the end of the strip.
     pub fn node_bits(&self) -> u32 {
         bits_for(self.node_count)
     }
 }
 
-/// The strips of a mesh at all levels, as one graph each.
+/// The strips of a mesh at all levels, one graph per strip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StripGraphs<L> {
     /// The levels.
@@ -123,7 +129,8 @@ impl<L: SuccessorLists> StripGraphs<L> {
     /// Builds the graphs of strips of the full mesh.
     ///
     /// # Errors
-    /// A strip has a vertex that the sequence does not have, or there are too many renamed slots or successors.
+    /// A strip has a vertex that is not in the sequence, or there are too many renamed slots or
+    /// successors.
     pub fn new(strips: &Strips, sequence: &CollapseSequence) -> Result<Self, Error> {
         strips.check_vertices(sequence.vertex_count())?;
         let edits = edits_of(strips, sequence)?;
@@ -175,7 +182,7 @@ impl<L: SuccessorLists> StripGraphs<L> {
     fn push(&mut self, vertices: &[u32], beginnings: &[(u32, u32)], lists: &L::Builder) {
         let graph = Graph {
             start: self.packed.bit_count(),
-            // A graph has at least one beginning, which the last state has.
+            // A graph has at least one beginning; the last one is valid until the last state.
             state_count: 1 + beginnings.last().map_or(0, |&(state, _)| state),
             beginning_count: beginnings.len() as u32,
             node_count: vertices.len() as u32,
@@ -197,7 +204,8 @@ impl<L: SuccessorLists> StripGraphs<L> {
         self.levels.memory() + self.states.memory() + graphs + self.packed.memory()
     }
 
-    /// Writes the vertices of a strip at a state, and returns their number. `walk` is memory.
+    /// Writes the vertices of a strip at a state, and returns their number. `walk` is scratch
+    /// memory.
     pub(crate) fn recover(
         &self,
         strip: usize,
@@ -237,7 +245,8 @@ impl<L: SuccessorLists> StripGraphs<L> {
 }
 
 impl<L: SuccessorLists> StripGraphs<L> {
-    /// Counts the entries that a move reads: those of the strips that differ between two levels.
+    /// Returns the number of entries that a level change reads in the strips that differ between
+    /// two levels.
     ///
     /// # Errors
     /// A level is greater than the number of collapses.
@@ -262,9 +271,9 @@ impl<L: SuccessorLists> StripGraphs<L> {
 /// The slots of each strip at the full mesh, and the collapses at which its states begin.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct StripStates {
-    /// The end of each strip among all slots, and of its states among all states.
+    /// The end of each strip in the slots of all strips, and of its states in those of all strips.
     ends: Vec<[u32; 2]>,
-    /// The number of the collapse that leads to each state but the first, counted from 1 at the full mesh.
+    /// The collapse that leads to each state but the first, counted from 1 at the full mesh.
     steps: Packed,
     step_bits: u32,
 }
@@ -274,7 +283,7 @@ impl StripStates {
         Self { step_bits: bits_for(collapse_count as u32), ..Self::default() }
     }
 
-    /// Appends a strip, and the collapses that lead to its states but the first.
+    /// Appends a strip, with the collapses that lead to its states but the first.
     fn push(&mut self, slot_count: usize, steps: impl Iterator<Item = u32>) {
         let [mut slot_end, mut state_end] = self.ends.last().copied().unwrap_or_default();
         slot_end += slot_count as u32;
@@ -289,14 +298,15 @@ impl StripStates {
         self.ends.len()
     }
 
-    /// Returns the range of a strip among all slots, and that of its states but the first.
+    /// Returns the range of a strip's slots, and that of its states but the first.
     fn ranges(&self, strip: usize) -> [std::ops::Range<u32>; 2] {
         let start = if strip == 0 { [0; 2] } else { self.ends[strip - 1] };
         let end = self.ends[strip];
         [start[0]..end[0], start[1]..end[1]]
     }
 
-    /// Returns the state of a strip after a number of collapses, and the numbers of collapses from which and before which it has this state.
+    /// Returns the state of a strip after a number of collapses, and the half-open range of numbers
+    /// of collapses in which it has this state.
     fn state_at(&self, strip: usize, step: u32) -> (u32, [u32; 2]) {
         let [_, states] = self.ranges(strip);
         let steps = PackedRow::new(&self.steps, 0, self.step_bits);
@@ -316,10 +326,10 @@ impl StripStates {
 pub struct RecoveredStrips<L> {
     model: Arc<StripGraphs<L>>,
     level: usize,
-    /// The vertices of each strip, at the beginning of its slots, and their number.
+    /// The vertices of each strip, at the beginning of its slots. `lens` has their numbers.
     vertices: Vec<u32>,
     lens: Vec<u32>,
-    /// The interval of each strip: the numbers of collapses from which and before which it is as it is.
+    /// For each strip, the half-open range of numbers of collapses in which its vertices are valid.
     valid: Vec<[u32; 2]>,
     walk: Vec<u32>,
     display: Strips,
@@ -348,7 +358,7 @@ impl<L: SuccessorLists> RecoveredStrips<L> {
         recovered
     }
 
-    /// Recovers the strips that are not valid at the level.
+    /// Recovers the strips that are not valid at the current level.
     fn recover(&mut self) {
         let step = (self.model.levels.collapse_count() - self.level) as u32;
         let states = &self.model.states;

@@ -1,19 +1,21 @@
-//! The strips of all levels as the multiresolution strip models store them: collapses rename vertices, and vertices that have become superfluous
-//! are removed.
+//! The strips of all levels as the multiresolution strip models store them: collapses rename
+//! vertices, and superfluous vertices are removed.
 //!
 //! ```text
 //! a b c d e f g h    c → d   a b d d e f g h     nothing to remove
 //!                    a → b   b b d d e f g h     the first two draw nothing:   d d e f g h
-//!                    f → d   d d e d g h         the same:                     e d g h
+//!                    f → d   d d e d g h         the first two draw nothing:   e d g h
 //! ```
 //! # Algorithm
-//! A pair of consecutive vertices is removed if the strip draws the same triangles without it. An even number keeps the winding of all triangles
-//! after it (Belmonte et al. 2006, section 3.2: the number of removed vertices is even, and the remaining ones describe no new triangle). Pairs are
-//! tried next to every renamed slot, the first of the strip first, and again next to every removed pair. Longer subsequences are removed
-//! pair by pair.
+//! A pair of consecutive vertices is removed if the strip draws the same triangles without it.
+//! Removing an even number preserves the winding of all triangles after it (Belmonte et al. 2006,
+//! section 3.2: the number of removed vertices is even, and the remaining ones describe no new
+//! triangle). Pairs next to every renamed slot are tried, in the order of the strip, and again next
+//! to every removed pair. Longer subsequences are removed pair by pair.
 //!
-//! Nothing follows the end of a strip, so that any number of vertices may be removed there: as long as the last three draw nothing, the last one
-//! is. Figure 1 of the paper does so, too: its last step removes one vertex.
+//! Nothing follows the end of a strip, so any number of vertices may be removed there: while the
+//! last three draw nothing, the last one is removed. Figure 1 of the paper does the same: its last
+//! step removes one vertex.
 //!
 //! # Complexity
 //! A constant number of steps per renamed slot, and temporarily 20 bytes per slot and 4 per vertex.
@@ -28,18 +30,19 @@ use crate::strip::Strips;
 /// No slot.
 pub const NONE: u32 = u32::MAX;
 
-/// What a collapse changes in a strip.
+/// A change of a slot by a collapse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SlotEdit {
-    /// The number of the collapse, counted from 1 in the order from the full mesh on.
+    /// The number of the collapse, counted from 1 at the full mesh.
     pub step: u32,
     /// The slot in the strip at the full mesh, counted from 0.
     pub slot: u32,
-    /// The new vertex in it; [`NONE`] if the slot is removed.
+    /// The new vertex in the slot; [`NONE`] if the slot is removed.
     pub vertex: u32,
 }
 
-/// Returns what all collapses change, by strip, in the order of the collapses and, within a collapse, of the slots.
+/// Returns the changes of all collapses by strip, in the order of the collapses and, within a
+/// collapse, of the slots.
 ///
 /// # Errors
 /// The collapses rename too many slots.
@@ -58,13 +61,15 @@ pub fn edits_of(strips: &Strips, sequence: &CollapseSequence) -> Result<Csr<Slot
     Ok(Csr::group_items(edits.iter().copied(), strips.len()))
 }
 
-/// The strips while they follow the collapses. The slots are those of the full mesh, counted over all strips; removed ones stay empty.
+/// The strips while they follow the collapses. The slots are those of the full mesh, counted over
+/// all strips; removed slots remain empty.
 #[derive(Debug)]
 pub(crate) struct ShortenedStrips {
     vertices: Vec<u32>,
     ends: Vec<u32>,
     strip_of: Vec<u32>,
-    /// The slots before and after each one in its strip; of a removed slot, one that was before it.
+    /// The slots before and after each slot in its strip. For a removed slot, a slot that was
+    /// before it.
     previous: Vec<u32>,
     next: Vec<u32>,
     is_removed: Vec<bool>,
@@ -77,7 +82,7 @@ pub(crate) struct ShortenedStrips {
 }
 
 impl ShortenedStrips {
-    /// Starts with the strips of the full mesh, whose vertices are below `vertex_count`.
+    /// Starts with the strips of the full mesh. Their vertices must be less than `vertex_count`.
     pub(crate) fn new(strips: &Strips, vertex_count: usize) -> Self {
         let vertices = strips.vertices().to_vec();
         let slot_count = vertices.len() as u32;
@@ -120,13 +125,14 @@ impl ShortenedStrips {
         if strip == 0 { 0 } else { self.ends[strip as usize - 1] }
     }
 
-    /// Returns the nearest slot before a removed one that is not removed.
+    /// Returns the nearest slot before a removed one that is not removed itself.
     fn before(&mut self, slot: u32) -> Option<u32> {
         let mut found = self.previous[slot as usize];
         while found != NONE && self.is_removed[found as usize] {
             found = self.previous[found as usize];
         }
-        // All slots on the way lead there at once from now on, so that many of them take linear time.
+        // Path compression: all slots on the way now point directly to the result, which keeps the
+        // total time linear.
         let mut at = slot;
         while at != found {
             at = std::mem::replace(&mut self.previous[at as usize], found);
@@ -134,7 +140,7 @@ impl ShortenedStrips {
         (found != NONE).then_some(found)
     }
 
-    /// Does a collapse, and lists the slots that it changed, rising.
+    /// Applies a collapse, and lists the slots that it changed in ascending order.
     ///
     /// # Errors
     /// All collapses together rename too many slots.
@@ -162,13 +168,13 @@ impl ShortenedStrips {
             self.remove_pairs_near(slot);
             self.remove_at_end(self.strip_of[slot as usize]);
         }
-        // Slots that were renamed and then removed stand in the list twice.
+        // Slots that were renamed and then removed are listed twice.
         self.changed.sort_unstable();
         self.changed.dedup();
         Ok(())
     }
 
-    /// Removes pairs whose removal the vertex in a slot may have made possible.
+    /// Removes the pairs that became superfluous through the vertex in a slot.
     fn remove_pairs_near(&mut self, slot: u32) {
         let strip = self.strip_of[slot as usize] as usize;
         let start = if self.is_removed[slot as usize] { self.before(slot) } else { Some(slot) };
@@ -197,7 +203,7 @@ impl ShortenedStrips {
         }
     }
 
-    /// Returns the slot some steps back, or the first one.
+    /// Returns the slot `steps` slots back, or the first one.
     fn back(&self, mut slot: u32, steps: u32) -> u32 {
         for _ in 0..steps {
             if self.previous[slot as usize] == NONE {
@@ -208,7 +214,7 @@ impl ShortenedStrips {
         slot
     }
 
-    /// Returns whether the strip draws the same without this vertex and the next.
+    /// Returns whether the strip draws the same triangles without this vertex and the next.
     fn is_superfluous(&self, pair: u32) -> bool {
         let second = self.next[pair as usize];
         if second == NONE {
@@ -251,18 +257,19 @@ impl ShortenedStrips {
         with == without
     }
 
-    /// Returns the triangle of three slots that follow each other, possibly after a pair between them is removed.
+    /// Returns the triangle of three slots that are consecutive, possibly after a pair between them
+    /// is removed.
     fn triangle(&self, slots: &[u32]) -> Option<[u32; 3]> {
         let [a, b, c] = [slots[0], slots[1], slots[2]].map(|slot| self.vertices[slot as usize]);
         if is_degenerate([a, b, c]) {
             return None;
         }
-        // Slots are removed in pairs, so that a slot keeps its parity in its strip.
+        // Slots are removed in pairs, so the parity of a slot in its strip does not change.
         let is_odd = (slots[0] - self.start_of(self.strip_of[slots[0] as usize])) % 2 == 1;
         Some(canonical_triangle(if is_odd { [b, a, c] } else { [a, b, c] }))
     }
 
-    /// Removes vertices from the end of a strip as long as the last three draw nothing.
+    /// Removes vertices from the end of a strip while the last three draw nothing.
     fn remove_at_end(&mut self, strip: u32) {
         loop {
             let c = self.bounds[strip as usize][1];
@@ -313,7 +320,8 @@ mod tests {
         vertices
     }
 
-    /// Returns whether a pair of consecutive vertices, or the last vertex, can be removed from a strip: the definition, over whole strips.
+    /// Returns whether a pair of consecutive vertices, or the last vertex, can be removed from a
+    /// strip. This is the definition, applied to whole strips.
     fn can_be_shortened(strip: &[u32]) -> bool {
         let drawn = sorted(strip_triangles(strip));
         let without = |from: usize, to: usize| [&strip[..from], &strip[to..]].concat();
@@ -340,7 +348,7 @@ mod tests {
                     prop_assert!(strip.is_empty() || strip_triangles(strip).count() > 0, "{:?}", strip);
                 }
             }
-            // Strips of the full mesh may have swaps that do nothing, which are not looked for.
+            // Strips of the full mesh can have useless swaps; the algorithm does not look for them.
             let stays = |i: &u32| is_changed[*i as usize] && !can_be_shortened(sample.strips.iter().nth(*i as usize).unwrap());
             for strip in (0..count).filter(stays) {
                 prop_assert!(!can_be_shortened(&left(&strips, strip)), "{:?}", left(&strips, strip));
@@ -350,7 +358,8 @@ mod tests {
 
     #[test]
     fn too_many_renames_are_refused() {
-        // Two vertices that take turns would be a cycle; a hub that moves on with each collapse renames its slots each time.
+        // Two vertices that alternate would be a cycle. A hub that moves with each collapse renames
+        // its slots each time.
         let count = 2_000_u32;
         let mut strips = Strips::default();
         (1..count).for_each(|v| strips.push(&[0, v, v + 1]));

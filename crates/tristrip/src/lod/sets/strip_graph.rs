@@ -1,18 +1,18 @@
-//! The graph of one strip at all its states, from which SETS is built.
+//! The graph of one strip over all its states, from which SETS is built.
 //!
 //! ```text
 //! state 0  a b c d e f g h     nodes   a b c d e f g h
 //! state 1  a b d d e f g h     visits  of d: 1 at state 0, 2 at state 1
 //! ```
-//! A node is a vertex that the strip has at any state; a walk visits it once per slot in which the vertex stands, and each visit leads to the
-//! vertex in the next slot.
+//! A node is a vertex that the strip has at any state. A walk visits it once per slot that contains
+//! the vertex, and each visit leads to the vertex in the next slot.
 
 use rustc_hash::FxHashMap;
 
 use super::shortened::{NONE, SlotEdit};
 use super::strip_states::StripState;
 
-/// A replay of one strip that knows which nodes each state changes.
+/// Replays one strip and tracks which nodes each state changes.
 #[derive(Debug, Default)]
 pub struct StripGraph {
     state: StripState,
@@ -20,18 +20,19 @@ pub struct StripGraph {
     /// The vertex of each node.
     pub vertices: Vec<u32>,
     node_of_slot: Vec<u32>,
-    /// The slots of each node, in no order; those after the nodes of the strip are memory for others.
+    /// The slots of each node, in arbitrary order. Entries after the nodes of the strip are kept to
+    /// reuse their memory.
     slots: Vec<Vec<u32>>,
-    /// The place of each slot among those of its node.
+    /// The index of each slot in the list of its node.
     place_of_slot: Vec<u32>,
-    /// The nodes whose visits or successors the last step changed, without repeats.
+    /// The nodes whose visits or successors the last step changed; sorted, without repeats.
     pub changed: Vec<u32>,
-    /// The slots whose vertex or successor the last step changed, sorted, without repeats.
+    /// The slots whose vertex or successor the last step changed; sorted, without repeats.
     pub changed_slots: Vec<u32>,
 }
 
 impl StripGraph {
-    /// Starts with a strip at the full mesh: all its nodes and slots are changed.
+    /// Starts with a strip at the full mesh, with all its nodes and slots marked as changed.
     pub(crate) fn start(&mut self, strip: &[u32]) {
         self.state.start(strip);
         self.number_of.clear();
@@ -49,7 +50,7 @@ impl StripGraph {
         self.changed_slots.extend(0..strip.len() as u32);
     }
 
-    /// Moves to the next state by the edits of one step.
+    /// Applies the edits of one step, which leads to the next state.
     pub(crate) fn step(&mut self, edits: &[SlotEdit]) {
         self.changed.clear();
         self.changed_slots.clear();
@@ -76,7 +77,7 @@ impl StripGraph {
         }
     }
 
-    /// Puts a vertex into a slot, of which no node has a record.
+    /// Puts a vertex into a slot that is in no node's list.
     fn enter(&mut self, slot: u32, vertex: u32) {
         let new = self.vertices.len() as u32;
         let node = *self.number_of.entry(vertex).or_insert(new);
@@ -93,7 +94,7 @@ impl StripGraph {
         self.node_of_slot[slot as usize] = node;
     }
 
-    /// Takes a slot from its node, and returns the node.
+    /// Removes a slot from its node's list and returns the node.
     fn leave(&mut self, slot: u32) -> u32 {
         let node = self.node_of_slot[slot as usize];
         let place = self.place_of_slot[slot as usize];
@@ -105,7 +106,7 @@ impl StripGraph {
         node
     }
 
-    /// Counts the slots of the strip at the full mesh.
+    /// Returns the number of slots of the strip at the full mesh.
     pub fn slot_count(&self) -> usize {
         self.node_of_slot.len()
     }
@@ -118,7 +119,8 @@ impl StripGraph {
         }
     }
 
-    /// Returns the node in a slot and the one that follows it, or [`NONE`] at the end; `None` for a removed slot.
+    /// Returns the node in a slot and its successor, or [`NONE`] at the end; `None` for a removed
+    /// slot.
     pub fn edge(&self, slot: u32) -> Option<[u32; 2]> {
         if self.state.vertices[slot as usize] == NONE {
             return None;
@@ -126,7 +128,7 @@ impl StripGraph {
         Some([self.node_of_slot[slot as usize], self.successor(slot)])
     }
 
-    /// Returns the node that follows a slot that is not removed, or [`NONE`] at the end.
+    /// Returns the node after a slot that is not removed, or [`NONE`] at the end.
     fn successor(&self, slot: u32) -> u32 {
         match self.state.next(slot) {
             NONE => NONE,
@@ -134,7 +136,8 @@ impl StripGraph {
         }
     }
 
-    /// Replaces `successors` by the nodes that follow the visits of a node in their order, [`NONE`] at the end.
+    /// Replaces `successors` by the nodes that follow the visits of a node, in order, with [`NONE`]
+    /// for the end.
     pub(crate) fn successors_to(&self, node: u32, successors: &mut Vec<u32>) {
         successors.clear();
         successors.extend_from_slice(&self.slots[node as usize]);

@@ -1,6 +1,8 @@
-//! The states of one strip: state 0 is that of the full mesh, and each collapse that changes the strip leads to the next one.
+//! The states of one strip. State 0 is the full mesh, and each collapse that changes the strip
+//! leads to the next state.
 //!
-//! The multiresolution strip models are built strip by strip: its states are replayed in order, and what changes between them is stored.
+//! The multiresolution strip models are built strip by strip: the states of a strip are replayed in
+//! order, and the changes between them are stored.
 
 use super::shortened::{NONE, SlotEdit};
 
@@ -27,7 +29,7 @@ impl StripState {
         self.first = if len == 0 { NONE } else { 0 };
     }
 
-    /// Changes a slot, which must not be removed yet.
+    /// Changes a slot that is not removed yet.
     pub fn apply(&mut self, edit: SlotEdit) {
         if edit.vertex != NONE {
             self.vertices[edit.slot as usize] = edit.vertex;
@@ -54,7 +56,8 @@ impl StripState {
         self.next[slot as usize]
     }
 
-    /// Returns the nearest slot before another one, removed or not, that is not removed, or [`NONE`].
+    /// Returns the nearest slot before a slot that is not removed, or [`NONE`]. The given slot may
+    /// be removed.
     pub(crate) fn before(&self, slot: u32) -> u32 {
         let mut slot = self.previous[slot as usize];
         while slot != NONE && self.vertices[slot as usize] == NONE {
