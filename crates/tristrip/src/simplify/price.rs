@@ -1,4 +1,5 @@
-//! What a collapse costs: the distance of the surface from the full mesh, by quadrics or by all removed points, and the deviation of the attributes.
+//! The cost of a collapse: the distance of the surface from the full mesh, by quadrics or by all
+//! removed points, and the deviation of the attributes.
 
 pub(crate) mod attribute_quadrics;
 pub(crate) mod attributes;

@@ -1,4 +1,5 @@
-//! The topology of a surface while half-edge collapses change it: which triangles are around a point, and what a collapse does to their arrangement.
+//! The topology of a surface under half-edge collapses: the triangles around each point, and how a
+//! collapse changes their arrangement.
 
 pub(crate) mod curve;
 pub(crate) mod irregular;

@@ -1,4 +1,4 @@
-//! Simplifications of meshes of many kinds: the guarantees of the collapses at every level.
+//! Simplifications of many kinds of meshes: the guarantees of the collapses at every level.
 
 use std::collections::{HashMap, HashSet};
 
@@ -8,8 +8,8 @@ use super::*;
 use crate::mesh::{Attribute, AttributeData, Faces};
 use crate::union_find::UnionFind;
 
-/// Builds a grid of quadrilaterals cut into two triangles, `width` by `height`, optionally closed in either direction, with a bump at
-/// each vertex.
+/// Builds a grid of `width` by `height` quads, each split into two triangles, optionally closed in
+/// either direction, with a bump at each vertex.
 pub(super) fn grid(width: u32, height: u32, closed: [bool; 2]) -> (Vec<[f32; 3]>, Vec<u32>) {
     let columns = if closed[0] { width } else { width + 1 };
     let rows = if closed[1] { height } else { height + 1 };
@@ -66,7 +66,8 @@ fn component_count(edges: impl Iterator<Item = [u32; 2]>) -> usize {
     vertices.into_iter().filter(|&v| sets.is_root(v)).count()
 }
 
-/// Returns the Euler characteristic, the components and the border loops of a manifold, which no collapse may change.
+/// Returns the Euler characteristic, the components and the border loops of a manifold. No collapse
+/// may change them.
 fn shape(triangles: &[[u32; 3]]) -> (i64, usize, usize) {
     let edges = edges(triangles);
     assert!(edges.values().all(|&count| count == 1), "an edge twice in one direction");
@@ -181,7 +182,8 @@ fn no_collapse_exceeds_the_error_limit() {
     }
 }
 
-/// A cylinder cut along one side: the vertices there are duplicated, as where texture coordinates wrap around.
+/// A cylinder cut along one side. The vertices there are duplicated, as where texture coordinates
+/// wrap around.
 #[test]
 fn a_seam_stays_closed() {
     let (mut positions, mut triangles) = grid(12, 10, [true, false]);
@@ -215,7 +217,7 @@ fn a_seam_stays_closed() {
     }
 }
 
-/// Three pages of a book: the points along the spine move along it only, and each page stays.
+/// Three pages of a book. The points along the spine move only along it, and each page is kept.
 #[test]
 fn three_sheets_stay_at_their_common_line() {
     let rows = 6_u32;
@@ -233,14 +235,14 @@ fn three_sheets_stay_at_their_common_line() {
     assert_eq!(drawn.len(), 6, "two triangles per page: {drawn:?}");
     let on_spine: HashSet<u32> = drawn.into_iter().flatten().filter(|&v| v < rows).collect();
     assert_eq!(on_spine, HashSet::from([0, rows - 1]));
-    // Without a limit, pages vanish, but for the last triangle.
+    // Without a limit, pages vanish except for the last triangle.
     let least = simplified(&positions, &triangles, &SimplifyOptions::default()).sequence;
     assert_eq!(least.triangles_at(0), 1);
 }
 
-/// A cone whose tip at first has more triangles than a point that may be removed.
-/// A cone of many triangles around one point: also where any collapse may change the kinds of the points beside it, which would take hours
-/// if all triangles of that point were visited each time.
+/// A cone of many triangles around one point. At first its tip has more triangles than a removable
+/// point. Also tests collapses that may change the kinds of the points next to it: visiting all
+/// triangles of the tip each time would take hours.
 #[test]
 fn a_cone_of_many_triangles_reaches_its_target() {
     let n = 100_000_u32;
@@ -267,7 +269,8 @@ fn triangles_without_area_are_not_inverted() {
     for quad in 0..n * n {
         let a = quad / n * (n + 1) + quad % n;
         let [b, c, d] = [a + 1, a + n + 1, a + n + 2];
-        // The diagonal has a vertex in the middle on one side only, and a triangle without area closes the gap.
+        // The diagonal has a vertex in the middle only on one side. A triangle without area closes
+        // the gap.
         let middle = positions.len() as u32;
         let [p, q] = [positions[b as usize], positions[c as usize]];
         positions.push([0, 1, 2].map(|k| f32::midpoint(p[k], q[k])));
@@ -301,7 +304,8 @@ fn empty_and_flat_meshes_are_accepted() {
     assert!(simplify_triangles(&mesh(&line, &[]), vec![0, 1, 6], &SimplifyOptions::default()).is_err());
 }
 
-/// Two closed tubes that share no vertex: the small one vanishes where its removal has an error within the limit, down to nothing.
+/// Two closed tubes that share no vertex. The small one vanishes completely if the error of its
+/// removal is within the limit.
 #[test]
 fn components_vanish_if_their_removal_is_within_the_limit() {
     let (mut positions, mut triangles) = grid(6, 6, [true, true]);
@@ -322,7 +326,8 @@ fn components_vanish_if_their_removal_is_within_the_limit() {
 }
 
 proptest! {
-    /// Triangles of any kind, non-manifold, duplicate, at one position: the sequence is consistent, and the same in a second run.
+    /// Arbitrary triangles, non-manifold, duplicate or at one position: the sequence is consistent,
+    /// and a second run gives the same.
     #[test]
     fn any_triangles_are_accepted(
         corners in prop::collection::vec(0..12_u32, 0..90),
@@ -345,14 +350,15 @@ proptest! {
         prop_assert_eq!(&simplification, &simplified(&positions, &triangles, &options));
     }
 
-    /// Grids with holes: every level has as many components and holes, and the same Euler characteristic.
+    /// Grids with holes: every level has the same number of components and holes and the same Euler
+    /// characteristic.
     #[test]
     fn holes_stay(missing in prop::collection::hash_set(0..128_usize, 0..40), closed in any::<[bool; 2]>()) {
         let (positions, triangles) = grid(8, 8, closed);
         let triangles: Vec<u32> = triangles.chunks_exact(3).enumerate()
             .filter(|(t, _)| !missing.contains(t)).flat_map(|(_, t)| t.to_vec()).collect();
         let Simplification { sequence, stopped } = simplified(&positions, &triangles, &SimplifyOptions::default());
-        // A vertex that could not be removed at first is tried again when something has changed around it.
+        // A vertex that could not be removed at first is tried again after a change around it.
         prop_assert_eq!(stopped.map_or(0, |stopped| stopped.error), 0);
         let full = shape(&sequence.drawn(sequence.len()).unwrap());
         for level in 0..sequence.len() {
@@ -387,7 +393,8 @@ fn wrong_options_and_triangles_are_refused() {
     assert_eq!(of(&[0, 1, 2], options().with_locked(vec![true; 4])).unwrap_err().to_string(), message);
 }
 
-/// The mesh of a simplification has the triangles of level 0 over the vertices that these use, with their attributes.
+/// The mesh of a simplification has the triangles of level 0, and the vertices that these use with
+/// their attributes.
 #[test]
 fn a_simplified_mesh_is_the_base_mesh() {
     let (positions, triangles) = grid(8, 8, [false, true]);
@@ -427,7 +434,7 @@ fn polygons_and_degenerate_faces_are_simplified_as_triangles() {
     assert_eq!((empty.mesh, empty.vertices), (Mesh::default(), vec![]));
 }
 
-/// Positions of any storage give the same collapses, and wrong ones are refused.
+/// Positions in any storage give the same collapses, and invalid ones are rejected.
 #[test]
 fn positions_stay_where_they_are() {
     use crate::mesh::InterleavedPositions;
@@ -461,7 +468,8 @@ fn positions_stay_where_they_are() {
     assert!(simplify_indices(&triangles[1..], &positions, &options).is_err());
 }
 
-/// Without a mesh no two vertices have the same attributes: the two sides of a seam collapse together.
+/// Without a mesh, all vertices are assumed to have different attributes: the two sides of a seam
+/// collapse together.
 #[test]
 fn vertices_of_one_position_stay_on_a_seam() {
     let (positions, triangles) = grid(4, 4, [false, false]);
@@ -479,7 +487,8 @@ fn vertices_of_one_position_stay_on_a_seam() {
     assert_eq!(simplify_indices(&seamed, &double, &options).unwrap(), expected);
 }
 
-/// Returns two sheets with a wavy border between them, where each has vertices of its own, apart by a gap.
+/// Returns two sheets with a wavy border between them, separated by a gap. Each has its own
+/// vertices along the border.
 fn sheets_with_a_gap(gap: f32) -> (Vec<[f32; 3]>, Vec<u32>) {
     let height = |x: u32, y: f32| 0.3 * (1.7 * y).sin() + 0.02 * (x * 7 % 5) as f32;
     let sheet = |columns: u32, side: f32| {
@@ -502,7 +511,7 @@ fn sheets_with_a_gap(gap: f32) -> (Vec<[f32; 3]>, Vec<u32>) {
 
 #[test]
 fn gaps_narrower_than_the_weld_distance_stay_as_narrow() {
-    // The rows of the border whose vertices stay, on each side.
+    // The rows of the border whose vertices are kept, on each side.
     let sides = |gap: f32, weld_distance: f32| {
         let (positions, triangles) = sheets_with_a_gap(gap);
         let options = SimplifyOptions::default().with_triangles(200).with_weld_distance(weld_distance);

@@ -1,63 +1,71 @@
-//! Prices and estimates that several threads find ahead of a pass, and prices for the levels of a merge tree.
+//! Prices and estimates computed by several threads ahead of a pass, and prices for the levels of a
+//! merge tree.
 //!
-//! A pass visits the points one after the other, and prices those that it may remove. Most of its time goes into these prices, each of which
-//! depends on the triangles of the point alone, and holds unless a neighbour was removed before in the pass. So prices can be found before
-//! the pass begins, for any points and in any order: the pass gives the same collapses with and without them. What a collapse does to the
-//! topology may depend on what happens elsewhere in the pass; that is found when it comes to the point, and if the best collapse is not
-//! allowed then, the point is priced again.
+//! A pass visits the points one after the other and prices those that it may remove. Most of its
+//! time is spent on these prices. A price depends only on the triangles of the point, and is valid
+//! unless a neighbour was removed earlier in the pass. So prices can be computed before the pass,
+//! for any points in any order, and the pass produces the same collapses with and without them. The
+//! effect of a collapse on the topology may depend on changes elsewhere in the pass. It is
+//! determined when the pass reaches the point; if the best collapse is not allowed then, the point
+//! is priced again.
 //!
 //! ```text
-//!   ·── 4 ──·── 7 ──·── 9 ──·      Points 4, 7 and 9 may be removed. In the first round only 4 is priced. If it will be removed, 7 will be
-//!                                  passed over, and in the next round 9 is priced; otherwise 7 is, and then 9.
+//!   ·── 4 ──·── 7 ──·── 9 ──·      points 4, 7 and 9 may be removed
 //! ```
-//! The price of a point that is passed over would be wasted work. So prices are found in rounds: in each those of the points for which no
-//! earlier neighbour is undecided, or will be removed.
+//! In the first round, only 4 is priced. If it will be removed, 7 will be skipped, and the next
+//! round prices 9. Otherwise the next round prices 7, and the one after it 9.
 //!
-//! The levels of a merge tree price all points around which something changed before they take one. Each price is found with the outcomes of the collapses
-//! then, so that each thread has marks of its own ([`Pricers`]).
+//! Pricing a point that is skipped would be wasted work. So prices are computed in rounds. Each
+//! round prices the points that have no earlier neighbour that is undecided or will be removed.
+//!
+//! The levels of a merge tree price all points around which something changed before they take one.
+//! Each price includes the outcome of the collapse at that time, so each thread has its own marks
+//! ([`Pricers`]).
 //!
 //! # References
-//! Blelloch, Fineman, Shun: *Greedy Sequential Maximal Independent Set and Matching are Parallel on Average*, 2012: rounds over the
-//! points without an undecided earlier neighbour give what one after the other gives.
+//! Blelloch, Fineman, Shun: *Greedy Sequential Maximal Independent Set and Matching are Parallel on
+//! Average*, 2012: rounds over the points without an undecided earlier neighbour give the
+//! sequential result.
 
 use crate::simplify::price::best_collapse::{BestCollapse, PricedCollapse};
 use crate::simplify::price::priced_surface::PricedSurface;
 use crate::simplify::price::search::PriceSearch;
 use crate::simplify::surface::outcome::{CollapseOutcome, Outcomes};
 
-/// Prices are found ahead of a pass while at least so many points are undecided.
+/// Prices are computed ahead of a pass while at least this many points are undecided.
 const MIN_POINTS: usize = 1024;
-/// Points that a thread takes at a time.
+/// The number of points that a thread takes at a time.
 #[cfg(feature = "rayon")]
 const CHUNK: usize = 128;
-/// Rounds at most: the last ones decide few points.
+/// The maximum number of rounds: the last ones decide few points.
 const ROUNDS: usize = 8;
-/// Threads at most that know the outcomes of collapses, which takes 4 bytes per point for each.
+/// The maximum number of threads with outcomes of collapses, which take 4 bytes per point for each
+/// thread.
 const MAX_PRICERS: usize = 8;
-/// Points that are priced at a time, so that their prices take little memory.
+/// The number of points priced at a time, to limit the memory of their prices.
 const BLOCK: usize = 1 << 16;
 
-/// What is known of a point before the pass.
+/// What is known about a point before the pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Fate {
-    /// It costs too much for the pass.
+    /// Its cost exceeds the limit of the pass.
     #[default]
     Outside,
     Undecided,
-    /// It will be removed, unless the topology forbids it then.
+    /// It will be removed, unless the topology prevents it.
     Removed,
-    /// It stays: its price is above the limit, or a neighbour is removed before.
+    /// It is kept: its price exceeds the limit, or a neighbour is removed first.
     Stays,
 }
 
-/// What a round finds for an undecided point.
+/// The result of a round for an undecided point.
 #[derive(Debug, Clone, Copy)]
 enum Finding {
     Undecided,
-    /// Its price, with which it waited already.
+    /// Its last price is still valid.
     Known,
     Priced(Option<PricedCollapse>),
-    /// A neighbour is removed before.
+    /// A neighbour is removed first.
     PassedOver,
 }
 
@@ -68,19 +76,20 @@ pub(crate) struct FoundPrice {
     pub(crate) best: Option<PricedCollapse>,
 }
 
-/// Prices of points, found ahead of a pass.
+/// Prices of points, computed ahead of a pass.
 #[derive(Debug, Default)]
 pub(crate) struct PricesAhead {
-    /// For each point; all are `Outside` between passes.
+    /// The fate of each point; `Outside` between passes.
     fates: Vec<Fate>,
-    /// The prices by ascending point.
+    /// The prices, by ascending point.
     found: Vec<FoundPrice>,
-    /// The prices before this one are those of points that the pass has visited.
+    /// Prices before this index belong to points that the pass has visited.
     next: usize,
 }
 
 impl PricesAhead {
-    /// Finds prices of points, which ascend, for a pass up to a limit; none if there is only one thread, or few points.
+    /// Computes prices of ascending points for a pass with a limit. Does nothing if there is one
+    /// thread or few points.
     pub(crate) fn find(
         &mut self,
         surface: &PricedSurface,
@@ -109,7 +118,8 @@ impl PricesAhead {
         self.found.sort_unstable_by_key(|found| found.point);
     }
 
-    /// Prices the points without an undecided earlier neighbour, and leaves those that are undecided after it.
+    /// Prices the points without an undecided earlier neighbour. Afterwards `undecided` has only
+    /// the points that are still undecided.
     fn round(
         &mut self,
         surface: &PricedSurface,
@@ -151,7 +161,7 @@ impl PricesAhead {
         });
     }
 
-    /// Returns the price of a point, if it was found. Each point comes after those asked for before.
+    /// Returns the price of a point, if it was computed. Call it with ascending points.
     pub(crate) fn of(&mut self, point: u32) -> Option<FoundPrice> {
         while let Some(&found) = self.found.get(self.next).filter(|found| found.point <= point) {
             self.next += 1;
@@ -163,7 +173,7 @@ impl PricesAhead {
     }
 }
 
-/// Returns the least estimate of each point that may be removed.
+/// Returns the smallest estimate of each removable point.
 pub(crate) fn least_estimates(
     surface: &PricedSurface,
     is_removable: impl Fn(u32) -> bool + Sync,
@@ -191,25 +201,25 @@ fn in_chunks<T: Send>(points: &[u32], find: impl Fn(&mut PriceSearch, u32) -> T 
     of_chunk(&mut PriceSearch::default(), points)
 }
 
-/// What a thread knows while it prices points with the outcomes of their collapses.
+/// The state of a thread that prices points with the outcomes of their collapses.
 #[derive(Debug)]
 struct Pricer {
     search: PriceSearch,
     outcomes: Outcomes,
 }
 
-/// Several threads that price points of a surface that stays as it is meanwhile.
+/// Several threads that price points of a surface that does not change meanwhile.
 #[derive(Debug)]
 pub(crate) struct Pricers(Vec<Pricer>);
 
 impl Pricers {
-    /// One for each thread of the current pool, up to eight; at least one.
+    /// Creates one pricer per thread of the current pool, at least one and at most eight.
     pub(crate) fn new(point_count: usize) -> Self {
         let pricer = || Pricer { search: PriceSearch::default(), outcomes: Outcomes::new(point_count) };
         Self((0..thread_count().clamp(1, MAX_PRICERS)).map(|_| pricer()).collect())
     }
 
-    /// Finds the best collapses of points, and tells them in the order of the points.
+    /// Finds the best collapses of points, and reports them in the order of the points.
     pub(crate) fn price(
         &mut self,
         points: &[u32],
@@ -225,7 +235,7 @@ impl Pricers {
         }
     }
 
-    /// Returns the results of the chunks of a block, one for each thread, in their order.
+    /// Returns the results of the chunks of a block in order, one chunk per thread.
     fn in_chunks<T: Send>(
         &mut self,
         block: &[u32],
@@ -269,7 +279,8 @@ mod tests {
         rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap().install(task)
     }
 
-    /// A grid with bumps and a hole, whose texture coordinates have a seam at every fortieth column; three of its triangles meet at one edge.
+    /// Returns a grid with bumps and a hole. Its texture coordinates have a seam at every fortieth
+    /// column, and three of its triangles share an edge.
     fn mesh() -> Mesh {
         let (mut positions, mut triangles) = grid(140, 140, [true, false]);
         triangles.drain(6000..6060);
@@ -332,7 +343,8 @@ mod tests {
         }
     }
 
-    /// What is found ahead is what a search finds, and most of what the pass needs.
+    /// Prices computed ahead equal those of a search, and include most of those that the pass
+    /// needs.
     #[test]
     fn prices_found_ahead_are_those_of_a_search() {
         let mesh = mesh();

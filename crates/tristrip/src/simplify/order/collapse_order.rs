@@ -1,15 +1,17 @@
-//! The order of the collapses of a pass, which are found in another one.
+//! The order of the collapses of a pass, which differs from the order in which they are found.
 //!
-//! Two collapses whose points have no neighbour in common do not touch each other: they give the same in either order. All others keep
-//! their order. Each collapse gets a key, its price or the largest key of those before it in the pass that had one of its neighbours,
-//! whichever is more; sorted by key, and of equal keys in the order in which they were found, each comes after all that it depends on.
+//! Two collapses whose points have no common neighbour are independent: either order gives the same
+//! result. All others keep their order. Each collapse gets a key. It is the maximum of its price
+//! and the keys of the earlier collapses of the pass that had one of its neighbours. Collapses are
+//! sorted by key; equal keys keep the order in which they were found. Each then comes after all
+//! that it depends on.
 //!
-//! Passes follow each other. So the collapses to some number of triangles are the first of those to any smaller number, whenever a
-//! simplification stops.
+//! Passes follow each other. So the collapses to some number of triangles are a prefix of those to
+//! any smaller number, no matter when a simplification stops.
 
 use crate::collapse::CollapseSequence;
 
-/// The place of a collapse: the pass, and the key within it.
+/// The position of a collapse: the pass, and the key within it.
 #[derive(Debug, Clone, Copy)]
 struct PassPosition {
     pass: u32,
@@ -20,7 +22,7 @@ struct PassPosition {
 #[derive(Debug)]
 pub(crate) struct CollapseOrder {
     places: Vec<PassPosition>,
-    /// For each point the place of the last collapse that had it as a neighbour.
+    /// For each point, the position of the last collapse that had it as a neighbour.
     latest: Vec<PassPosition>,
     /// The largest key.
     greatest: f32,
@@ -35,7 +37,8 @@ impl CollapseOrder {
         }
     }
 
-    /// Adds a collapse of a pass, counted from 1, with its price, at least 0; the neighbours include the point that it goes to.
+    /// Adds a collapse of a pass, counted from 1, with a price of at least 0. The neighbours
+    /// include the kept point.
     pub(crate) fn push(&mut self, pass: u32, price: f32, neighbours: &[u32]) {
         let of_pass =
             neighbours.iter().map(|&p| self.latest[p as usize]).filter(|latest| latest.pass == pass);
@@ -46,15 +49,15 @@ impl CollapseOrder {
         self.places.push(place);
     }
 
-    /// Returns the largest key, 0 without any.
+    /// Returns the largest key, or 0 if there are none.
     pub(crate) fn greatest(&self) -> f32 {
         self.greatest
     }
 
-    /// Sorts the collapses of a sequence, and removes those after the first level of at most `triangle_count` triangles. Returns the greatest
-    /// key so far for each of those that are left.
+    /// Sorts the collapses of a sequence, and removes those after the first level with at most
+    /// `triangle_count` triangles. Returns the maximum key so far for each remaining collapse.
     pub(crate) fn apply(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
-        // The bits of numbers from 0 on have the order of the numbers.
+        // The bit patterns of non-negative floats are ordered like their values.
         let rank = |place: &PassPosition| u64::from(place.pass) << 32 | u64::from(place.key.to_bits());
         let mut order: Vec<(u64, u32)> = self.places.iter().map(rank).zip(0..).collect();
         order.sort_unstable();
@@ -76,7 +79,7 @@ mod tests {
 
     #[test]
     fn collapses_are_sorted_within_a_pass_and_after_those_they_depend_on() {
-        // Five separate triangles, of which each collapse drops one.
+        // Five separate triangles; each collapse drops one.
         let mut sequence = CollapseSequence::new(15, (0..15).collect()).unwrap();
         let mut order = CollapseOrder::new(10);
         let found =

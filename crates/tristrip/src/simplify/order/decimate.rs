@@ -1,32 +1,45 @@
-//! The choice of the collapses: the next vertex, the neighbour that it goes to, and the resulting changes.
+//! Simplification in passes: selects the next point, the neighbour that it collapses to, and
+//! applies the changes.
 //!
 //! # Algorithm
-//! Every point that may be removed waits with a cost, that of its best collapse as far as known (module `price`). Points are removed in passes:
+//! Every removable point has a cost: that of its best collapse, as far as known (module `price`).
+//! Points are removed in passes:
 //!
-//! 1. The limit of a pass is the cost of the cheapest twelfth of the points that wait.
-//! 2. All points are visited in their order. One whose cost is at most the limit, and near which nothing has changed in this pass, is priced,
-//!    unless its last price still holds. If its price is at most the limit it collapses: its corners move to the kept
-//!    point, its triangles with that point are dropped, its quadric is added to that of the kept point. Otherwise it waits with that price.
-//! 3. The neighbours of a point that was removed keep their costs, and wait for the next pass; the kept point adds the price to its own.
+//! 1. The limit of a pass is the cost of the cheapest twelfth of the candidate points.
+//! 2. All points are visited in their order. A point whose cost is at most the limit, and near
+//!    which nothing has changed in this pass, is priced unless its last price is still valid. If
+//!    its price is at most the limit, it collapses: its corners move to the kept point, its
+//!    triangles with that point are dropped, and its quadric is added to that of the kept point.
+//!    Otherwise the price becomes its cost.
+//! 3. The neighbours of a removed point keep their costs and are skipped until the next pass. The
+//!    price is added to the cost of the kept point.
 //!
-//! The next cheapest point of all could be taken instead, from a queue. It would lie anywhere in the mesh: its triangles, positions and quadrics
-//! would come from memory each time, where those of the next point in a pass are at hand (module `curve`); and it would often be a
-//! neighbour of the last one, whose price has just become void. A pass is always done to its end, and its collapses are sorted by price then, each
-//! after those that it depends on (module `order`); they are cut off where the goal is reached.
+//! The alternative is to take the cheapest point from a queue. Such a point can be anywhere in the
+//! mesh, so its triangles, positions and quadrics must be fetched from memory each time. The data
+//! of the next point in a pass is usually cached (module `curve`). The cheapest point is also often
+//! a neighbour of the last one, whose price has just become invalid. A pass always runs to its end.
+//! Its collapses are then sorted by price, each after those that it depends on (module `order`),
+//! and cut off where the target is reached.
 //!
 //! A collapse is refused if it would
-//! - rotate a remaining triangle by more than about 75 degrees (`MIN_COSINE` of the module `neighbourhood`);
-//! - change the topology (the link condition): the two points must have no common neighbours except those of their common triangles, two or,
-//!   on a border, one; a border point moves only along the border. For points that are neither inner ones nor on a border see the
-//!   module `irregular`. Permissive simplification allows it: holes may close, handles vanish;
-//! - remove the last triangle or tetrahedron of a component, unless the caller has stated the error of that;
-//! - open a seam: each vertex at the point needs a triangle with the kept point, and they must agree;
+//! - rotate a remaining triangle by more than about 75 degrees (`MIN_COSINE` of the module
+//!   `neighbourhood`);
+//! - change the topology (the link condition): the two points must have no common neighbours except
+//!   those of their common triangles, two or, on a border, one; a border point moves only along the
+//!   border. For points that are neither inner nor border points see the module `irregular`.
+//!   Permissive simplification allows topology changes: holes can close and handles can vanish;
+//! - remove the last triangle or tetrahedron of a component, unless the caller has given the error
+//!   of its removal;
+//! - open a seam: each vertex at the point needs a triangle with the kept point, and these must
+//!   agree;
 //! - exceed the error limit, if there is one.
 //!
 //! # References
-//! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Dey, Edelsbrunner, Guha, Nekhayev: *Topology
-//! Preserving Edge Contraction*, 1999 (the link condition). Passes over collapses that do not touch each other are known from parallel
-//! simplification; the order by price afterwards, and the price, are our own. The module `queue` is the published algorithm, without passes.
+//! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Dey,
+//! Edelsbrunner, Guha, Nekhayev: *Topology Preserving Edge Contraction*, 1999 (the link condition).
+//! Passes over independent collapses are known from parallel simplification. The price, and sorting
+//! by price after a pass, were developed for this library. The module `queue` is the published
+//! algorithm, without passes.
 
 mod merge_levels;
 
@@ -45,13 +58,13 @@ use crate::simplify::price::search::PriceSearch;
 use crate::simplify::surface::outcome::{CollapseOutcome, MAX_CORNERS, Outcomes};
 use crate::simplify::surface::topology::{PointKind, Topology};
 
-/// One in so many of the points that wait are below the limit of a pass. From one in 6 to one in 12 the mean of the distances over 37 models
-/// differs by one percent, and the time hardly.
+/// The limit of a pass is the cost of the cheapest 1/12 of the candidates. From 1/6 to 1/12, the
+/// mean distance over 37 models differs by one percent, and the time hardly differs.
 const SHARE: usize = 12;
-/// The limit of a pass is found among about so many of the costs.
+/// The limit of a pass is estimated from about this many costs.
 const MAX_SAMPLES: usize = 1024;
 
-/// The reason for which a collapse is refused.
+/// The reason why a collapse is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CollapseRefusal {
     FoldOver,
@@ -59,7 +72,7 @@ enum CollapseRefusal {
     Seam,
 }
 
-/// A mesh while it is simplified.
+/// A mesh during simplification.
 #[derive(Debug)]
 pub(crate) struct Decimation {
     surface: PricedSurface,
@@ -67,28 +80,30 @@ pub(crate) struct Decimation {
     /// Whether any collapse may change the topology.
     may_break: bool,
     best_collapses: Vec<BestCollapse>,
-    /// The points with a possible collapse, ascending, with others that had one until the last pass.
+    /// The points with a possible collapse, ascending. It can include points that lost theirs in
+    /// the last pass.
     points: Vec<u32>,
-    /// Points for which no collapse was possible, and which are tried again since something changed around them.
+    /// Points without a possible collapse to try again, because something changed around them.
     requeued: Vec<u32>,
     /// The number of the pass, from 1.
     pass: u32,
     order: CollapseOrder,
-    /// Triangles that are drawn.
+    /// The number of drawn triangles.
     triangle_count: usize,
     outcomes: Outcomes,
     search: PriceSearch,
     ahead: PricesAhead,
-    /// The neighbours of the point that was just removed.
+    /// The neighbours of the point that was last removed.
     around: Vec<u32>,
     dropped: Vec<u32>,
-    /// The queued collapses, if they are done one by one.
+    /// The queued collapses, if they are applied one by one.
     queue: Option<CollapseQueue>,
 }
 
 impl Decimation {
-    /// Connects the vertices of each point, computes the quadrics, and estimates all points. `priced` returns the attributes
-    /// that have a price, given the triangles and the unit of the frame; `meshes` are the first vertices of the meshes if there are several.
+    /// Connects the vertices of each point, computes the quadrics, and estimates all points.
+    /// `priced` returns the attributes that have a price, given the triangles and the unit of the
+    /// frame. `meshes` has the first vertex of each mesh if there are several.
     pub(crate) fn new<P: Positions + ?Sized>(
         positions: &P,
         attribute_bits: impl Fn(u32) -> Vec<u8>,
@@ -131,8 +146,10 @@ impl Decimation {
         decimation
     }
 
-    /// Does collapses until there are at most `triangle_count` triangles, or no collapse is possible; returns whether there are. The collapses
-    /// come in the order in which they were found, the last ones of a pass beyond the number, until [`Decimation::finish`] puts them in order.
+    /// Applies collapses until at most `triangle_count` triangles remain or no collapse is
+    /// possible. Returns whether the target was reached. The collapses are in the order in which
+    /// they were found, and a pass can go beyond the target; [`Decimation::finish`] sorts them and
+    /// removes the excess.
     pub(crate) fn run(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) -> bool {
         if let Some(mut queue) = self.queue.take() {
             self.run_cheapest_first(&mut queue, triangle_count, sequence);
@@ -173,7 +190,8 @@ impl Decimation {
         self.points = points;
     }
 
-    /// Does collapses, the cheapest first, until there are at most `triangle_count` triangles, or none is possible.
+    /// Applies collapses, cheapest first, until at most `triangle_count` triangles remain or none
+    /// is possible.
     fn run_cheapest_first(
         &mut self,
         queue: &mut CollapseQueue,
@@ -192,7 +210,8 @@ impl Decimation {
         }
     }
 
-    /// Returns the error of a collapse if it is allowed: the square root of its cost, which no plane is farther away from the kept point than.
+    /// Returns the error of a collapse if it is allowed. The error is the square root of its cost,
+    /// an upper bound of the distance of the kept point from each plane.
     fn error_if_allowed(&mut self, cost: f64, point: u32, to: u32) -> Option<f64> {
         if !self.is_removable(point) {
             return None;
@@ -217,23 +236,23 @@ impl Decimation {
         (error <= self.surface.error_limit).then_some(error)
     }
 
-    /// Puts the collapses in order, and removes those after at most `triangle_count` triangles. Returns the greatest cost so far of each that is
-    /// left, in units of the frame.
+    /// Sorts the collapses, and removes those after at most `triangle_count` triangles remain.
+    /// Returns the maximum cost so far for each remaining collapse, in units of the frame.
     pub(crate) fn finish(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
         self.order.apply(triangle_count, sequence)
     }
 
-    /// Returns the greatest cost of a collapse, as [`Decimation::finish`] does.
+    /// Returns the maximum cost of a collapse, in the unit of [`Decimation::finish`].
     pub(crate) fn greatest_cost(&self) -> f32 {
         self.order.greatest()
     }
 
-    /// Returns the cost of 1 of the frame, in mesh units.
+    /// Returns the unit of costs in the frame, in mesh units.
     pub(crate) fn cost_unit(&self) -> f64 {
         self.surface.price.cost_unit(self.surface.unit)
     }
 
-    /// Returns the cost below which a share of the points wait; `None` without any points.
+    /// Returns the cost of the cheapest share of the points; `None` if there are no points.
     fn pass_limit(&self, points: &[u32]) -> Option<f32> {
         let samples = points.iter().step_by(points.len().div_ceil(MAX_SAMPLES).max(1));
         let mut costs: Vec<f32> = samples.map(|&p| self.best_collapses[p as usize].cost).collect();
@@ -244,7 +263,7 @@ impl Decimation {
         Some(*costs.select_nth_unstable_by(nth, f32::total_cmp).1)
     }
 
-    /// Counts the reasons for which the remaining points cannot be removed.
+    /// Returns why the remaining points cannot be removed, as counts per reason.
     pub(crate) fn stopped(&mut self) -> Stopped {
         let mut stopped = Stopped { triangle_count: self.triangle_count, ..Stopped::default() };
         for point in 0..self.surface.topology.point_count() as u32 {
@@ -274,7 +293,7 @@ impl Decimation {
                         &mut stopped.non_manifold
                     }
                     Some(CollapseRefusal::Topology) => &mut stopped.topology,
-                    // Only the error limit holds it.
+                    // Only the error limit prevents it.
                     None => &mut stopped.error,
                 }
             };
@@ -283,7 +302,7 @@ impl Decimation {
         stopped
     }
 
-    /// Checks whether a point may be removed at all.
+    /// Returns whether a point may be removed at all.
     fn is_removable(&self, point: u32) -> bool {
         let ring = self.surface.topology.ring(point);
         !self.locked[point as usize]
@@ -299,7 +318,8 @@ impl Decimation {
         self.set_estimate(point, least);
     }
 
-    /// Sets the cost of a point to the price that its least estimate predicts; without an estimate no collapse is possible.
+    /// Sets the cost of a point to the price predicted from its smallest estimate. Without an
+    /// estimate, no collapse is possible.
     fn set_estimate(&mut self, point: u32, estimate: Option<f64>) {
         match estimate {
             None => self.set_price(point, None),
@@ -313,16 +333,18 @@ impl Decimation {
         (known.cost, known.target) = (finite(cost), OptionalId::NONE);
     }
 
-    /// Sets the best collapse of a point. Without any the point is skipped until something changes around it.
+    /// Sets the best collapse of a point. Without one, the point is skipped until something changes
+    /// around it.
     fn set_price(&mut self, point: u32, best: Option<PricedCollapse>) {
         self.best_collapses[point as usize].set_price(best);
     }
 
-    /// Returns the collapse of a point whose price still holds.
+    /// Returns the collapse of a point if its price is still valid.
     fn priced(&mut self, point: u32) -> Option<PricedCollapse> {
         let BestCollapse { cost, target, error, .. } = self.best_collapses[point as usize];
         let to = target.get()?;
-        // Something may have changed around the other point. The end of a component has a price of its own.
+        // Something may have changed around the other point. The end of a component is priced
+        // differently.
         let is_as_priced = match self.outcomes.of(&self.surface.topology, point, to) {
             CollapseOutcome::Keeps => true,
             CollapseOutcome::Breaks => self.surface.is_permissive,
@@ -331,7 +353,7 @@ impl Decimation {
         is_as_priced.then_some(PricedCollapse { to, cost, error })
     }
 
-    /// Prices a point: returns its best collapse, and stores it.
+    /// Prices a point, and stores and returns its best collapse.
     fn price(&mut self, point: u32) -> Option<PricedCollapse> {
         let Self { surface, outcomes, search, .. } = self;
         let best = search.best(surface, point, |to| outcomes.of(&surface.topology, point, to));
@@ -339,8 +361,8 @@ impl Decimation {
         best
     }
 
-    /// Returns the best collapse of a point if its price is at most the limit. If the triangles of one would be too far from the full mesh, the
-    /// next best is taken.
+    /// Returns the best collapse of a point if its price is at most the limit. If its triangles
+    /// would be too far from the full mesh, the next best one is tried.
     fn collapse_below(&mut self, point: u32, limit: f32) -> Option<PricedCollapse> {
         let mut best = self.priced(point).or_else(|| self.price(point));
         while let Some(collapse) = best.filter(|collapse| collapse.cost <= limit) {
@@ -355,7 +377,8 @@ impl Decimation {
         None
     }
 
-    /// Does the collapse of a point, whose neighbours are known, and leaves these to the next pass.
+    /// Applies the collapse of a point whose neighbours are in `around`, and defers them to the
+    /// next pass.
     fn collapse(&mut self, point: u32, collapse: &PricedCollapse, sequence: &mut CollapseSequence) {
         self.apply(point, collapse, sequence);
         let around = std::mem::take(&mut self.around);
@@ -374,7 +397,8 @@ impl Decimation {
         self.around = around;
     }
 
-    /// Changes the surface by the collapse of a point, whose neighbours are known, and records it.
+    /// Applies the collapse of a point whose neighbours are in `around` to the surface, and records
+    /// it.
     fn apply(&mut self, point: u32, collapse: &PricedCollapse, sequence: &mut CollapseSequence) {
         let to = collapse.to;
         let is_open = self.surface.keeps_seams(point, to, &mut self.search.renames);
@@ -390,7 +414,7 @@ impl Decimation {
         self.triangle_count -= self.dropped.len();
     }
 
-    /// Returns the first reason for which the collapse of the current point is refused.
+    /// Returns the first reason why the collapse of the current point is refused.
     fn refusal(&mut self, point: u32, to: u32) -> Option<CollapseRefusal> {
         if self.search.current.folds_over(to, self.surface.positions[to as usize]) {
             return Some(CollapseRefusal::FoldOver);
@@ -404,7 +428,8 @@ impl Decimation {
         None
     }
 
-    /// Checks whether a collapse keeps the topology of the surface, or removes a component that may vanish.
+    /// Returns whether a collapse preserves the topology of the surface, or removes a component
+    /// that may vanish.
     fn is_allowed(&mut self, point: u32, to: u32) -> bool {
         match self.outcomes.of(&self.surface.topology, point, to) {
             CollapseOutcome::Keeps => true,

@@ -1,33 +1,43 @@
-//! Simplification by quadrics as Garland and Heckbert published it: of all pairs of neighbours the cheapest collapses next.
+//! Quadric simplification as published by Garland and Heckbert: the globally cheapest pair of
+//! neighbours collapses next.
 //!
 //! # Algorithm
-//! 1. The quadric of a point is the sum of the squared distances from the planes of its triangles, each plane once and unweighted
-//!    (1997, section 5), and from planes through its border edges, perpendicular to their triangles (section 6).
-//! 2. The cost of a collapse of `p` to `q` is `(Qp + Qq)` at the position of `q`. Every pair of neighbours waits in both directions, which
-//!    is the paper's pair whose better end is kept: Kim et al. 2005 collapse half-edges, and no vertex moves.
-//! 3. The cheapest collapse is taken from a queue; of equal costs that of the lowest point, then to the lowest one. Points are numbered in
-//!    the order in which the triangles use them, sorted along a curve where they are far apart (module `curve`). The quadric of `p` is
-//!    added to that of `q`, and all pairs around are priced again.
+//! 1. The quadric of a point is the sum of the squared distances from the planes of its triangles,
+//!    each plane once and unweighted (1997, section 5), and from planes through its border edges,
+//!    perpendicular to their triangles (section 6).
+//! 2. The cost of a collapse of `p` to `q` is `(Qp + Qq)` at the position of `q`. Every pair of
+//!    neighbours is queued in both directions, so the better end is kept. Kim et al. 2005 collapse
+//!    half-edges, and no vertex moves.
+//! 3. The cheapest collapse is taken from a queue. Ties go to the lowest removed point, then to the
+//!    lowest kept point. Points are numbered in the order in which the triangles use them;
+//!    triangles are sorted along a curve if neighbours are far apart in memory (module `curve`).
+//!    The quadric of `p` is added to that of `q`, and all pairs around are priced again.
 //!
-//! An entry of the queue is void once a collapse has changed the triangles of one of its points. Whether a collapse is allowed depends on
-//! these triangles alone, and is checked when the entry comes to the front: a refused one comes back with the next change. A point of more than
-//! 256 triangles does not collapse, and its pairs are not priced again when others collapse to it: costs only increase, so that a pair is priced
-//! again when it comes to the front.
+//! An entry of the queue becomes invalid when a collapse changes the triangles of one of its
+//! points. Whether a collapse is allowed depends only on these triangles. It is checked when the
+//! entry reaches the front; a refused collapse is queued again after the next change. A point with
+//! more than 256 triangles does not collapse. Its pairs are not priced again when other points
+//! collapse to it. Costs only increase, so such a pair is priced again when it reaches the front.
 //!
 //! # Departures
-//! - The paper only says that the weight of border planes is large; here it is 1000, the default of its authors' program `QSlim`. `QSlim` and the
-//!   later papers also weight each plane by the area of its triangle; the paper of 1997 does not, and neither does this.
-//! - All collapses that `decimate` refuses are refused here: the paper allows any topology, and only asks that no normal flips; here no triangle
-//!   rotates by more than about 75 degrees, the link condition holds, the last triangle of a component stays, and seams of attributes stay closed.
-//! - Pairs are edges alone: the paper's distance threshold for pairs without an edge is 0.
-//! - Vertices of one position are one point. The attributes of vertices have no price.
+//! - The paper only says that the weight of border planes is large. Here it is 1000, the default of
+//!   its authors' program `QSlim`. `QSlim` and the later papers also weight each plane by the area
+//!   of its triangle; the paper of 1997 and this module do not.
+//! - All collapses refused by `decimate` are refused here. The paper allows any topology and only
+//!   requires that no normal flips. Here no triangle rotates by more than about 75 degrees, the
+//!   link condition holds, the last triangle of a component is kept, and attribute seams stay
+//!   closed.
+//! - Only edges are pairs: the paper's distance threshold for pairs without an edge is 0.
+//! - Vertices at the same position are one point. Vertex attributes have no price.
 //!
 //! # References
-//! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Garland: `QSlim`, 1998 (the weight of border planes).
+//! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Garland: `QSlim`,
+//! 1998 (the weight of border planes).
 //!
 //! # Complexity
-//! O(d log n) time per collapse, d the number of triangles around its points and their neighbours, of which each counts 256 at most; 24 bytes
-//! per entry of the queue. There are three entries per triangle that are not void, and void ones are removed when there are as many of them.
+//! O(d log n) time per collapse, where d is the number of triangles around its points and their
+//! neighbours, at most 256 counted for each. 24 bytes per entry of the queue. There are three valid
+//! entries per triangle; invalid ones are removed when they are as numerous as the valid ones.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -42,20 +52,21 @@ pub(crate) struct QueuedCollapse {
     pub(crate) cost: f64,
     pub(crate) point: u32,
     pub(crate) to: u32,
-    /// The number of collapses that were done before it was priced.
+    /// The number of collapses applied before it was priced.
     priced: u32,
 }
 
-/// Void entries are not removed while there are fewer entries.
+/// Invalid entries are not removed while the queue has fewer entries.
 const MIN_ENTRIES: usize = 64;
 
 impl QueuedCollapse {
-    /// Returns whether neither point has changed since; `changed` has the number of the last collapse that did.
+    /// Returns whether neither point has changed since it was priced. `changed` has the number of
+    /// the last collapse that changed each point.
     fn is_current(&self, changed: &[u32]) -> bool {
         [self.point, self.to].iter().all(|&p| changed[p as usize] <= self.priced)
     }
 
-    /// The order in which collapses are taken.
+    /// Compares by the order in which collapses are taken.
     fn order(&self, other: &Self) -> Ordering {
         self.cost.total_cmp(&other.cost).then_with(|| (self.point, self.to).cmp(&(other.point, other.to)))
     }
@@ -81,15 +92,15 @@ impl PartialEq for QueuedCollapse {
 
 impl Eq for QueuedCollapse {}
 
-/// The collapses of all pairs of neighbours, the cheapest first.
+/// The collapses of all pairs of neighbours, cheapest first.
 #[derive(Debug)]
 pub(crate) struct CollapseQueue {
     heap: BinaryHeap<Reverse<QueuedCollapse>>,
-    /// For each point the number of the last collapse that changed its triangles, from 1.
+    /// For each point, the number of the last collapse that changed its triangles, from 1.
     changed: Vec<u32>,
-    /// The number of collapses done.
+    /// The number of applied collapses.
     done: u32,
-    /// The number of entries above which void ones are removed.
+    /// The number of entries above which invalid ones are removed.
     most_entries: usize,
     neighbours: Vec<u32>,
 }
@@ -119,7 +130,7 @@ impl CollapseQueue {
         QueuedCollapse { cost: cost_of(surface, point, to), point, to, priced: self.done }
     }
 
-    /// Returns the cheapest collapse whose points have not changed, and removes it.
+    /// Removes and returns the cheapest collapse whose points have not changed.
     pub(crate) fn next(&mut self, surface: &PricedSurface) -> Option<QueuedCollapse> {
         while let Some(Reverse(next)) = self.heap.pop() {
             if !next.is_current(&self.changed) {
@@ -134,7 +145,7 @@ impl CollapseQueue {
         None
     }
 
-    /// Prices the pairs of the points around a collapse that was done.
+    /// Prices the pairs of the points around an applied collapse.
     pub(crate) fn update(&mut self, surface: &PricedSurface, removed: u32, around: &[u32]) {
         self.done += 1;
         self.changed[removed as usize] = self.done;
@@ -145,7 +156,7 @@ impl CollapseQueue {
             surface.topology.neighbours(point, &mut neighbours);
             for &other in &neighbours {
                 self.heap.push(Reverse(self.priced(surface, point, other)));
-                // The other direction is priced with the other point, if that is around, too.
+                // If the other point is also around, it prices the other direction itself.
                 if self.changed[other as usize] != self.done && may_collapse(surface, other) {
                     self.heap.push(Reverse(self.priced(surface, other, point)));
                 }
@@ -165,7 +176,8 @@ fn may_collapse(surface: &PricedSurface, point: u32) -> bool {
     surface.topology.ring(point).len() <= MAX_CORNERS
 }
 
-/// Returns the cost of a collapse in units of the frame: the sum of the quadrics of both points where the kept one is.
+/// Returns the cost of a collapse in units of the frame: the sum of the quadrics of both points,
+/// evaluated at the kept one.
 fn cost_of(surface: &PricedSurface, point: u32, to: u32) -> f64 {
     let mut quadric = surface.quadrics[point as usize];
     quadric.add(&surface.quadrics[to as usize]);

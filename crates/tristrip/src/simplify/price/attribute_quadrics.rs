@@ -1,44 +1,52 @@
-//! Quadrics of the attributes: how far the values at a vertex are from those that the full mesh has there.
+//! Attribute quadrics: how far the values at a vertex are from those of the full mesh at the same
+//! position.
 //!
 //! ```text
-//!         ╱ value of a triangle: gradient · p + offset        Over each triangle of the full mesh every value is linear. The quadric of a
-//!       ╱       ┬                                             vertex is the sum of the squared deviations from all triangles that it
-//!     ╱         │ deviation                                   represents, by area, as a polynomial in the position and the values. When a
-//!   b ───────── a      b goes to a: its triangles             vertex goes to another, the quadrics are added, so that errors of earlier
-//!                      get the position and values of a       collapses count too.
+//!         ╱ value of a triangle: gradient · p + offset
+//!       ╱       ┬
+//!     ╱         │ deviation
+//!   b ───────── a      b collapses to a: its triangles get the position and values of a
 //! ```
-//! Each vertex of a seam has its own quadric, of the triangles on its side. Vertices with the same attributes have one in common.
+//! Every value is linear over each triangle of the full mesh. The quadric of a vertex is the
+//! area-weighted sum of the squared deviations from all triangles that it represents, as a
+//! polynomial in the position and the values. A collapse adds the quadrics, so errors of earlier
+//! collapses are included.
+//!
+//! Each vertex of a seam has its own quadric for the triangles on its side. Vertices with the same
+//! attributes share one.
 //!
 //! # References
-//! Hoppe: *New Quadric Metric for Simplifying Meshes with Appearance Attributes*, 1999, section 3. There the quadric includes the distance
-//! from the planes; here that has a quadric of its own per point, because the vertices of a seam have it in common.
+//! Hoppe: *New Quadric Metric for Simplifying Meshes with Appearance Attributes*, 1999, section 3.
+//! There the quadric includes the distance from the planes. Here the planes have a separate quadric
+//! per point, because the vertices of a seam share it.
 //!
 //! # Complexity
-//! 88 bytes per vertex, and 32 more per value; constant time per value for a vertex.
+//! 88 bytes per vertex, and 32 more per value. Constant time per value and vertex.
 
 use super::attributes::PricedAttributes;
 use crate::collapse::Rename;
 use crate::simplify::surface::topology::{CornerId, Topology};
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
-/// The smallest squared double area, in units of the frame, of a triangle whose gradient is known.
+/// The minimum squared double area, in units of the frame, of a triangle with a gradient.
 const MIN_SQUARE: f64 = 1e-24;
-/// The numbers of a quadric before those of the values: weight, gradient × gradient (6), gradient × offset (3), offset².
+/// The coefficients of a quadric before those of the values: weight, gradient × gradient (6),
+/// gradient × offset (3), offset².
 const SHARED: usize = 11;
-/// The numbers per value: gradient (3), offset.
+/// The coefficients per value: gradient (3), offset.
 const PER_VALUE: usize = 4;
 
-/// A quadric per vertex, and the values.
+/// The quadrics of the vertices, and their values.
 #[derive(Debug)]
 pub(crate) struct AttributeQuadrics {
     values: PricedAttributes,
-    /// The first vertex of the same point with the same attributes.
+    /// For each vertex, the first vertex of the same point with the same attributes.
     first_equal: Vec<u32>,
     quadrics: Vec<f64>,
 }
 
 impl AttributeQuadrics {
-    /// Adds up the triangles around each vertex.
+    /// Sums the quadrics of the triangles around each vertex.
     pub(crate) fn new(topology: &Topology, positions: &[Point], values: PricedAttributes) -> Self {
         let vertex_count = values.vertex_count();
         let size = SHARED + PER_VALUE * values.width();
@@ -59,7 +67,8 @@ impl AttributeQuadrics {
         all
     }
 
-    /// Returns the sum of the squared deviations, weighted by area, if vertices become others at a position.
+    /// Returns the area-weighted sum of the squared deviations after renaming vertices, at the
+    /// position of the kept point.
     pub(crate) fn change(&self, renames: &[Rename], kept: Point) -> f64 {
         let first = |rename: &Rename| self.first_equal[rename.removed as usize];
         let mut sum = 0.0;
@@ -78,14 +87,14 @@ impl AttributeQuadrics {
         pairs.map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum()
     }
 
-    /// Adds the quadrics of vertices that are removed to those of the vertices that they become.
+    /// Adds the quadrics of removed vertices to those of the vertices that replace them.
     pub(crate) fn merge(&mut self, renames: &[Rename]) {
         let size = self.size();
         for rename in renames {
             let [removed, kept] =
                 [rename.removed, rename.kept].map(|v| self.first_equal[v as usize] as usize * size);
             for k in 0..size {
-                // Equal vertices have one quadric, which is added once.
+                // Equal vertices share one quadric, which is added once.
                 let moved = std::mem::take(&mut self.quadrics[removed + k]);
                 self.quadrics[kept + k] += moved;
             }
@@ -101,7 +110,8 @@ impl AttributeQuadrics {
     }
 }
 
-/// Returns the sum of a quadric for a position and values; a sum that rounding makes negative counts as zero.
+/// Evaluates a quadric at a position and values. A sum that becomes negative by rounding counts as
+/// zero.
 fn deviation(quadric: &[f64], [x, y, z]: Point, values: &[f32]) -> f64 {
     let (shared, of_values) = quadric.split_at(SHARED);
     let &[weight, xx, yy, zz, xy, xz, yz, xd, yd, zd, dd] = shared else { return 0.0 };
@@ -116,7 +126,8 @@ fn deviation(quadric: &[f64], [x, y, z]: Point, values: &[f32]) -> f64 {
     sum.max(0.0)
 }
 
-/// Sets a quadric to that of a triangle with values at its corners; returns whether it has a gradient.
+/// Sets a quadric to that of a triangle with values at its corners. Returns whether the triangle
+/// has a gradient.
 fn set_triangle(quadric: &mut [f64], corners: [Point; 3], values: [&[f32]; 3]) -> bool {
     let normal = normal_of(corners);
     let square = dot(normal, normal);
@@ -124,7 +135,7 @@ fn set_triangle(quadric: &mut [f64], corners: [Point; 3], values: [&[f32]; 3]) -
         return false;
     }
     let [a, b, c] = corners;
-    // The gradients of the shares of b and of c.
+    // The gradients of the barycentric coordinates of b and c.
     let of_b = cross(sub(c, a), normal).map(|x| x / square);
     let of_c = cross(normal, sub(b, a)).map(|x| x / square);
     let weight = square.sqrt();
@@ -155,7 +166,8 @@ mod tests {
     }
 
     proptest! {
-        /// In a triangle the deviation is that from the values interpolated there, by area.
+        /// Inside a triangle, the deviation is that from the interpolated values, times the double
+        /// area.
         #[test]
         fn is_the_deviation_from_interpolated_values(
             corners in uniform3(uniform3(0.0..1.0)),

@@ -1,12 +1,16 @@
-//! The attributes of the vertices that have a price, as lengths on the surface.
+//! The priced vertex attributes, converted to lengths on the surface.
 //!
-//! Positions, normals, texture coordinates and colours have different units. Each becomes a length on the surface, so that its deviation
-//! adds to the distance between the surfaces:
-//! - *texture coordinates*: the distance by which the texture moves over the surface, by the mean size of the texture on it. A model
-//!   with a repeated texture thus counts like one with an atlas;
-//! - *normals*, *tangents* and *colours*: the difference, times a fixed length in the local frame ([`NORMAL_LENGTH`], [`TANGENT_LENGTH`],
-//!   [`COLOUR_LENGTH`]): a surface that moves by that length is as bad as a normal that turns by a radian, or a colour from black to full;
-//! - *joints and weights*: the distance by which a joint that turns moves the vertex elsewhere (module `skin`).
+//! Positions, normals, texture coordinates and colours have different units. Each is converted to a
+//! length on the surface, so its deviation can be added to the distance between the surfaces:
+//! - *texture coordinates*: the distance by which the texture shifts on the surface, computed from
+//!   the mean size of the texture on it. A model with a repeated texture is thus treated like one
+//!   with an atlas;
+//! - *normals*, *tangents* and *colours*: the difference times a fixed length in the local frame
+//!   ([`NORMAL_LENGTH`], [`TANGENT_LENGTH`], [`COLOUR_LENGTH`]). A surface that moves by that
+//!   length is as bad as a normal that turns by a radian, or a colour that changes from black to
+//!   full;
+//! - *joints and weights*: the distance by which a vertex moves differently when a joint turns
+//!   (module `skin`).
 //!
 //! The module `attribute_quadrics` compares them.
 
@@ -15,25 +19,27 @@ use crate::mesh::{Attribute, Mesh, triangles_of};
 use crate::simplify::options::AttributeWeights;
 use crate::vector::{Point, dot, normal_of};
 
-/// The distance, in units of the frame, that is as bad as a difference of 1 between unit normals. From 0.04 to 0.06, in pictures of
-/// a duck, a man, a truck and a fox, more gave better normals, and less better textures and fewer holes.
+/// The distance, in units of the frame, that is as bad as a difference of 1 between unit normals.
+/// Tuned on images of a duck, a man, a truck and a fox: from 0.04 to 0.06, larger values gave
+/// better normals, worse textures and more holes.
 const NORMAL_LENGTH: f64 = 0.042;
-/// The same for tangents, which only light normal maps.
+/// The distance for tangents, which affect only normal maps.
 const TANGENT_LENGTH: f64 = 0.03;
-/// The same for a component of a colour, of 1 between none and full.
+/// The distance for a change of 1, from none to full, in a colour component.
 const COLOUR_LENGTH: f64 = 0.1;
-/// The radians by which joints are expected to turn. From 0.1 to 0.5 more was better for the man, even in
-/// the pose of the file, and worse for the fox.
+/// The expected rotation of joints in radians. From 0.1 to 0.5, larger values were better for the
+/// man, even in the pose of the file, and worse for the fox.
 const SKIN_LENGTH: f64 = 0.1;
-/// The distance that is as bad as a texture that moves by 1 on the surface. From 1 to 2, in the same pictures, more gave better textures and
-/// worse normals.
+/// The distance that is as bad as a texture shift of 1 on the surface. From 1 to 2, on the same
+/// images, larger values gave better textures and worse normals.
 const TEXTURE_SHARE: f64 = 1.5;
-/// Most values per vertex that count: the time for a price is in proportion to their number.
+/// The maximum number of values per vertex. The time of a price is proportional to their number.
 const MAX_VALUES: usize = 32;
-/// The largest length of a unit of a texture coordinate: an atlas that a model hardly uses does not outweigh its shape.
+/// The maximum length of a unit of a texture coordinate, so that an atlas that a model hardly uses
+/// does not outweigh the shape.
 const MAX_TEXTURE_LENGTH: f64 = 8.0;
 
-/// The values of the attributes that have a price, as lengths in the local frame.
+/// The values of the priced attributes, as lengths in the local frame.
 #[derive(Debug)]
 pub(crate) struct PricedAttributes {
     /// The number of values per vertex.
@@ -42,8 +48,8 @@ pub(crate) struct PricedAttributes {
 }
 
 impl PricedAttributes {
-    /// Collects the attributes of a mesh that have a weight; `None` if it has none. A value that is not finite counts as zero, and values
-    /// beyond [`MAX_VALUES`] per vertex do not count.
+    /// Collects the attributes of a mesh that have a weight; `None` if it has none. Values that are
+    /// not finite count as zero. Values beyond [`MAX_VALUES`] per vertex are ignored.
     pub(crate) fn new(mesh: &Mesh, triangles: &[u32], unit: f64, weights: AttributeWeights) -> Option<Self> {
         let length = |attribute: &&Attribute| length_of(mesh, attribute, triangles, unit, weights);
         let lengths = mesh.attributes().iter().map(|attribute| (attribute, length(&attribute)));
@@ -69,7 +75,8 @@ impl PricedAttributes {
         (width > 0).then_some(Self { width, values })
     }
 
-    /// Joins the values of several meshes, each with its number of vertices, which are compared only within a mesh; `None` if no mesh has any.
+    /// Joins the values of several meshes, each with its number of vertices; `None` if no mesh has
+    /// any. Values are compared only within a mesh.
     pub(crate) fn joined(meshes: &[(Option<Self>, usize)]) -> Option<Self> {
         let width = meshes.iter().filter_map(|(priced, _)| Some(priced.as_ref()?.width)).max()?;
         let mut values =
@@ -103,7 +110,7 @@ impl PricedAttributes {
     }
 }
 
-/// Returns the length of a unit of an attribute, in units of the frame; zero if it has no price.
+/// Returns the length of a unit of an attribute, in units of the frame; 0 if it has no price.
 fn length_of(
     mesh: &Mesh,
     attribute: &Attribute,
@@ -126,7 +133,8 @@ fn finite(value: Option<f32>) -> f32 {
     value.filter(|value| value.is_finite()).unwrap_or(0.0)
 }
 
-/// Returns the mean length on the surface, in units of the frame, of a unit of the texture coordinates; zero if they cover no area.
+/// Returns the mean length on the surface of a unit of the texture coordinates, in units of the
+/// frame; 0 if they cover no area.
 fn texture_length(mesh: &Mesh, attribute: &Attribute, triangles: &[u32], unit: f64) -> f64 {
     let position = |v: u32| -> Point {
         mesh.positions().get(v as usize).map_or([0.0; 3], |p| p.map(|x| f64::from(x) / unit))
@@ -173,7 +181,8 @@ mod tests {
         Mesh::new(positions, faces).unwrap().with_attribute(attribute).unwrap()
     }
 
-    /// Simplifies a flat grid to 24 triangles, and returns the largest difference of the attribute at a vertex of the grid.
+    /// Simplifies a flat grid to 24 triangles, and returns the maximum difference of the attribute
+    /// at a vertex of the grid.
     fn largest_difference(mesh: &Mesh, weights: AttributeWeights) -> f64 {
         let options = SimplifyOptions::default().with_triangles(24).with_weights(weights);
         let simple = simplify(mesh, &options).unwrap();
@@ -197,7 +206,8 @@ mod tests {
         (0..mesh.vertex_count() as u32).map(difference).fold(0.0, f64::max)
     }
 
-    /// On a plane every collapse has the same price by shape, so that only the attribute decides what stays.
+    /// On a plane, every collapse has the same shape price, so only the attribute determines which
+    /// vertices are kept.
     #[test]
     fn kinks_of_an_attribute_stay() {
         let none = AttributeWeights::NONE;

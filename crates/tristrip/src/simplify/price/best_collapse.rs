@@ -1,17 +1,17 @@
-//! What is known of the best collapse of a point.
+//! The best known collapse of a point.
 
 use crate::ids::OptionalId;
 
-/// The best collapse of a point, as far as known.
+/// The best known collapse of a point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BestCollapse {
-    /// The cost of its best collapse, as far as known; infinite if none is possible.
+    /// Its cost; infinite if no collapse is possible.
     pub(crate) cost: f32,
-    /// The point that it would go to, if it has a price.
+    /// The point that it collapses to, if it was priced.
     pub(crate) target: OptionalId,
-    /// The error of that, in units of the frame.
+    /// The error of this collapse, in units of the frame.
     pub(crate) error: f32,
-    /// The last pass in which its neighbourhood changed.
+    /// The last pass in which the neighbourhood of the point changed.
     pub(crate) changed: u32,
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct PricedCollapse {
     pub(crate) error: f32,
 }
 
-/// Returns a number as one that is finite in fewer bits.
+/// Converts a number to `f32`, clamped to finite values.
 pub(crate) fn finite(x: f64) -> f32 {
     x.min(f64::from(f32::MAX)) as f32
 }

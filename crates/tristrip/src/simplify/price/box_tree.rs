@@ -1,30 +1,36 @@
-//! A tree of boxes around the triangles of the full mesh, which tells whether a place is near any of them.
+//! A tree of boxes around the triangles of the full mesh, for queries whether a position is near
+//! any triangle.
 //!
-//! The triangles are sorted along Morton's curve. Every four in a row have a box, every four of these boxes have one, and so on: the tree
-//! consists of its boxes alone, in one array per level, the lowest first.
+//! The triangles are sorted along a Morton curve. Every four consecutive ones have a box, every
+//! four of these boxes have one, and so on. The tree consists only of its boxes, in one array per
+//! level, lowest level first.
 //!
 //! ```text
-//!   level 1   [───────────────────────]        A search goes down into the boxes that are near enough, the nearest first, and ends at the
-//!   level 0   [────][────][────][─────]        first triangle that is. Where the boxes of very many triangles overlap it gives up.
+//!   level 1   [───────────────────────]
+//!   level 0   [────][────][────][─────]
 //! ```
+//! A search descends into the boxes that are near enough, nearest first, and ends at the first
+//! triangle that is near enough. Where the boxes of very many triangles overlap, it stops without a
+//! result.
 //!
 //! # Complexity
-//! O(n log n) time to build; 14 bytes per triangle. O(log n) time for a search where triangles are of similar size, and at most
-//! [`MAX_GROUPS`] groups of boxes.
+//! O(n log n) time to build; 14 bytes per triangle. A search takes O(log n) time if triangles are
+//! of similar size, and visits at most [`MAX_GROUPS`] groups of boxes.
 
 use wide::f32x4;
 
 use crate::simplify::surface::curve::order_along_curve;
 use crate::vector::{Point, to_triangle};
 
-/// The boxes, or triangles, in a box.
+/// The number of boxes, or triangles, in a box.
 const ARITY: usize = 4;
-/// The groups of boxes that a search visits at most.
+/// The maximum number of groups of boxes that a search visits.
 const MAX_GROUPS: usize = 1024;
-/// Boxes are larger by this share of the longest side of the frame, which is more than 32-bit floats round.
+/// Boxes are enlarged by this share of the longest side of the frame, which exceeds the rounding of
+/// 32-bit floats.
 const MARGIN: f64 = 1e-6;
 
-/// Four boxes: their lowest and their highest coordinates.
+/// Four boxes, as minimum and maximum coordinates.
 #[derive(Debug, Clone, Copy)]
 struct BoxGroup {
     low: [f32x4; 3],
@@ -32,7 +38,7 @@ struct BoxGroup {
 }
 
 impl BoxGroup {
-    /// Of up to four boxes; the others are nowhere.
+    /// Creates a group of up to four boxes. Unused lanes are empty boxes.
     fn new(boxes: &[BoxBounds]) -> Self {
         let lanes = |end: usize, k: usize, none: f32| {
             let lane = |i: usize| boxes.get(i).map_or(none, |bounds| bounds[end][k]);
@@ -42,7 +48,7 @@ impl BoxGroup {
         Self { low, high: [0, 1, 2].map(|k| lanes(1, k, f32::NEG_INFINITY)) }
     }
 
-    /// Returns the squared distances of a place from the boxes.
+    /// Returns the squared distances of a position from the boxes.
     fn squares(&self, place: [f32x4; 3]) -> [f32; ARITY] {
         let outside = |k: usize| {
             let outside: f32x4 = (self.low[k] - place[k]).fast_max(place[k] - self.high[k]);
@@ -53,7 +59,7 @@ impl BoxGroup {
     }
 }
 
-/// The lowest and the highest coordinates.
+/// The minimum and maximum coordinates of a box.
 type BoxBounds = [[f32; 3]; 2];
 
 /// The boxes around triangles.
@@ -61,12 +67,13 @@ type BoxBounds = [[f32; 3]; 2];
 pub(crate) struct TriangleBoxTree {
     /// The triangles in the order of the tree.
     triangles: Vec<u32>,
-    /// The boxes of each level, the lowest first; the highest has one group.
+    /// The boxes of each level, lowest level first. The highest level has one group.
     levels: Vec<Vec<BoxGroup>>,
 }
 
 impl TriangleBoxTree {
-    /// Builds the boxes around triangles, each with the numbers of its corners' positions, in a frame with sides of at most 1.
+    /// Builds the boxes around triangles, given as indices into the positions, in a frame with
+    /// sides of at most 1.
     pub(crate) fn new(positions: &[Point], triangles: &[[u32; 3]]) -> Self {
         let first = |triangle: &[u32; 3]| positions[triangle[0] as usize].map(|x| x as f32);
         let order = order_along_curve(triangles.iter().map(first));
@@ -83,8 +90,8 @@ impl TriangleBoxTree {
         Self { triangles: order, levels }
     }
 
-    /// Returns the squared distance of a place from a triangle that is near enough, not always the nearest; `None` if there is none, or the
-    /// search gives up.
+    /// Returns the squared distance of a position from a triangle that is near enough, not
+    /// necessarily the nearest. Returns `None` if there is none or the search reaches its limit.
     pub(crate) fn within(
         &self,
         positions: &[Point],
@@ -99,21 +106,21 @@ impl TriangleBoxTree {
     }
 }
 
-/// A search for a triangle near a place.
+/// A search for a triangle near a position.
 struct NearestSearch<'a> {
     tree: &'a TriangleBoxTree,
     positions: &'a [Point],
     triangles: &'a [[u32; 3]],
     place: Point,
-    /// The place for each of four boxes.
+    /// The position, repeated for each of four boxes.
     lanes: [f32x4; 3],
     most_square: f64,
-    /// The groups that may still be visited.
+    /// The number of groups that may still be visited.
     left: usize,
 }
 
 impl NearestSearch<'_> {
-    /// Searches the boxes of a group that are near enough, the nearest first.
+    /// Searches the boxes of a group that are near enough, nearest first.
     fn group(&mut self, level: usize, group: usize) -> Option<f64> {
         self.left = self.left.checked_sub(1)?;
         let mut squares = self.tree.levels[level][group].squares(self.lanes);
@@ -143,7 +150,7 @@ impl NearestSearch<'_> {
     }
 }
 
-/// Returns the box around others.
+/// Returns the bounding box of boxes.
 fn around(boxes: impl Iterator<Item = BoxBounds>) -> BoxBounds {
     boxes.fold([[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]], |[low, high], [other_low, other_high]| {
         [
@@ -165,7 +172,7 @@ mod tests {
             let mut number = |n: usize| random.below(n) as f64 / n as f64;
             let positions: Vec<Point> =
                 (0..3 * count).map(|_| [number(1000), number(1000), number(3)]).collect();
-            // Small triangles, and some large ones, or without area.
+            // Small triangles, and some that are large or have no area.
             let last = positions.len() as u32 - 1;
             let triangles: Vec<[u32; 3]> =
                 (0..count).map(|t| [3 * t, (3 * t + 1 + t % 7 / 6).min(last), 3 * t + t % 3]).collect();
@@ -182,7 +189,8 @@ mod tests {
         }
     }
 
-    /// Many triangles that reach through the whole box, none near the place: the search gives up.
+    /// Many triangles that extend through the whole box, none near the position: the search reaches
+    /// its limit.
     #[test]
     fn a_search_visits_a_bounded_number_of_boxes() {
         let count = 30_000_u32;

@@ -1,16 +1,22 @@
-//! How far the new triangles are from the full mesh, so that an error limit holds for the whole surface.
+//! The deviation of new triangles from the full mesh, which makes an error limit hold for the whole
+//! surface.
 //!
-//! Removed points tell how far the full mesh is from the surface. The other direction is where triangles bridge a valley: the full mesh has
-//! no point there. The module `neighbourhood` compares new edges with the triangles that they replace, which may be off already:
+//! Removed points measure how far the full mesh is from the surface. The other direction matters
+//! where triangles bridge a valley: the full mesh has no point there. The module `neighbourhood`
+//! compares new edges with the triangles that they replace, which can deviate already:
 //!
 //! ```text
-//!   ·───────────·  now             The deviation of a triangle is an estimate of its distance from the full mesh from above: the largest of
-//!    ╲    ↕    ╱                   those that it replaces, and the distance from these. As long as it is below the error limit, that is
-//!     ·───────·    before          all. If not, places on the new triangles are searched in the full mesh, and the deviation is the largest
-//!      ╲  ↕  ╱                     distance found there.
+//!   ·───────────·  now
+//!    ╲    ↕    ╱
+//!     ·───────·    before
+//!      ╲  ↕  ╱
 //!       ╲___╱      full mesh
 //! ```
-//! So searches are needed only where the limit is near.
+//! The deviation of a triangle is an upper estimate of its distance from the full mesh: the maximum
+//! deviation of the triangles that it replaces, plus its distance from them. If it is within the
+//! error limit, nothing else is needed. Otherwise the full mesh is searched for sample positions on
+//! the new triangles, and the deviation is the maximum distance found. So searches are needed only
+//! near the limit.
 //!
 //! # Complexity
 //! 16 bytes per triangle, and 14 more for the tree of the module `box_tree` once it is needed.
@@ -24,23 +30,24 @@ use crate::vector::Point;
 /// The deviation of each triangle, and the full mesh.
 #[derive(Debug)]
 pub(crate) struct TriangleDeviations {
-    /// Those of the triangles, in units of the frame.
+    /// The deviations of the triangles, in units of the frame.
     of_triangles: Vec<f32>,
     /// The triangles of the full mesh.
     full: Vec<[u32; 3]>,
     tree: Option<TriangleBoxTree>,
-    /// The deviation after the collapse that was allowed last.
+    /// The deviation after the last allowed collapse.
     after: f32,
 }
 
 impl TriangleDeviations {
-    /// Of a full mesh.
+    /// Creates the deviations of a full mesh, all 0.
     pub(crate) fn new(triangles: &[[u32; 3]]) -> Self {
         Self { of_triangles: vec![0.0; triangles.len()], full: triangles.to_vec(), tree: None, after: 0.0 }
     }
 
-    /// Checks whether the new triangles of a collapse, of the point of a neighbourhood to another, are within a distance of the full mesh. If
-    /// so, it keeps their deviation for [`TriangleDeviations::collapse`].
+    /// Returns whether the new triangles of a collapse are within a distance of the full mesh.
+    /// `point` is the point of the neighbourhood, `to` the kept one. If so, stores their deviation
+    /// for [`TriangleDeviations::collapse`].
     pub(crate) fn allow(
         &mut self,
         topology: &Topology,
@@ -64,7 +71,7 @@ impl TriangleDeviations {
         deviation.is_some()
     }
 
-    /// Sets the deviation of the triangles that are left when a point goes to another, in the collapse that was allowed last.
+    /// Sets the deviation of the triangles that remain after the last allowed collapse.
     pub(crate) fn collapse(&mut self, topology: &Topology, point: u32, to: u32) {
         for (corner, edge) in topology.ring(point).iter().zip(topology.opposite(point)) {
             if !edge.contains(&to) {
@@ -81,7 +88,7 @@ mod tests {
     use crate::simplify::{SimplifyOptions, simplify_triangles};
     use crate::vector::{Point, to_triangle};
 
-    /// Returns the largest distance of places on some triangles from others.
+    /// Returns the maximum distance of sample positions on triangles from other triangles.
     fn farthest(from: &[[Point; 3]], to: &[[Point; 3]]) -> f64 {
         let shares =
             (0..=4).flat_map(|i| (0..=4 - i).map(move |j| [i, j, 4 - i - j].map(|n| f64::from(n) / 4.0)));
@@ -95,7 +102,8 @@ mod tests {
         places.map(square).fold(0.0, f64::max).sqrt()
     }
 
-    /// The error limit holds for places all over both surfaces, although every collapse is compared with the one before alone.
+    /// The error limit holds all over both surfaces, although each collapse is compared only with
+    /// the previous state.
     #[test]
     fn both_surfaces_are_within_the_error_limit() {
         for (size, limit) in [([24, 24], 0.3_f32), ([24, 24], 0.08), ([24, 24], 0.02), ([9, 6], 0.4)] {

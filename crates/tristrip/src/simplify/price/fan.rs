@@ -1,26 +1,36 @@
-//! Distances between the triangles around a point and those that would replace them, for four triangles at a time.
+//! Distances between the triangles around a point and those that would replace them, four triangles
+//! at a time.
 //!
 //! ```text
-//!        u ───── w         The point is the origin o, and the longest edge to a neighbour is the unit, so that 32-bit floats have seven digits
-//!       ╱ ╲     ╱          around each point, however small. The old triangles are (o, u, w), the new ones (a, u, w), where a is the
-//!      ╱   ╲   ╱           neighbour that the point goes to.
+//!        u ───── w
+//!       ╱ ╲     ╱
+//!      ╱   ╲   ╱
 //!     a ──── o
 //! ```
-//! The nearest point of a triangle is the foot of the perpendicular, if it lies inside, or else on an edge. With normals n = u × w of an
-//! old triangle and n' = u × w + a × u + w × a of a new one:
-//! - the origin's foot lies inside the new triangle if the products of n' with u × w, a × u and w × a are positive; its height is a · n;
-//! - the foot of m lies inside the old triangle if m · (n × u) and m · (w × n) are positive, and together less than n · n; its height is m · n.
+//! The point is the origin o, and the longest edge to a neighbour is the unit, so 32-bit floats
+//! have seven digits around each point, at any scale. The old triangles are (o, u, w), the new ones
+//! (a, u, w), where a is the neighbour that the point collapses to.
 //!
-//! Neighbouring triangles share the edges at o or a, so that one of each is enough around an inner point.
+//! The nearest position on a triangle is the foot of the perpendicular if it is inside, otherwise
+//! it is on an edge. With normals n = u × w of an old triangle and n' = u × w + a × u + w × a of a
+//! new one:
+//! - the foot of the origin is inside the new triangle if the dot products of n' with u × w, a × u
+//!   and w × a are positive; the height of the origin is a · n divided by the length of n';
+//! - the foot of m is inside the old triangle if m · (n × u) and m · (w × n) are not negative, and
+//!   their sum is at most n · n; its height is m · n divided by the length of n.
+//!
+//! Neighbouring triangles share the edges at o or a, so testing one such edge per triangle is
+//! enough around an inner point.
 
 use wide::f32x4;
 
 use crate::vector::{Point, dot, sub};
 
 const LANES: usize = 4;
-/// A triangle with a smaller normal, of unit edges, consists of its edges: rounding could turn the normal anywhere.
+/// A triangle with a shorter normal, at unit edge length, is treated as its edges: rounding could
+/// give the normal any direction.
 const MIN_NORMAL: f32 = 1e-5;
-/// Added to divisors that may be zero.
+/// Added to divisors that can be zero.
 const TINY: f32 = 1e-30;
 
 /// Four vectors.
@@ -46,7 +56,8 @@ fn splat(a: [f32; 3]) -> Lanes {
     a.map(f32x4::splat)
 }
 
-/// Returns the squared distance of points from segments that begin at the origin; `inverse` is the inverse of their squared length.
+/// Returns the squared distances of points from segments that begin at the origin. `inverse` is the
+/// inverse of the segments' squared length.
 fn from_segment(points: Lanes, along: Lanes, inverse: f32x4) -> f32x4 {
     let share = (dots(points, along) * inverse).fast_max(f32x4::ZERO).fast_min(f32x4::ONE);
     let rest = subs(points, scaled(along, share));
@@ -62,27 +73,28 @@ fn least(lanes: f32x4) -> f32 {
 struct TriangleBlock {
     u: Lanes,
     w: Lanes,
-    /// The normals of the old triangles, of twice their areas as length.
+    /// The normals of the old triangles, as long as twice their areas.
     normal: Lanes,
-    /// Their squared lengths.
+    /// The squared lengths of the normals.
     square: f32x4,
     /// The squared distance of the point from the opposite edge.
     outer: f32x4,
     old: OldTriangles,
 }
 
-/// What the distance from old triangles needs.
+/// Precomputed values for the distance from old triangles.
 #[derive(Debug, Clone, Copy, Default)]
 struct OldTriangles {
-    /// Unit normals; zero where the triangle consists of its edges.
+    /// Unit normals; zero where the triangle is treated as its edges.
     unit: Lanes,
     /// The cross products of the normal and u, and of w and the normal.
     sides: [Lanes; 2],
-    /// What the products of a point with both sides may add up to; negative where the triangle consists of its edges.
+    /// The maximum sum of a position's dot products with both sides; negative where the triangle is
+    /// treated as its edges.
     most: f32x4,
     /// The vector from u to w.
     edge: Lanes,
-    /// The inverses of the squared lengths of u and w, and of the edge between.
+    /// The inverses of the squared lengths of u, w and the edge between them.
     inverses: [f32x4; 3],
 }
 
@@ -111,7 +123,8 @@ impl TriangleBlock {
         };
     }
 
-    /// Returns the squared distances of the origin from the new triangles at a point, plus `left_out`.
+    /// Returns the squared distances of the origin from the new triangles at a position, plus
+    /// `left_out`.
     fn new_distance(&self, at: Lanes, left_out: f32x4, is_inner: bool) -> f32x4 {
         let (first, last) = (crosses(at, self.u), crosses(self.w, at));
         let normal = [0, 1, 2].map(|k| self.normal[k] + first[k] + last[k]);
@@ -128,7 +141,7 @@ impl TriangleBlock {
             let along = subs(end, at);
             from_segment(at.map(|x| -x), along, f32x4::ONE / (dots(along, along) + f32x4::splat(TINY)))
         };
-        // Around an inner point, u of a triangle that is left out is w of one that stays.
+        // Around an inner point, the u of a dropped triangle is the w of a remaining one.
         if is_inner {
             from_face.fast_min(spoke(self.u))
         } else {
@@ -136,7 +149,7 @@ impl TriangleBlock {
         }
     }
 
-    /// Returns the squared distances of a point from the old triangles.
+    /// Returns the squared distances of a position from the old triangles.
     fn old_distance(&self, point: Lanes, is_inner: bool) -> f32x4 {
         let old = &self.old;
         let sides = old.sides.map(|side| dots(point, side));
@@ -162,12 +175,12 @@ pub(crate) struct TriangleFan {
     blocks: Vec<TriangleBlock>,
     /// Whether the blocks are ready for distances from old triangles.
     is_placed: bool,
-    /// Infinite for triangles that the neighbour `left_out_at` has, otherwise zero.
+    /// Infinite for triangles that the current distance query leaves out, otherwise zero.
     left_out: Vec<f32x4>,
 }
 
 impl TriangleFan {
-    /// Places the triangles (origin, u, w).
+    /// Sets the triangles (origin, u, w).
     pub(crate) fn place(
         &mut self,
         origin: Point,
@@ -184,7 +197,7 @@ impl TriangleFan {
         self.blocks.clear();
         let mut edges = edges;
         while edges.len() > 0 {
-            // Lanes without a triangle repeat the last one.
+            // Unused lanes repeat the last triangle.
             let mut lanes = [[[0.0_f32; LANES]; 3]; 2];
             let mut last = [[0.0_f32; 3]; 2];
             for lane in 0..LANES {
@@ -202,14 +215,15 @@ impl TriangleFan {
         }
     }
 
-    /// Returns a position relative to the point, in its unit.
+    /// Returns a position relative to the point, in the fan's unit.
     fn local(&self, position: Point) -> [f32; 3] {
         let scale = 1.0 / self.unit;
         sub(position, self.origin).map(|x| (x * scale) as f32)
     }
 
-    /// Returns the squared distance of the point from the triangles that it would have at a position, without those for which `is_left_out`;
-    /// without any, from their opposite edges.
+    /// Returns the squared distance of the point from the triangles that it would have at a
+    /// position, except those that `is_left_out` selects. If none remain, returns the distance from
+    /// their opposite edges.
     pub(crate) fn distance(&mut self, kept: Point, is_left_out: impl Fn(usize) -> bool) -> f64 {
         let at = splat(self.local(kept));
         let mut remain = false;
@@ -244,7 +258,7 @@ impl TriangleFan {
         f64::from(found.fold(f32::INFINITY, f32::min)) * self.unit * self.unit
     }
 
-    /// Returns which of the old triangles is nearest to a position.
+    /// Returns the index of the old triangle nearest to a position.
     pub(crate) fn nearest(&mut self, position: Point) -> usize {
         self.place_old();
         let point = splat(self.local(position));
@@ -283,7 +297,8 @@ mod tests {
     }
 
     proptest! {
-        /// Fans of 3 to 20 triangles, closed or open: the distances are those from each triangle alone.
+        /// Fans of 3 to 20 triangles, closed or open: the distances match those from each single
+        /// triangle.
         #[test]
         fn distances_are_those_of_each_triangle(
             rim in prop::collection::vec(point(), 3..20),

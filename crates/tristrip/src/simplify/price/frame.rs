@@ -4,17 +4,20 @@ use super::quadric::Quadric;
 use crate::simplify::surface::topology::Topology;
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
-/// The weight of a plane along a border relative to a face of the same size: a large penalty, as Garland and Heckbert, section 6, have it.
+/// The weight of a plane along a border relative to a face of the same size: a large penalty, as in
+/// Garland and Heckbert, section 6.
 const BORDER_WEIGHT: f64 = 10.0;
-/// The same for a seam, across which only attributes differ, where no attribute has a price: attributes that have one tell how far a seam
-/// may move, and with planes as well the vertices on seams stay at the expense of all others.
+/// The weight of a plane along a seam, where only attributes differ, if no attribute has a price.
+/// Priced attributes already limit how far a seam may move. With planes in addition, seam vertices
+/// would be kept at the expense of all others.
 const SEAM_WEIGHT: f64 = 1.0;
 
-/// The weight of a plane along a border where planes of faces have a weight of 1. The paper only says that it is large; this is the default of its
-/// authors' program `QSlim`.
+/// The weight of a plane along a border if planes of faces have a weight of 1. The paper only says
+/// that it is large; this is the default of its authors' program `QSlim`.
 const BORDER_PENALTY: f64 = 1000.0;
 
-/// Returns positions in a frame in which the longest side of their bounding box is 1, and the length of that side.
+/// Returns the positions in a frame where the longest side of their bounding box is 1, and the
+/// length of that side.
 pub(crate) fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<Point>, f64) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in positions.clone() {
@@ -28,9 +31,10 @@ pub(crate) fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<P
     (positions.map(|p| [0, 1, 2].map(|k| (f64::from(p[k]) - low[k]) / unit)).collect(), unit)
 }
 
-/// Returns for each point the planes of its triangles, weighted by area, and planes perpendicular to them along borders and seams.
+/// Returns for each point the area-weighted planes of its triangles, and planes perpendicular to
+/// them along borders and seams.
 ///
-/// `priced` tells whether attributes have a price, so that seams need no planes.
+/// If `priced`, attributes have a price, and seams need no planes.
 pub(crate) fn quadrics(topology: &Topology, positions: &[Point], priced: bool) -> Vec<Quadric> {
     let edge_weight = |is_border: bool, square: f64| match is_border {
         true => Some(square * BORDER_WEIGHT),
@@ -40,13 +44,14 @@ pub(crate) fn quadrics(topology: &Topology, positions: &[Point], priced: bool) -
     sums_of_planes(topology, positions, |area| area, edge_weight)
 }
 
-/// Returns for each point the planes of its triangles, each with a weight of 1, and planes perpendicular to them along borders, as
-/// Garland and Heckbert have them.
+/// Returns for each point the planes of its triangles, each with a weight of 1, and planes
+/// perpendicular to them along borders, as in Garland and Heckbert.
 pub(crate) fn fundamental_quadrics(topology: &Topology, positions: &[Point]) -> Vec<Quadric> {
     sums_of_planes(topology, positions, |_| 1.0, |is_border, _| is_border.then_some(BORDER_PENALTY))
 }
 
-/// Adds up planes: of triangles, with a weight by twice their area, and of borders and seams, with one, if any, by the square of their length.
+/// Sums planes per point. `face_weight` returns the weight of a triangle's plane from twice its
+/// area; `edge_weight` that of a border or seam plane, if any, from the squared length of the edge.
 fn sums_of_planes(
     topology: &Topology,
     positions: &[Point],

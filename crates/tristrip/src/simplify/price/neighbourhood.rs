@@ -1,23 +1,29 @@
-//! The triangles around a point, and how far those that would replace them are.
+//! The triangles around a point, and the distances to those that would replace them.
 //!
 //! ```text
-//!         u ───── w                   u ───── w       If b goes to a, its triangles with a are dropped, and each of the others, such as
-//!        ╱ ╲     ╱ ╲                 ╱ ╲    ╱╱        (b, u, w), becomes (a, u, w). Two distances are compared:
-//!       ╱   ╲   ╱   ╲               ╱   ╲ ╱ ╱         - of b from the new triangles;
-//!      ╱     ╲ ╱     ╲             ╱   ╱ ╲ ╱          - of the middles of the new edges, such as a–u, from the old triangles.
+//!         u ───── w                   u ───── w
+//!        ╱ ╲     ╱ ╲                 ╱ ╲    ╱╱
+//!       ╱   ╲   ╱   ╲               ╱   ╲ ╱ ╱
+//!      ╱     ╲ ╱     ╲             ╱   ╱ ╲ ╱
 //!     a ────── b ─────·     →     a ───── ·
 //! ```
-//! The second detects new triangles that bridge a valley beside b.
+//! If b collapses to a, its triangles with a are dropped. Each of the others, such as (b, u, w),
+//! becomes (a, u, w). Two distances are computed:
+//! - from b to the new triangles;
+//! - from the midpoints of the new edges, such as a–u, to the old triangles.
+//!
+//! The second detects new triangles that bridge a valley next to b.
 
 use super::fan::TriangleFan;
 use super::removed_points::{RemovedPoint, RemovedPoints};
 use crate::simplify::surface::topology::{PointKind, Topology};
 use crate::vector::{Point, cross, dot, sub, to_segment, to_triangle};
 
-/// The cosine of the largest angle by which a triangle may rotate.
+/// The cosine of the maximum rotation of a triangle.
 const MIN_COSINE: f64 = 0.25;
 
-/// The shares of the corners of a new triangle at places that are compared with the full mesh.
+/// The barycentric coordinates of the positions on a new triangle that are compared with the full
+/// mesh.
 const NEW_PLACES: [[f64; 3]; 10] = [
     [0.5, 0.5, 0.0],
     [0.5, 0.0, 0.5],
@@ -36,7 +42,7 @@ const NEW_PLACES: [[f64; 3]; 10] = [
 struct OppositeEdge {
     points: [u32; 2],
     positions: [Point; 2],
-    /// The normal of the triangle, of twice its area as length.
+    /// The normal of the triangle, as long as twice its area.
     normal: Point,
 }
 
@@ -52,12 +58,12 @@ pub(crate) struct Neighbourhood {
     from: Point,
     is_inner: bool,
     edges: Vec<OppositeEdge>,
-    /// The mesh of each triangle, if they are of several.
+    /// The mesh of each triangle; empty if all belong to the same mesh.
     meshes: Vec<u32>,
-    /// The same triangles, for distances, once they are asked for.
+    /// The same triangles, prepared for distances on first use.
     fan: TriangleFan,
     is_placed: bool,
-    /// The removed points that belong to the triangles.
+    /// The removed points assigned to the triangles.
     removed: Vec<RemovedPoint>,
     /// The triangles that would replace them, for distances from the removed points.
     new_fan: TriangleFan,
@@ -78,13 +84,14 @@ impl Neighbourhood {
         self.is_placed = false;
     }
 
-    /// Collects the removed points that belong to the triangles.
+    /// Collects the removed points assigned to the triangles.
     pub(crate) fn collect_removed(&mut self, topology: &Topology, point: u32, removed: &RemovedPoints) {
         removed.around(topology, point, &mut self.removed);
     }
 
-    /// Returns the sum of the squared distances of the removed points from the triangles that the point would have at a neighbour, weighted by area,
-    /// and the largest squared distance; `None` if the sum exceeds `most`, or a distance `most_square`.
+    /// Returns the area-weighted sum of the squared distances of the removed points from the
+    /// triangles that the point would have at a neighbour, and the maximum squared distance.
+    /// Returns `None` if the sum exceeds `most` or a squared distance exceeds `most_square`.
     pub(crate) fn removed_distances(
         &mut self,
         to: u32,
@@ -113,7 +120,7 @@ impl Neighbourhood {
         Some((sum, largest))
     }
 
-    /// Places the triangles for distances, once.
+    /// Prepares the triangles for distances, once.
     fn place(&mut self) {
         if !self.is_placed {
             self.fan.place(self.from, self.is_inner, self.edges.iter().map(|edge| edge.positions));
@@ -121,8 +128,10 @@ impl Neighbourhood {
         }
     }
 
-    /// Returns the squared distance of the point from the triangles that it would have at a neighbour, or, without any, from the edges opposite
-    /// to it. Between several meshes it is the largest for any of them, so that it tells how far the line between them moves.
+    /// Returns the squared distance of the point from the triangles that it would have at a
+    /// neighbour. If none remain, returns the distance from the edges opposite to the point.
+    /// Between several meshes, it is the maximum over the meshes, which measures how far the line
+    /// between them moves.
     pub(crate) fn distance(&mut self, to: u32, kept: Point) -> f64 {
         if self.meshes.is_empty() {
             self.place();
@@ -138,7 +147,7 @@ impl Neighbourhood {
         (0..self.meshes.len()).filter(|&i| is_first(i)).map(|i| of_mesh(self.meshes[i])).fold(0.0, f64::max)
     }
 
-    /// Returns the squared distance of the point from some of the triangles.
+    /// Returns the squared distance of the point from the new triangles at the given edges.
     fn distance_to<'a>(&self, edges: impl Iterator<Item = &'a OppositeEdge>, to: u32, kept: Point) -> f64 {
         let (mut least, mut least_edge) = (f64::INFINITY, f64::INFINITY);
         for edge in edges {
@@ -152,9 +161,10 @@ impl Neighbourhood {
         if least.is_finite() { least } else { least_edge }
     }
 
-    /// Checks whether a remaining triangle would rotate too far. One without area must not become inverted.
+    /// Returns whether a remaining triangle would rotate too far. A triangle without area must not
+    /// become inverted.
     pub(crate) fn folds_over(&self, to: u32, kept: Point) -> bool {
-        // The orientation of a triangle without area is that of all triangles of the point together.
+        // A triangle without area is oriented like the sum of all triangles of the point.
         let all = || {
             let sum = |sum: Point, normal: Point| [0, 1, 2].map(|k| sum[k] + normal[k]);
             self.edges.iter().map(|edge| edge.normal).fold([0.0; 3], sum)
@@ -171,7 +181,8 @@ impl Neighbourhood {
         })
     }
 
-    /// Iterates over places on the triangles that the point would have at a neighbour: quarters of their edges at it, and their insides.
+    /// Iterates over sample positions on the triangles that the point would have at a neighbour:
+    /// quarters of their edges at it, and interior positions.
     pub(crate) fn new_places(&self, to: u32, kept: Point) -> impl Iterator<Item = Point> {
         let edges = self.edges.iter().filter(move |edge| !edge.has(to));
         edges.flat_map(move |edge| {
@@ -181,10 +192,12 @@ impl Neighbourhood {
         })
     }
 
-    /// Returns the largest squared distance of the middle of a new edge from the old triangles, or any above `most` as soon as there is one.
+    /// Returns the maximum squared distance of the midpoints of new edges from the old triangles.
+    /// Stops at the first that exceeds `most` and returns it.
     pub(crate) fn bridge(&mut self, to: u32, kept: Point, most: f64) -> f64 {
         self.place();
-        // Around an inner point each neighbour is the u of one triangle; around another one may be only a w.
+        // Around an inner point, each neighbour is the u of one triangle. Otherwise a neighbour may
+        // be only a w.
         let ends = if self.is_inner { 1 } else { 2 };
         let mut largest = 0.0;
         for edge in self.edges.iter().filter(|edge| !edge.has(to)) {
@@ -219,7 +232,8 @@ mod tests {
         (neighbourhood, placed, point_of)
     }
 
-    /// A square with its centre, whose corner 3 goes up: new edges to the opposite corner 1 lie where the old triangles are not.
+    /// A square with its centre. When corner 3 is raised, the new edges to the opposite corner 1
+    /// leave the old triangles.
     #[test]
     fn new_edges_are_compared_with_the_old_triangles() {
         let square = |height: f32| {
@@ -229,17 +243,19 @@ mod tests {
             let (mut around, positions, point_of) = fan(&square(height));
             let to = point_of(1);
             let kept = positions[to as usize];
-            // The middle of the edge from corner 1 to corner 3 is at half of the height, above the centre.
+            // The midpoint of the edge from corner 1 to corner 3 is at half of the height, above
+            // the centre.
             let bridge = around.bridge(to, kept, f64::INFINITY);
             assert_eq!(bridge > 0.1, is_bridge, "{bridge}");
             assert!(bridge <= f64::from(height * height) / 4.0);
-            // A search that may stop early finds as much, or more than the limit.
+            // A search that stops early finds the same value, or one above its limit.
             assert!(around.bridge(to, kept, 0.01) > 0.01 || !is_bridge);
             assert!(!around.folds_over(to, kept) && around.distance(to, kept) <= f64::from(height * height));
         }
     }
 
-    /// The largest distance does not depend on the order of the triangles: a search of all finds the same.
+    /// The maximum distance does not depend on the order of the triangles: an exhaustive search
+    /// finds the same.
     #[test]
     fn the_bridge_is_that_of_a_full_search() {
         let mut random = crate::random::Random::new(7);

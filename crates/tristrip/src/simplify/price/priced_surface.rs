@@ -1,7 +1,7 @@
-//! A surface while it is simplified: all that the price of a collapse depends on.
+//! A surface during simplification: everything that the price of a collapse depends on.
 //!
-//! What only one collapse after the other can use, such as the order of the points, is in the module `decimate`; several threads may read
-//! a surface at a time.
+//! Sequential state, such as the order of the points, is in the module `decimate`. Several threads
+//! can read a surface at a time.
 
 use super::attribute_quadrics::AttributeQuadrics;
 use super::attributes::PricedAttributes;
@@ -16,7 +16,7 @@ use crate::simplify::options::{Price, SimplifyOptions};
 use crate::simplify::surface::topology::Topology;
 use crate::vector::Point;
 
-/// The triangles that are left, and what they stand for.
+/// The remaining triangles, and what they represent.
 #[derive(Debug)]
 pub(crate) struct PricedSurface {
     pub(crate) topology: Topology,
@@ -28,19 +28,22 @@ pub(crate) struct PricedSurface {
     pub(crate) attributes: Option<AttributeQuadrics>,
     /// The removed points, if the price needs them.
     pub(crate) removed: Option<RemovedPoints>,
-    /// How far the triangles are from the full mesh, if there is an error limit and the price knows distances.
+    /// The deviations of the triangles from the full mesh, if there is an error limit and the price
+    /// is by distance.
     deviations: Option<TriangleDeviations>,
-    /// The error of the removal of each point's component, in units of the frame; empty if all components stay.
+    /// The error of removing each point's component, in units of the frame; empty if all components
+    /// are kept.
     vanishing: Vec<f32>,
-    /// What a collapse costs.
+    /// How the cost of a collapse is computed.
     pub(crate) price: Price,
-    /// The largest error allowed, in units of the frame.
+    /// The maximum error, in units of the frame.
     pub(crate) error_limit: f64,
     pub(crate) is_permissive: bool,
 }
 
 impl PricedSurface {
-    /// Places the points in a frame, and finds their quadrics. `priced` returns the attributes that have a price, given the unit of the frame.
+    /// Places the points in a frame, and computes their quadrics. `priced` returns the attributes
+    /// that have a price, given the unit of the frame.
     pub(crate) fn new<P: Positions + ?Sized>(
         topology: Topology,
         positions: &P,
@@ -86,7 +89,7 @@ impl PricedSurface {
         }
     }
 
-    /// Collects the renames of a collapse; returns whether it keeps the seams closed, or may move them.
+    /// Collects the renames of a collapse. Returns whether it keeps seams closed or may move them.
     pub(crate) fn keeps_seams(&self, point: u32, to: u32, renames: &mut Vec<Rename>) -> bool {
         if self.topology.renames(point, to, renames).is_some() {
             return true;
@@ -96,19 +99,22 @@ impl PricedSurface {
         self.is_permissive && self.topology.renames_across(point, to, renames, difference).is_some()
     }
 
-    /// Returns the error of the removal of a point's component, in units of the frame; infinite if it stays.
+    /// Returns the error of removing a point's component, in units of the frame; infinite if it
+    /// must be kept.
     pub(crate) fn vanishing_error(&self, point: u32) -> f64 {
         self.vanishing.get(point as usize).copied().unwrap_or(f32::INFINITY).into()
     }
 
-    /// Checks whether the new triangles of a collapse are within the error limit of the full mesh. The next collapse is this one then.
+    /// Returns whether the new triangles of a collapse are within the error limit of the full mesh.
+    /// If so, this collapse must be applied next.
     pub(crate) fn stays_near(&mut self, point: u32, to: u32, around: &mut Neighbourhood) -> bool {
         let Some(deviations) = &mut self.deviations else { return true };
         around.collect(&self.topology, &self.positions, point);
         deviations.allow(&self.topology, &self.positions, (around, point, to), self.error_limit)
     }
 
-    /// Does a collapse, and writes the numbers of the triangles that it drops to `dropped`, ascending.
+    /// Applies a collapse, and writes the indices of the triangles that it drops to `dropped`,
+    /// ascending.
     pub(crate) fn collapse(&mut self, point: u32, to: u32, renames: &[Rename], dropped: &mut Vec<u32>) {
         if let Some(deviations) = &mut self.deviations {
             deviations.collapse(&self.topology, point, to);
@@ -125,7 +131,8 @@ impl PricedSurface {
     }
 }
 
-/// Returns the error of the removal of each point's component in units of the frame, the largest of its vertices; infinite if it stays.
+/// Returns the error of removing each point's component in units of the frame: the maximum over the
+/// vertices of the point, or infinity if it must be kept.
 fn vanishing_errors(errors: &[f32], topology: &Topology, unit: f64) -> Vec<f32> {
     let mut of_points = vec![0.0_f32; topology.point_count()];
     for corner in topology.corners() {
@@ -137,7 +144,8 @@ fn vanishing_errors(errors: &[f32], topology: &Topology, unit: f64) -> Vec<f32> 
     of_points
 }
 
-/// Returns which points are locked: those of locked vertices, and those on borders if borders are locked.
+/// Returns which points are locked: those of locked vertices, and those on borders if borders are
+/// locked.
 pub(crate) fn locked_points(topology: &Topology, options: &SimplifyOptions) -> Vec<bool> {
     let mut is_locked = vec![false; topology.point_count()];
     let locked = &options.locked;

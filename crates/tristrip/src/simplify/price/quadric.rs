@@ -1,7 +1,8 @@
 //! Quadrics: the sum of weighted squared distances from a point to planes, as ten coefficients.
 //!
-//! A plane of unit normal (a, b, c) and offset d has distance ax + by + cz + d from (x, y, z). The square of that is a
-//! polynomial of degree two, and so is a sum of such squares: planes are added by adding coefficients.
+//! A plane with unit normal (a, b, c) and offset d has distance ax + by + cz + d from (x, y, z).
+//! The square of this distance is a polynomial of degree two, and so is a sum of such squares.
+//! Planes are therefore added by adding coefficients.
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997, section 4.
@@ -18,7 +19,7 @@ pub(crate) struct Quadric {
     /// Coefficients of x, y, z.
     lines: [f64; 3],
     constant: f64,
-    /// The weight of the planes of faces, without those of borders and seams.
+    /// The weight of the planes of faces, without borders and seams.
     pub(crate) weight: f64,
     /// The weight of all planes.
     pub(crate) whole_weight: f64,
@@ -39,7 +40,7 @@ impl Quadric {
         }
     }
 
-    /// Returns the quadric with its planes counted as those of faces of a weight.
+    /// Returns the quadric with its planes counted as face planes of a weight.
     pub(crate) fn of_faces(self, weight: f64) -> Self {
         Self { weight, ..self }
     }
@@ -56,7 +57,7 @@ impl Quadric {
         self.whole_weight += other.whole_weight;
     }
 
-    /// Returns the sum at a point; a sum that rounding makes negative counts as zero.
+    /// Evaluates the sum at a position. A sum that becomes negative by rounding counts as zero.
     #[inline]
     pub(crate) fn at(&self, [x, y, z]: Point) -> f64 {
         let [xx, yy, zz] = self.squares;

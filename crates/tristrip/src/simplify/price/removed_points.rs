@@ -1,22 +1,30 @@
-//! The removed points that each triangle stands for, so that the price of a collapse knows how far the surface already is from them.
+//! The removed points that each triangle represents. They tell the price of a collapse how far the
+//! surface already is from the full mesh.
 //!
 //! ```text
-//!         u ───── w                   u ───── w       Each removed point (x) belongs to the triangle that was nearest when it was last moved.
-//!        ╱ ╲  x  ╱ ╲                 ╱ ╲ x  ╱╱        If b goes to a, those of the triangles around b, and b itself (y), are
-//!       ╱  x╲   ╱ x ╲               ╱ x ╲ ╱x╱         distributed over the triangles that replace them, by distance. The price is the
-//!      ╱     ╲ ╱     ╲             ╱   ╱y╲ ╱          sum of their squared distances, weighted by the area that each had in the full mesh.
+//!         u ───── w                   u ───── w
+//!        ╱ ╲  x  ╱ ╲                 ╱ ╲ x  ╱╱
+//!       ╱  x╲   ╱ x ╲               ╱ x ╲ ╱x╱
+//!      ╱     ╲ ╱     ╲             ╱   ╱y╲ ╱
 //!     a ────── b ─────·     →     a ───── ·
 //! ```
-//! The sum over all triangles is the mean squared distance of the full mesh from the simplified one, measured at the vertices: what a
-//! quadric only approximates, as its planes have no ends.
+//! Each removed point (x) is assigned to the triangle that was nearest when it was last moved. If b
+//! collapses to a, the removed points of the triangles around b, and b itself (y), are reassigned
+//! to the nearest of the triangles that replace them. The price is the sum of their squared
+//! distances, weighted by the area of each point in the full mesh.
+//!
+//! The sum over all triangles is the mean squared distance of the full mesh from the simplified
+//! one, measured at the vertices. A quadric only approximates it, because its planes are unbounded.
 //!
 //! # Complexity
-//! 32 bytes per point, four per triangle. At a level where one point in k remains, about 3 (k − 1) removed points belong to the triangles
-//! around a point: over all collapses down to one point in k that is 3 (ln k − 1) on average.
+//! 32 bytes per point, four per triangle. At a level where one point in k remains, about 3 (k − 1)
+//! removed points are assigned to the triangles around a point. Averaged over all collapses down to
+//! one point in k, that is 3 (ln k − 1).
 //!
 //! # References
-//! Ciampalini, Cignoni, Montani, Scopigno: *Multiresolution Decimation Based on Global Error*, 1997, keep removed vertices with the faces
-//! that are nearest, and bound the largest distance by them. The sum by area as the price of a collapse is our own.
+//! Ciampalini, Cignoni, Montani, Scopigno: *Multiresolution Decimation Based on Global Error*,
+//! 1997, assign removed vertices to the nearest faces, and bound the maximum distance by them. The
+//! area-weighted sum as the price of a collapse was developed for this library.
 
 use super::fan::TriangleFan;
 use crate::ids::OptionalId;
@@ -24,14 +32,15 @@ use crate::simplify::price::best_collapse::finite;
 use crate::simplify::surface::topology::{CornerId, Topology};
 use crate::vector::{Point, dot, sub};
 
-/// Places on the edges of a mesh without points: more are allowed for each point.
+/// The number of sample positions on the edges of any mesh; one more is allowed per point.
 const FEW_SAMPLES: usize = 10_000;
 
-/// A point, with what is needed once it has been removed: all in one place of memory.
+/// A point with the data needed once it has been removed, stored together for memory locality.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RemovedPoint {
     pub(crate) position: Point,
-    /// The area that it represents, in squared units of the frame: a third of that of its triangles in the full mesh.
+    /// The area that it represents, in squared units of the frame: a third of the area of its
+    /// triangles in the full mesh.
     pub(crate) area: f32,
     /// The next removed point of the same triangle.
     next: OptionalId,
@@ -42,7 +51,7 @@ pub(crate) struct RemovedPoint {
 pub(crate) struct RemovedPoints {
     /// The first removed point of each triangle.
     first: Vec<OptionalId>,
-    /// All points, removed or not, and then the places on edges.
+    /// All points, removed or not, followed by the sample positions on edges.
     points: Vec<RemovedPoint>,
     /// Points that move to other triangles.
     moving: Vec<u32>,
@@ -53,7 +62,7 @@ pub(crate) struct RemovedPoints {
 }
 
 impl RemovedPoints {
-    /// Without any points removed.
+    /// Creates the lists with no points removed.
     pub(crate) fn new(triangle_count: usize, points: impl Iterator<Item = (Point, f64)>) -> Self {
         let point = |(position, area)| RemovedPoint { position, area: finite(area), next: OptionalId::NONE };
         Self {
@@ -66,15 +75,16 @@ impl RemovedPoints {
         }
     }
 
-    /// Adds places on the edges of the full mesh, about `spacing` apart unless there would be too many. They stand for no area, and count for the
-    /// largest distance alone: the middle of a long edge may be far from a surface that is near its ends.
+    /// Adds sample positions on the edges of the full mesh, about `spacing` apart unless there
+    /// would be too many. They represent no area, and only affect the maximum distance: the
+    /// midpoint of a long edge can be far from a surface that is near its ends.
     pub(crate) fn with_samples(mut self, topology: &Topology, spacing: f64) -> Self {
         if !spacing.is_finite() {
             return self;
         }
         let ends = |corner: CornerId| [topology.point(corner), topology.others(corner)[0]];
         let ascends = |corner: &CornerId| ends(*corner).is_sorted();
-        // Each edge once: both triangles at an inner one have it, in opposite directions.
+        // Take each edge once: an inner edge is in two triangles, in opposite directions.
         let borders = topology.open_edges().filter_map(|(corner, is_border)| is_border.then_some(corner));
         let descending = borders.filter(|corner| !ascends(corner));
         let edges: Vec<CornerId> = topology.corners().filter(ascends).chain(descending).collect();
@@ -109,7 +119,7 @@ impl RemovedPoints {
         self.points[point as usize].area.into()
     }
 
-    /// Collects the removed points that belong to the triangles of a point.
+    /// Collects the removed points assigned to the triangles of a point.
     pub(crate) fn around(&self, topology: &Topology, point: u32, found: &mut Vec<RemovedPoint>) {
         found.clear();
         for corner in topology.ring(point) {
@@ -122,7 +132,8 @@ impl RemovedPoints {
         }
     }
 
-    /// Moves a point that is about to go to another, and the removed points of its triangles, to those that are left.
+    /// Moves a point that is about to collapse, and the removed points of its triangles, to the
+    /// remaining triangles.
     pub(crate) fn collapse(&mut self, topology: &Topology, point: u32, to: u32) {
         self.moving.clear();
         self.moving.push(point);
@@ -139,7 +150,7 @@ impl RemovedPoints {
                 self.edges.push(edge.map(|p| self.points[p as usize].position));
             }
         }
-        // Where no triangle is left, the points go with their part of the surface.
+        // If no triangle remains, the points are dropped with their part of the surface.
         if self.triangles.is_empty() {
             return;
         }
@@ -160,7 +171,7 @@ mod tests {
     use crate::simplify::price::priced_surface::PricedSurface;
     use crate::vector::to_triangle;
 
-    /// Positions on a paraboloid, over a square grid of `side` by `side`, and the triangles.
+    /// Returns positions on a paraboloid over a square grid of `side` by `side`, and the triangles.
     fn bowl(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
         let place = |v: u32| {
             let [x, y] = [v % side, v / side].map(|k| k as f32 / side as f32 - 0.4);
@@ -171,7 +182,8 @@ mod tests {
         ((0..side * side).map(place).collect(), triangles.collect())
     }
 
-    /// A square of two triangles: each side and the diagonal have places at most 0.5 apart, in a triangle with that edge.
+    /// A square of two triangles. Each side and the diagonal have samples at most 0.5 apart,
+    /// assigned to a triangle with that edge.
     #[test]
     fn long_edges_have_places() {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
@@ -207,8 +219,8 @@ mod tests {
         assert_eq!(points_of(SimplifyOptions::default().with_error(0.25)), 10, "twice the error limit apart");
     }
 
-    /// Collapses of a bowl: each removed point is in one list, that of the nearest triangle around the point that was kept, and the sum of distances is
-    /// that of a search.
+    /// Collapses of a bowl. Each removed point is in one list, that of the nearest triangle around
+    /// the kept point, and the sum of distances matches a search.
     #[test]
     fn removed_points_belong_to_the_nearest_triangle() {
         let (positions, triangles) = bowl(6);
@@ -223,7 +235,7 @@ mod tests {
         let mut gone: Vec<u32> = Vec::new();
         let (mut found, mut neighbourhood, mut most_around) = (Vec::new(), Neighbourhood::default(), 0);
         for (point, to) in collapses {
-            // The sum that the price has, by a search.
+            // The sum in the price, computed by a search.
             removed.around(&topology, point, &mut found);
             most_around = most_around.max(found.len());
             let left = || topology.opposite(point).iter().filter(|edge| !edge.contains(&to));
@@ -259,7 +271,7 @@ mod tests {
             let mut expected = gone.clone();
             expected.sort_unstable();
             assert_eq!(listed, expected);
-            // The point itself belongs to the nearest of the triangles that replace its own.
+            // The point itself is assigned to the nearest of the triangles that replace its own.
             removed.around(&topology, to, &mut found);
             assert!(found.iter().any(|p| p.position.map(f64::to_bits) == corner(point).map(f64::to_bits)));
         }

@@ -1,23 +1,29 @@
 //! The cost of a collapse.
 //!
 //! There are two costs:
-//! - the *estimate*: the point's quadric at the neighbour that would replace it. It takes one evaluation per neighbour;
-//! - the *price*: how far the new triangles would be from the full mesh and from the old triangles. It is the sum of the squared distances of the
-//!   point, and of the removed points that its triangles stand for (module `removed_points`), weighted by the areas that they
-//!   represent; the largest squared distance of the middles of the new edges from the old triangles; and a small share of the
-//!   estimate. The quadric knows only planes, which have no ends, and counts them again where they have been forgotten: the sum is the mean
-//!   squared distance itself; and the new edges tell whether one would run across a ridge, or bridge a valley. The quadrics of the
-//!   attributes are added, if there are any (module `attribute_quadrics`).
+//! - The *estimate* is the point's quadric, evaluated at the neighbour that would replace it. It
+//!   takes one evaluation per neighbour.
+//! - The *price* measures how far the new triangles would be from the full mesh and from the old
+//!   triangles. It has three terms. The first is the sum of the squared distances of the point and
+//!   of the removed points that its triangles represent (module `removed_points`), weighted by the
+//!   areas that they represent. The second is the maximum squared distance of the midpoints of the
+//!   new edges from the old triangles. The third is a small share of the estimate. A quadric knows
+//!   only unbounded planes, and counts them repeatedly. The sum is the mean squared distance
+//!   itself, and the new edges show whether one would cross a ridge or bridge a valley. The
+//!   quadrics of the attributes are added, if there are any (module `attribute_quadrics`).
 //!
-//! Both are divided by the square root of the weight of the point, the area that it represents: by area alone thin parts would vanish first,
-//! since they have none, and by distance alone a small part would cost as much as a large one.
+//! Both are divided by the square root of the weight of the point, the area that it represents.
+//! Weighting by area alone would remove thin parts first. Weighting by distance alone would make a
+//! small part as expensive as a large one.
 //!
 //! # Algorithm
-//! The neighbours are priced by ascending estimate. A price is found in steps, the cheap ones first, and left as soon as it exceeds the best
-//! one. Points that were never priced wait with their estimate times a usual ratio of the two, so few are priced for nothing; and a
-//! neighbour whose estimate exceeds the best price is left out, since it has seldom the better one.
+//! The neighbours are priced by ascending estimate. A price is computed in steps, cheap ones first,
+//! and abandoned as soon as it exceeds the best price. Points that were never priced have a cost of
+//! their estimate times a typical ratio of the two, so few are priced in vain. A neighbour whose
+//! estimate exceeds the best price is skipped, because it rarely has the better price.
 //!
-//! By [`Price::Planes`] the price is the estimate, with the attributes. [`Price::Quadric`] has nothing of all this; see the module `queue`.
+//! For [`Price::Planes`], the price is the estimate plus the attributes. [`Price::Quadric`] uses
+//! none of this; see the module `queue`.
 
 use super::neighbourhood::Neighbourhood;
 use super::quadric::Quadric;
@@ -30,26 +36,30 @@ use crate::simplify::surface::outcome::CollapseOutcome;
 use crate::simplify::surface::topology::PointKind;
 use crate::vector::{Point, dot, sub};
 
-/// The weight of the squared distances by area relative to the quadric, in which each area counts for three points.
+/// The weight of the area-weighted squared distances relative to the quadric, which counts each
+/// area at three points.
 const DISTANCE_WEIGHT: f64 = 4.0;
-/// The weight of the largest squared distance of the new edges. Over 22 models 1 gave as small a mean distance and a larger largest one; 4 was worse
-/// in both.
+/// The weight of the maximum squared distance of the new edges. Over 22 models, 1 gave the same
+/// mean distance and a larger maximum; 4 was worse in both.
 const BRIDGE_WEIGHT: f64 = 2.0;
-/// The share of the estimate in the price of inner points. Over 31 models 0.03 gave the same distances, 0.3 and 1 larger ones.
+/// The share of the estimate in the price of inner points. Over 31 models, 0.03 gave the same
+/// distances, 0.3 and 1 larger ones.
 const INNER_ESTIMATE_SHARE: f64 = 0.1;
-/// The same for other points, whose quadrics have planes along borders and seams.
+/// The share for other points, whose quadrics have planes along borders and seams.
 const ESTIMATE_SHARE: f64 = 0.3;
-/// The weight of the squared distance from a component that vanishes, by the area that the point represents.
+/// The weight of the squared distance from a vanishing component, multiplied by the area that the
+/// point represents.
 const VANISHING_WEIGHT: f64 = 2.0;
-/// The weight of the squared edge length, relative to the quadric. If all neighbours cost the same, as on a plane, points of little weight
-/// go to near ones, and no point is passed on along a chain, which would rename the same corners repeatedly.
+/// The weight of the squared edge length relative to the quadric. If all neighbours cost the same,
+/// as on a plane, points of small weight then collapse to near ones. No point is passed along a
+/// chain, which would rename the same corners repeatedly.
 const LENGTH_WEIGHT: f64 = 1e-6;
-/// Points wait with this times the estimate before they have a price by distance. With 0.5 or 1 distances are the same, and more prices are
-/// computed without being used.
+/// The ratio of the expected price by distance to the estimate, for points without a price. With
+/// 0.5 or 1, distances are the same, but more prices are computed without being used.
 const USUAL_RATIO: f64 = 2.0;
 
 impl Price {
-    /// Returns the price to expect of a collapse.
+    /// Returns the expected price of a collapse.
     pub(crate) fn expected(self, estimate: f64) -> f64 {
         match self {
             Self::Distance => USUAL_RATIO * estimate,
@@ -58,28 +68,29 @@ impl Price {
     }
 }
 
-/// What is known of the current point while its price is found; one for each thread.
+/// The state of pricing one point at a time; one per thread.
 #[derive(Debug, Default)]
 pub(crate) struct PriceSearch {
     /// The triangles of the point.
     pub(crate) current: Neighbourhood,
     pub(crate) neighbours: Vec<u32>,
-    /// The neighbours that the point may go to, with their estimates.
+    /// The neighbours that the point may collapse to, with their estimates.
     pub(crate) candidates: Vec<(f64, u32)>,
-    /// Neighbours that the point must not go to.
+    /// Neighbours that the point must not collapse to.
     pub(crate) refused: Vec<u32>,
-    /// The renames of the collapse that was looked at last.
+    /// The renames of the last collapse that was examined.
     pub(crate) renames: Vec<Rename>,
     links: Links,
 }
 
 impl PriceSearch {
-    /// Makes a point the current one.
+    /// Sets the current point.
     pub(crate) fn set_current(&mut self, surface: &PricedSurface, point: u32) {
         self.current.collect(&surface.topology, &surface.positions, point);
     }
 
-    /// Collects the neighbours that a point may go to, with their estimates: for a border point those along the border.
+    /// Collects the neighbours that a point may collapse to, with their estimates. For a border
+    /// point these are along the border.
     pub(crate) fn collect_candidates(&mut self, surface: &PricedSurface, point: u32) {
         let kind = surface.topology.kind(point);
         match kind {
@@ -98,13 +109,14 @@ impl PriceSearch {
         self.candidates.extend(self.neighbours[first..].iter().map(estimate));
     }
 
-    /// Returns the least estimate of a point.
+    /// Returns the smallest estimate of a point.
     pub(crate) fn least_estimate(&mut self, surface: &PricedSurface, point: u32) -> Option<f64> {
         self.collect_candidates(surface, point);
         self.candidates.iter().map(|&(estimate, _)| estimate).min_by(f64::total_cmp)
     }
 
-    /// Returns the best collapse of a point; `outcome` tells what that to a neighbour does to the topology.
+    /// Returns the best collapse of a point. `outcome` returns how the collapse to a neighbour
+    /// changes the topology.
     pub(crate) fn best(
         &mut self,
         surface: &PricedSurface,
@@ -136,7 +148,8 @@ impl PriceSearch {
         best
     }
 
-    /// Returns the collapse of a point along its shortest edge that is possible; its cost is the length of the edge.
+    /// Returns the possible collapse of a point along its shortest edge. Its cost is the length of
+    /// the edge.
     pub(crate) fn nearest(
         &mut self,
         (surface, point): (&PricedSurface, u32),
@@ -162,7 +175,8 @@ impl PriceSearch {
         best
     }
 
-    /// Returns the price of a collapse of the current point and its error, if it is possible and its price below `most`.
+    /// Returns the price and the error of a collapse of the current point, if it is possible and
+    /// its price is below `most`.
     fn price_of(
         &mut self,
         surface: &PricedSurface,
@@ -214,7 +228,7 @@ impl PriceSearch {
         if cost >= most || square > most_square {
             return None;
         }
-        // 5. What it does to the topology.
+        // 5. The change of the topology.
         let mut error = square.sqrt();
         match outcome(to) {
             CollapseOutcome::Keeps => {}
@@ -230,7 +244,8 @@ impl PriceSearch {
         (is_possible && surface.keeps_seams(point, to, &mut self.renames)).then_some((cost, error))
     }
 
-    /// Returns the sum of the squared deviations of the attributes if a point goes to a neighbour; `None` if a seam would open.
+    /// Returns the sum of the squared attribute deviations if a point collapses to a neighbour;
+    /// `None` if a seam would open.
     fn attribute_change(&mut self, surface: &PricedSurface, point: u32, to: u32) -> Option<f64> {
         if !surface.keeps_seams(point, to, &mut self.renames) {
             return None;

@@ -1,14 +1,18 @@
-//! The joints that move each vertex of a skin, as lengths.
+//! The joints that move each vertex of a skin, converted to lengths.
 //!
-//! A skin moves a vertex by the weighted mean of its joints (`JOINTS_n`, `WEIGHTS_n`). A vertex with other weights follows the joints elsewhere:
-//! if a joint turns by a radian, by the difference of the weight times the distance from the joint. That is the length of a weight here, with the
-//! extent of the part that the joint moves for the distance.
+//! A skin moves a vertex by the weighted mean of its joints (`JOINTS_n`, `WEIGHTS_n`). A vertex
+//! with other weights moves differently: if a joint turns by a radian, the difference is that of
+//! the weights times the distance from the joint. This module uses that product as the length of a
+//! weight. It replaces the distance by the extent of the part that the joint moves.
 //!
 //! # Algorithm
-//! 1. The extent of a joint's part is the root mean square distance of its vertices from their centre, by weight.
-//! 2. The weights of a vertex, times the extents, are a vector with a value per joint, of which few are not zero. With more than
-//!    [`MAX_VALUES`] joints it is projected onto so many values, each of which adds or subtracts every joint. The mean over all choices of these
-//!    signs keeps the distances between vectors; the signs are those of a fixed hash, so that results do not change.
+//! 1. The extent of a joint's part is the weighted root mean square distance of its vertices from
+//!    their centre.
+//! 2. The weights of a vertex times the extents form a vector with one value per joint; few are not
+//!    zero. With more than [`MAX_VALUES`] joints, it is projected onto that many values. Each of
+//!    them adds or subtracts every joint. Averaged over all choices of these signs, the projection
+//!    preserves the distances between vectors. The signs come from a fixed hash, so results are
+//!    reproducible.
 //!
 //! # References
 //! Achlioptas: *Database-friendly Random Projections*, 2001.
@@ -20,10 +24,10 @@ use std::collections::BTreeMap;
 
 use crate::mesh::{Attribute, AttributeData, Mesh};
 
-/// The values per vertex that joints become.
+/// The maximum number of values per vertex for joints.
 const MAX_VALUES: usize = 8;
 
-/// The weights of joints as lengths.
+/// The joint weights as lengths.
 #[derive(Debug)]
 pub(crate) struct SkinValues {
     /// The number of values per vertex.
@@ -31,7 +35,7 @@ pub(crate) struct SkinValues {
     values: Vec<f32>,
 }
 
-/// The moments of the part that a joint moves, by weight.
+/// The weighted moments of the part that a joint moves.
 #[derive(Debug, Clone, Copy, Default)]
 struct JointMoments {
     weight: f64,
@@ -59,7 +63,7 @@ impl JointMoments {
 }
 
 impl SkinValues {
-    /// Computes the values of a mesh, in a frame of a unit; `None` if it has no skin.
+    /// Computes the values of a mesh in a frame with the given unit; `None` if it has no skin.
     pub(crate) fn new(mesh: &Mesh, unit: f64) -> Option<Self> {
         let influences = Influences::of(mesh);
         let mut moments: BTreeMap<u32, JointMoments> = BTreeMap::new();
@@ -91,7 +95,8 @@ impl SkinValues {
     }
 }
 
-/// Returns how much of a joint a value has: all of its own, or the same part of each, added or subtracted.
+/// Returns the share of a joint in a value: 1 or 0 if each joint has its own value, otherwise the
+/// same magnitude for each, added or subtracted.
 fn share(joint: usize, value: usize, joint_count: usize) -> f64 {
     if joint_count <= MAX_VALUES {
         return f64::from(u8::from(joint == value));
@@ -101,7 +106,7 @@ fn share(joint: usize, value: usize, joint_count: usize) -> f64 {
     sign / (MAX_VALUES as f64).sqrt()
 }
 
-/// Returns value `i` of all as the number of a joint.
+/// Returns the joint index stored as value `i` of an attribute.
 fn joint_number(joints: &Attribute, i: usize) -> Option<u32> {
     match &joints.data {
         AttributeData::U8(numbers) => numbers.get(i).map(|&joint| joint.into()),
@@ -140,7 +145,7 @@ mod tests {
     use super::*;
     use crate::mesh::Faces;
 
-    /// Returns points along a line, each moved by the joint of its number and the next one.
+    /// Returns points along a line, each moved by the joint of its segment and the next one.
     fn chain(joint_count: u16) -> Mesh {
         let positions: Vec<[f32; 3]> =
             (0..10 * (joint_count - 1)).map(|i| [f32::from(i), 0.0, 0.0]).collect();
@@ -161,7 +166,8 @@ mod tests {
     fn few_joints_have_a_value_each() {
         let skin = SkinValues::new(&chain(3), 1.0).unwrap();
         assert_eq!((skin.width, skin.values.len()), (3, 60));
-        // The second joint moves points 1 to 19, most the one in the middle: about four from the centre on average.
+        // The second joint moves points 1 to 19, the middle one most. Their mean distance from the
+        // centre is about four.
         assert!((3.5..4.5).contains(&skin.values[3 * 10 + 1]), "{}", skin.values[31]);
         assert!(skin.values[..3].iter().filter(|&&x| x > 0.0).count() == 1);
     }

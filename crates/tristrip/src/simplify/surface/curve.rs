@@ -1,22 +1,25 @@
-//! Triangles in the order of a curve through space, so that what lies together is stored together.
+//! Triangles in the order of a space-filling curve, for memory locality.
 //!
-//! Points are numbered as the triangles use them. If the triangles of a file come in no order, or in one that jumps, the points around a
-//! triangle are anywhere in memory, and every collapse waits for them. Then the triangles are sorted by the number of the cell that their first corner
-//! lies in, of 1024³ cells along Morton's curve: x, y and z bit by bit.
+//! Points are numbered in the order in which the triangles use them. If the triangles of a file are
+//! in random order, or in one that jumps, the points around a triangle are scattered in memory, and
+//! every collapse causes cache misses. In this case the triangles are sorted by the cell that
+//! contains their first corner. There are 1024³ cells along a Morton curve: x, y and z bit by bit.
 //!
 //! # References
-//! Morton: *A Computer Oriented Geodetic Data Base and a New Technique in File Sequencing*, IBM, 1966.
+//! Morton: *A Computer Oriented Geodetic Data Base and a New Technique in File Sequencing*, IBM,
+//! 1966.
 
 use crate::mesh::{Positions, triangles_of};
 
-/// Points of a triangle whose numbers differ by more are not stored together.
+/// The maximum difference of the indices of a triangle's points that counts as near in memory.
 const FAR: u32 = 1024;
-/// If more than one in so many triangles has such points, all are sorted.
+/// All triangles are sorted if more than one in this many has points that are far apart.
 const FEW: usize = 8;
 const CELL_BITS: u32 = 10;
 
-/// Returns the triangles in the order of a curve; `None` if the points of most lie together already. `points` are those of the corners,
-/// numbered in the order of their first use.
+/// Returns the triangles in the order of a curve, or `None` if the points of most are already near
+/// each other in memory. `points` are those of the corners, numbered in the order of their first
+/// use.
 pub(crate) fn along_curve<P: Positions + ?Sized>(
     positions: &P,
     vertices: &[u32],
@@ -30,7 +33,8 @@ pub(crate) fn along_curve<P: Positions + ?Sized>(
     Some(order_along_curve(triangles_of(vertices).map(first)))
 }
 
-/// Returns the numbers of places in the order of the curve through their bounding box; those in one cell keep their order.
+/// Returns the indices of positions in the order of the curve through their bounding box. Those in
+/// the same cell keep their order.
 pub(crate) fn order_along_curve(places: impl Iterator<Item = [f32; 3]> + Clone) -> Vec<u32> {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for p in places.clone() {
@@ -48,7 +52,7 @@ pub(crate) fn order_along_curve(places: impl Iterator<Item = [f32; 3]> + Clone) 
     cells.into_iter().map(|(_, place)| place).collect()
 }
 
-/// Returns the ten lowest bits with two zeros between neighbours.
+/// Returns the ten lowest bits, with two zeros after each.
 fn spread(x: u32) -> u32 {
     let x = (x | x << 16) & 0x0300_00ff;
     let x = (x | x << 8) & 0x0300_f00f;
@@ -70,7 +74,7 @@ mod tests {
 
     #[test]
     fn triangles_far_apart_are_sorted_and_others_left() {
-        // Triangles on a line, in an order that jumps; each has its own points.
+        // Separate triangles on a line, in an order that jumps.
         let count = 4096_u32;
         let jump = |t: u32| t * 1031 % count;
         let vertices: Vec<u32> = (0..count).map(jump).flat_map(|t| [t, t + 1, t + 2]).collect();
@@ -87,7 +91,7 @@ mod tests {
             .collect();
         let order = along_curve(&positions[..], &vertices, &points).unwrap();
         let firsts: Vec<u32> = order.iter().map(|&t| jump(t)).collect();
-        // Four positions share a cell, in their old order.
+        // Four positions share a cell and keep their order.
         assert!(firsts.windows(2).all(|pair| pair[0] < pair[1] + 5), "along the line");
         let mut sorted = order;
         sorted.sort_unstable();

@@ -1,22 +1,31 @@
-//! Collapses at points whose triangles are arranged neither like a disk nor like half of one.
+//! Collapses at points whose triangles form neither a disk nor a half disk.
 //!
 //! ```text
-//!        u ───── w        The link of the point b: its neighbours as nodes, the edges opposite to b, such as u–w, as arcs. It is a circle
-//!       ╱ ╲     ╱ ╲       around an inner point, and a path on a border. An edge from b to a node with other than two arcs is *singular*:
-//!      ╱   ╲   ╱   ╲      a border, or an edge where three or more sheets meet. A point with two singular edges of equally many sheets
-//!     ·────── b ──────·   is on a line; one with others is where lines meet or end.
+//!        u ───── w
+//!       ╱ ╲     ╱ ╲
+//!      ╱   ╲   ╱   ╲
+//!     ·────── b ──────·
 //! ```
+//! The link of the point b has its neighbours as nodes and the edges opposite to b, such as u–w, as
+//! arcs. It is a circle around an inner point, and a path at a border. An edge from b to a node
+//! that does not have two arcs is *singular*: a border, or an edge where three or more sheets meet.
+//! A point with two singular edges of equally many sheets is on a line. A point with any other
+//! singular edges is where lines meet or end.
+//!
 //! Triangles of the same three points, such as the two sides of a doubled face, count once.
 //!
 //! A collapse is allowed if
-//! - the common neighbours of both points are those of their common triangles, and no edge is opposite to both (the link condition). No hole
-//!   opens or closes then, and no parts join; but a fin may vanish, a triangle that only one edge attaches;
+//! - the common neighbours of both points are those of their common triangles, and no edge is
+//!   opposite to both (the link condition). Then no hole opens or closes and no parts join. A fin,
+//!   a triangle attached by only one edge, can vanish;
 //! - a point on singular edges moves along one of them;
-//! - a triangle remains at each edge that two edges become: a last triangle stays, and so does one that alone connects two others.
+//! - a triangle remains at each edge that two edges are merged into. So a last triangle is kept,
+//!   and so is one that alone connects two others.
 //!
 //! # References
-//! Dey, Edelsbrunner, Guha, Nekhayev: *Topology Preserving Edge Contraction*, 1999. Attali, Lieutier, Salinas: *Efficient Data Structure for
-//! Representing and Simplifying Simplicial Complexes in High Dimensions*, 2012: under the link condition the homotopy type stays.
+//! Dey, Edelsbrunner, Guha, Nekhayev: *Topology Preserving Edge Contraction*, 1999. Attali,
+//! Lieutier, Salinas: *Efficient Data Structure for Representing and Simplifying Simplicial
+//! Complexes in High Dimensions*, 2012: the link condition preserves the homotopy type.
 
 use super::topology::Topology;
 
@@ -25,7 +34,7 @@ use super::topology::Topology;
 struct PointLink {
     /// The arcs, each as its lower and its higher point, ascending.
     arcs: Vec<[u32; 2]>,
-    /// The points and their numbers of arcs, ascending.
+    /// The points with their numbers of arcs, ascending.
     nodes: Vec<(u32, u32)>,
 }
 
@@ -52,7 +61,7 @@ impl PointLink {
         self.nodes.binary_search_by_key(&point, |node| node.0).ok().map(|i| self.nodes[i].1)
     }
 
-    /// Iterates over the points with other than two arcs, and their numbers of arcs.
+    /// Iterates over the points that do not have two arcs, with their numbers of arcs.
     fn singular(&self) -> impl Iterator<Item = (u32, u32)> {
         self.nodes.iter().copied().filter(|&(_, arcs)| arcs != 2)
     }
@@ -66,7 +75,8 @@ pub(crate) struct Links {
 }
 
 impl Links {
-    /// Collects the neighbours that a point may move to: along its singular edges, if it has any, otherwise all, ascending.
+    /// Collects the neighbours that a point may move to, ascending: those along its singular edges,
+    /// or all if it has none.
     pub(crate) fn neighbours(&mut self, topology: &Topology, point: u32, found: &mut Vec<u32>) {
         self.removed.collect(topology, point);
         found.clear();
@@ -76,22 +86,22 @@ impl Links {
         }
     }
 
-    /// Checks whether a collapse keeps the arrangement of the sheets, and leaves a triangle.
+    /// Returns whether a collapse preserves the arrangement of the sheets, and leaves a triangle.
     pub(crate) fn allow(&mut self, topology: &Topology, removed: u32, kept: u32) -> bool {
         self.removed.collect(topology, removed);
         self.kept.collect(topology, kept);
         let Self { removed: from, kept: to } = self;
         let Some(sheets) = from.arcs_of(kept) else { return false };
-        // 1. Common neighbours are those of common triangles, whose number is that of the sheets.
+        // 1. Common neighbours are only those of common triangles; there are as many as sheets.
         let common = from.nodes.iter().filter(|&&(node, _)| to.arcs_of(node).is_some()).count();
         if common != sheets as usize || from.arcs.iter().any(|arc| to.arcs.binary_search(arc).is_ok()) {
             return false;
         }
-        // 2. Lines move along themselves.
+        // 2. Points on a line move along it.
         if sheets == 2 && from.singular().next().is_some() {
             return false;
         }
-        // 3. A triangle remains at each edge that others become.
+        // 3. A triangle remains at each merged edge.
         let in_more = |link: &PointLink, node: u32| link.arcs_of(node).is_some_and(|arcs| arcs > 1);
         let mut ends =
             from.arcs.iter().filter(|arc| arc.contains(&kept)).map(|&[u, w]| if u == kept { w } else { u });
@@ -137,14 +147,16 @@ mod tests {
 
     #[test]
     fn the_last_triangles_of_each_sheet_stay() {
-        // One triangle per sheet: both ends of the line are corners, and no other edge is common to all sheets.
+        // One triangle per sheet. Both ends of the line are corners, and no other edge is common to
+        // all sheets.
         assert!(!allows(&[0, 1, 2, 0, 1, 3, 0, 1, 4], 0, 1));
         assert!(!allows(&[0, 1, 2], 0, 1), "a single triangle");
     }
 
     #[test]
     fn doubled_faces_count_once() {
-        // A closed fan around point 0, and the same triangles from the other side: the common neighbours are two.
+        // A closed fan around point 0, and the same triangles from the other side: there are two
+        // common neighbours.
         let side = (1..=5_u32).flat_map(|i| [0, i, i % 5 + 1]);
         let both: Vec<u32> = side.clone().chain((1..=5).flat_map(|i| [0, i % 5 + 1, i])).collect();
         assert!((1..6).all(|v| allows(&both, 0, v)));

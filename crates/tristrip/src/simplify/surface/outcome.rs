@@ -1,33 +1,43 @@
-//! What a collapse does to the arrangement of the surface: keeps it, ends a component, or breaks it.
+//! How a collapse changes the arrangement of the surface: preserves it, ends a component, or breaks
+//! it.
 //!
 //! ```text
-//!         u ───── w                A collapse of the inner point b to a keeps a surface as it is if a and b have two common neighbours, those
-//!        ╱ ╲     ╱ ╲               of their two common triangles. Another one, such as the third corner of a triangle that is not there,
-//!       ╱   ╲   ╱   ╲              would close: the tube through a, b and that corner becomes two cones that touch.
+//!         u ───── w
+//!        ╱ ╲     ╱ ╲
+//!       ╱   ╲   ╱   ╲
 //!      a ──── b ─────·
 //! ```
-//! On a border the points have one common triangle and neighbour. Points that are neither are left to the module `irregular`.
+//! A collapse of the inner point b to a preserves a surface if a and b have exactly two common
+//! neighbours, those of their two common triangles. Another common neighbour is the third corner of
+//! a triangle that does not exist. The collapse would close it: the tube through a, b and that
+//! corner would become two cones that touch.
+//!
+//! On a border, the points have one common triangle and one common neighbour. The module
+//! `irregular` handles all other points.
 
 use super::irregular::Links;
 use super::topology::{LONG_RING, PointKind, Topology};
 
-/// A point with more triangles is not removed, so that the time for its price does not depend on the size of the mesh.
+/// Points with more triangles are not removed, so the time of a price does not depend on the size
+/// of the mesh.
 pub(crate) const MAX_CORNERS: usize = 256;
 
-/// What a collapse does to the surface around it.
+/// How a collapse changes the surface around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CollapseOutcome {
-    /// Everything stays as it is arranged.
+    /// The arrangement of the surface is preserved.
     Keeps,
-    /// The last triangles of a component or of a mesh disappear, or two back to back are left of it.
+    /// The last triangles of a component or of a mesh vanish, or only two back-to-back triangles
+    /// remain of it.
     Ends,
     /// A hole or a handle would close.
     Breaks,
-    /// A triangle would disappear of which nothing takes the place, or the points have too many triangles to tell.
+    /// A triangle would vanish without a replacement, or the points have too many triangles to
+    /// check.
     Loses,
 }
 
-/// Finds the outcomes of collapses.
+/// Determines the outcomes of collapses.
 #[derive(Debug)]
 pub(crate) struct Outcomes {
     /// The last mark of each point.
@@ -37,12 +47,12 @@ pub(crate) struct Outcomes {
 }
 
 impl Outcomes {
-    /// Creates the marks of the points.
+    /// Creates the marks of all points.
     pub(crate) fn new(point_count: usize) -> Self {
         Self { marks: vec![0; point_count], mark: 0, links: Links::default() }
     }
 
-    /// Returns what a collapse does to the surface.
+    /// Returns how a collapse changes the surface.
     pub(crate) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> CollapseOutcome {
         let ring = topology.opposite(point);
         if is_end(topology, point, to) || topology.ends_mesh(point, to) {
@@ -66,7 +76,7 @@ impl Outcomes {
         }
     }
 
-    /// Counts the common neighbours of two points.
+    /// Returns the number of common neighbours of two points.
     fn common_neighbours(&mut self, topology: &Topology, point: u32, to: u32) -> usize {
         if self.mark > u32::MAX - 4 {
             self.marks.fill(0);
@@ -99,7 +109,7 @@ impl Outcomes {
     }
 }
 
-/// Checks whether an edge that two edges become would have no triangle.
+/// Returns whether an edge that two edges are merged into would have no triangle.
 fn loses_triangle(topology: &Topology, point: u32, to: u32) -> bool {
     let (own, kept) = (topology.opposite(point), topology.opposite(to));
     let has_other = |ring: &[[u32; 2]], third: u32, other: u32| {
@@ -113,7 +123,7 @@ fn loses_triangle(topology: &Topology, point: u32, to: u32) -> bool {
             .any(|third| !has_other(own, third, to) && !has_other(kept, third, point))
 }
 
-/// Checks whether a collapse leaves nothing of a component, or two triangles back to back.
+/// Returns whether a collapse leaves nothing of a component, or two back-to-back triangles.
 fn is_end(topology: &Topology, point: u32, to: u32) -> bool {
     let (own, kept) = (topology.opposite(point), topology.opposite(to));
     match own.iter().find(|edge| !edge.contains(&to)) {
@@ -128,11 +138,11 @@ fn is_end(topology: &Topology, point: u32, to: u32) -> bool {
     }
 }
 
-/// Checks whether a point with few triangles, of which it is not the last of the component, can be removed without a triangle that exists
-/// already, or an edge without triangles.
+/// Returns whether a point with few triangles can be removed without creating a triangle that
+/// exists already or an edge without triangles. The point is not the last one of its component.
 fn component_remains(topology: &Topology, point: u32, to: u32) -> bool {
     let ring = topology.opposite(point);
-    // Checks whether the triangle that the opposite edge would form with the kept point exists already.
+    // Whether the triangle that the opposite edge would form with the kept point exists already.
     let exists = |[u, w]: [u32; 2]| topology.triangles_with([to, u, w]) > 0;
     let other = ring.iter().find(|edge| !edge.contains(&to));
     match (topology.kind(point), other) {
@@ -165,7 +175,7 @@ mod tests {
         assert_eq!(outcome(&[0, 1, 2], 0, 1), CollapseOutcome::Ends);
         assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 0, 1), CollapseOutcome::Keeps);
         assert_eq!(outcome(&[0, 1, 2, 2, 1, 3], 2, 1), CollapseOutcome::Ends, "both triangles");
-        // The sides of a prism: its three corners at each end are a hole.
+        // The sides of a prism. Its three corners at each end surround a hole.
         let sides = [0, 1, 3, 3, 1, 4, 1, 2, 4, 4, 2, 5, 2, 0, 5, 5, 0, 3];
         assert_eq!(outcome(&sides, 0, 1), CollapseOutcome::Breaks);
         assert_eq!(

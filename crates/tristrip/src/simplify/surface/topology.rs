@@ -1,24 +1,31 @@
-//! Triangles over points, and the triangles around each point, while half-edge collapses change them.
+//! Triangles over points, and the triangles around each point, under half-edge collapses.
 //!
-//! A *point* is a position; vertices of one position are one point, so that a mesh with attribute seams has the connectivity that
-//! it appears to have. At open borders nearly equal positions may be one point too (module `near_points`). The vertex of each corner is
-//! stored separately, if points have several vertices.
+//! A *point* is a position: vertices at the same position are one point, so a mesh with attribute
+//! seams has the connectivity that it appears to have. At open borders, nearly equal positions can
+//! be one point too (module `near_points`). If points have several vertices, the vertex of each
+//! corner is stored separately.
 //!
 //! ```text
-//!        u ───── w        A corner of the point b, in the triangle (b, u, w). The ring of b contains its corners, in any order.
-//!       ╱ ╲     ╱ ╲       Around an inner point every neighbour is the u of one corner and the w of another; around a border
-//!      ╱   ╲   ╱   ╲      point two neighbours are only one of these: those along the border.
+//!        u ───── w
+//!       ╱ ╲     ╱ ╲
+//!      ╱   ╲   ╱   ╲
 //!     ╱     ╲ ╱     ╲
 //!    ·────── b ──────·
 //! ```
+//! The triangle (b, u, w) has a corner of the point b. The ring of b contains its corners, in any
+//! order. Around an inner point, every neighbour is the u of one corner and the w of another.
+//! Around a border point, two neighbours are only one of these: those along the border.
 //!
-//! A ring is a range of one array: pricing reads the whole ring of a point several times per collapse, and a range is read in order.
-//! Levels of detail need the opposite: their collapses and splits read each ring once, and a split has to restore the ring in constant
-//! time, which the linked rings of `lod::level_mesh` do. A removed corner is replaced by the last one here, and the order of a ring determines
-//! the order in which normals are added, so that the two cannot share one structure without loss of speed or other results.
+//! A ring is a range of one array: pricing reads the whole ring of a point several times per
+//! collapse, and a range is read sequentially. Levels of detail have the opposite access pattern:
+//! their collapses and splits read each ring once, and a split has to restore the ring in constant
+//! time. The linked rings of `lod::level_mesh` do that. Here, a removed corner is replaced by the
+//! last one, and the order of a ring determines the order in which normals are added. So the two
+//! cannot share one structure without losing speed or changing results.
 //!
 //! # Complexity
-//! 12 bytes per triangle, 12 more if there are seams, some 30 for the rings; 18 bytes per point, and about 60 per vertex on a seam.
+//! 12 bytes per triangle, 12 more if there are seams, some 30 for the rings; 18 bytes per point,
+//! and about 60 per vertex on a seam.
 
 mod corner;
 mod fans;
@@ -39,40 +46,44 @@ pub(crate) use fans::PointKind;
 use points::{by_first_use, equal_vertices, lowest_vertices, picked};
 use rings::CornerRings;
 
-/// Most triangles of a mesh: rings that grow move to the end of their array, which about ten corners per triangle do not fill.
+/// The maximum number of triangles of a mesh. Rings that grow move to the end of their array; about
+/// ten corners per triangle do not fill it.
 pub(crate) const MAX_TRIANGLES: usize = 1 << 27;
 
-/// Most corners of a ring that is searched if there is another way.
+/// Longer rings are not searched if there is an alternative.
 pub(crate) const LONG_RING: usize = 64;
 
-/// Triangles that can be removed and whose corners can move to other points.
+/// Triangles that can be removed, and whose corners can move to other points.
 #[derive(Debug)]
 pub(crate) struct Topology {
-    /// The points of each triangle; of a removed one, its last points.
+    /// The points of each triangle. A removed triangle keeps its last points.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// The number of each triangle in the mesh, if they are in another order.
+    /// The index of each triangle in the mesh, if they are in another order.
     triangle_ids: Option<Vec<u32>>,
     /// The vertex at each corner; empty if each point has one vertex.
     wedges: Vec<u32>,
-    /// For each vertex of a point with several vertices the first one of the point with the same attributes, bit for bit.
+    /// For each vertex of a point with several vertices, the first vertex of the point with the
+    /// same attributes, bit for bit.
     equal_vertices: HashMap<u32, u32>,
     /// The lowest vertex of each point.
     vertex_of: Vec<u32>,
-    /// Whether a point has several vertices; empty if none has.
+    /// Whether each point has several vertices; empty if none has.
     on_seam: Vec<bool>,
     kinds: Vec<PointKind>,
-    /// Classifies points again that a collapse changed, if there are irregular ones.
+    /// Reclassifies points after a collapse, if there are irregular ones or collapses may break the
+    /// surface.
     classifier: Option<FanClassifier>,
     rings: CornerRings,
-    /// The first vertex of each mesh if there are several.
+    /// The first vertex of each mesh, if there are several.
     meshes: Vec<u32>,
-    /// The number of triangles of each mesh that are left, by [`Topology::mesh_of`].
+    /// The number of remaining triangles of each mesh, indexed by [`Topology::mesh_of`].
     triangles_left: Vec<u32>,
 }
 
 impl Topology {
-    /// Connects triangles of vertices at points of equal position, and at open borders within a distance; 0 for none. If collapses may break
-    /// the surface, any point may change its kind.
+    /// Connects triangles of vertices at points of equal position, and at open borders within
+    /// `weld_distance`; 0 for none. If collapses may break the surface, any point may change its
+    /// kind.
     pub(crate) fn new<P: Positions + ?Sized>(
         positions: &P,
         attribute_bits: impl Fn(u32) -> Vec<u8>,
@@ -91,7 +102,8 @@ impl Topology {
         }
     }
 
-    /// Returns what each corner's point becomes, in the order of the triangles in the mesh.
+    /// Returns the points of all corners, mapped by `becomes`, in the order of the triangles in the
+    /// mesh.
     fn points_in_mesh_order(&self, becomes: impl Fn(u32) -> u32) -> Vec<u32> {
         let mut points = vec![0; 3 * self.triangles.len()];
         for (i, triangle) in self.triangles.iter().enumerate() {
@@ -160,7 +172,7 @@ impl Topology {
         self
     }
 
-    /// Checks whether a collapse removes the last triangles of one of several meshes.
+    /// Returns whether a collapse removes the last triangles of one of several meshes.
     pub(crate) fn ends_mesh(&self, removed: u32, kept: u32) -> bool {
         if self.meshes.len() < 2 {
             return false;
@@ -177,17 +189,19 @@ impl Topology {
         })
     }
 
-    /// Checks whether two vertices belong to one mesh.
+    /// Returns whether two vertices belong to the same mesh.
     fn are_of_one_mesh(&self, a: u32, b: u32) -> bool {
         self.meshes.len() < 2 || self.mesh_of(a) == self.mesh_of(b)
     }
 
-    /// Returns the number of the mesh that a vertex belongs to.
+    /// Returns the number of the mesh that a vertex belongs to, counted from 1; 0 if there is one
+    /// mesh.
     fn mesh_of(&self, v: u32) -> u32 {
         self.meshes.partition_point(|&start| start <= v) as u32
     }
 
-    /// Collects the mesh of each corner of a point, in the order of its ring; none if all corners are of one mesh.
+    /// Collects the mesh of each corner of a point, in the order of its ring. Collects nothing if
+    /// all corners belong to the same mesh.
     pub(crate) fn meshes_around(&self, point: u32, found: &mut Vec<u32>) {
         found.clear();
         if self.meshes.len() > 1 && self.on_seam.get(point as usize) == Some(&true) {
@@ -220,8 +234,8 @@ impl Topology {
         self.kinds[point as usize]
     }
 
-    /// Finds the kinds of points again after a collapse at an irregular one. Those of more than `most` triangles count as irregular, however
-    /// many collapses there are beside them.
+    /// Reclassifies points after a collapse. Points with more than `most` triangles count as
+    /// irregular, so the time does not depend on the number of collapses next to them.
     pub(crate) fn classify(&mut self, points: &[u32], most: usize) {
         let Some(classifier) = &mut self.classifier else { return };
         for &point in points {
@@ -239,8 +253,8 @@ impl Topology {
         self.rings.of(point)
     }
 
-    /// Returns the opposite edge of each corner of a point, in the order of its ring: the points of the two other corners of the triangle, in
-    /// its winding.
+    /// Returns the opposite edge of each corner of a point, in the order of its ring: the points of
+    /// the two other corners of the triangle, in winding order.
     pub(crate) fn opposite(&self, point: u32) -> &[[u32; 2]] {
         self.rings.opposite(point)
     }
@@ -256,13 +270,14 @@ impl Topology {
         self.triangles[corner.triangle()][corner.within()]
     }
 
-    /// Returns the points of the two other corners of a corner's triangle, in its winding.
+    /// Returns the points of the two other corners of a corner's triangle, in winding order.
     #[inline]
     pub(crate) fn others(&self, corner: CornerId) -> [u32; 2] {
         corner.others(&self.triangles)
     }
 
-    /// Collects the distinct neighbours of a point; the two along a border come last.
+    /// Collects the distinct neighbours of a point; for a border point, the two along the border
+    /// come last.
     pub(crate) fn neighbours(&self, point: u32, found: &mut Vec<u32>) {
         found.clear();
         let edges = self.opposite(point);
@@ -282,26 +297,27 @@ impl Topology {
         }
     }
 
-    /// Counts the triangles that have all of the given points, up to two, around the point with the fewest triangles.
+    /// Counts the triangles that contain all of the given points, up to two.
     pub(crate) fn triangles_with<const N: usize>(&self, points: [u32; N]) -> usize {
         let Some(around) = points.into_iter().min_by_key(|&p| self.opposite(p).len()) else { return 0 };
         let has_all = |edge: &&[u32; 2]| points.iter().all(|p| *p == around || edge.contains(p));
         self.opposite(around).iter().filter(has_all).take(2).count()
     }
 
-    /// Returns the first of the vertices of a point that have the same attributes as a vertex.
+    /// Returns the first of the point's vertices that have the same attributes as a vertex.
     pub(crate) fn first_equal(&self, v: u32) -> u32 {
         self.equal_vertices.get(&v).copied().unwrap_or(v)
     }
 
-    /// Checks whether two vertices of one position have the same attributes.
+    /// Returns whether two vertices at the same position have the same attributes.
     fn are_equal(&self, a: u32, b: u32) -> bool {
         let first_equal = |v: u32| self.equal_vertices.get(&v);
         a == b || first_equal(a).is_some_and(|of_a| first_equal(b) == Some(of_a))
     }
 
-    /// Collects the vertex that each vertex at `removed` becomes if that point collapses to `kept`. Returns `None` if neither it nor an
-    /// equal vertex has a triangle with `kept`, or if such triangles have different vertices there.
+    /// Collects the renames of all vertices at `removed` if that point collapses to `kept`. Returns
+    /// `None` if a vertex and its equal vertices have no triangle with `kept`, or if such triangles
+    /// have different vertices there.
     pub(crate) fn renames(&self, removed: u32, kept: u32, found: &mut Vec<Rename>) -> Option<()> {
         found.clear();
         if self.on_seam.is_empty() || !self.on_seam[removed as usize] && !self.on_seam[kept as usize] {
@@ -333,9 +349,10 @@ impl Topology {
         Some(())
     }
 
-    /// Does the same, but a vertex without a triangle with `kept` becomes the vertex there from which it differs least, of equal ones the
-    /// lowest, among those of the first triangles. Returns `None` if the triangles of one vertex have different vertices at `kept`: they
-    /// could not all be dropped.
+    /// Collects renames like [`Topology::renames`], but also across seams. A vertex without a
+    /// triangle with `kept` is renamed to the vertex there with the smallest difference, among
+    /// those of the first triangles; ties go to the lowest vertex. Returns `None` if the triangles
+    /// of one vertex have different vertices at `kept`, because not all of them could be dropped.
     pub(crate) fn renames_across(
         &self,
         removed: u32,
@@ -375,7 +392,8 @@ impl Topology {
         [corner.next(), corner.previous()].into_iter().find(|&other| self.point(other) == point)
     }
 
-    /// Moves all corners of one point to another. Removes the triangles that had both, and writes their numbers in the mesh to `dropped`, ascending.
+    /// Moves all corners of one point to another. Removes the triangles that contain both, and
+    /// writes their indices in the mesh to `dropped`, ascending.
     pub(crate) fn collapse(&mut self, removed: u32, kept: u32, renames: &[Rename], dropped: &mut Vec<u32>) {
         dropped.clear();
         for i in 0..self.ring(removed).len() {
@@ -422,7 +440,7 @@ mod tests {
         Topology::new(positions, |_| Vec::new(), vertices, false, 0.0)
     }
 
-    /// Builds the topology of vertices of which no two have the same attributes.
+    /// Builds a topology whose vertices all have different attributes.
     fn seamed(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
         Topology::new(positions, |v| v.to_le_bytes().to_vec(), vertices, false, 0.0)
     }
@@ -468,7 +486,7 @@ mod tests {
 
     #[test]
     fn both_vertices_of_a_seam_are_renamed_along_it_only() {
-        // Vertices 1 and 4 are one point, 2 and 5 another; the seam is between these points.
+        // Vertices 1 and 4 are one point, 2 and 5 another. The seam is between these points.
         let mut positions = line(8);
         positions[4] = positions[1];
         positions[5] = positions[2];
@@ -479,7 +497,7 @@ mod tests {
         assert_eq!(found, [Rename { removed: 1, kept: 2 }, Rename { removed: 4, kept: 5 }]);
         assert!(seam.renames(1, 0, &mut found).is_none());
         assert!(seam.renames(0, 1, &mut found).is_some());
-        // Vertices with the same attributes are no seam: both may go anywhere.
+        // Vertices with the same attributes are not a seam: both may be renamed to any vertex.
         let whole = topology(&positions, &faces);
         assert!(whole.open_edges().all(|(_, is_border)| is_border));
         assert!(whole.renames(1, 0, &mut found).is_some());

@@ -11,25 +11,30 @@ use crate::simplify::surface::outcome::{CollapseOutcome, Outcomes};
 use crate::simplify::surface::topology::PointKind;
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
-/// One in so many of the vertices, the cheapest, is what a level by quadric takes a maximal set of. A view of the dragon at one pixel has 38, 36 and 36 thousand
-/// triangles with 2, 4 and 12, as many as with the passes of `simplify`, and the tree has 71, 93 and 183 levels.
+/// In the quadric order, a level takes a maximal set among the cheapest 1/4 of the vertices. With
+/// 1/2, 1/4 and 1/12, a view of the dragon at an error of one pixel has 38, 36 and 36 thousand
+/// triangles, as many as with the passes of `simplify`, and the tree has 71, 93 and 183 levels.
 const LIMIT_SHARE: [usize; 2] = [1, 4];
 
-/// The same share for collapses that only need to be apart. A stream of the bunny takes 24.5, 24.0 and 23.8 bits per vertex with 4, 7 and 10 tenths; after half of its
-/// bytes the surface is 0.0079, 0.0084 and 0.0127 percent of the diagonal away.
+/// The share for collapses that only need to be apart. With 4/10, 7/10 and 10/10, a stream of the
+/// bunny takes 24.5, 24.0 and 23.8 bits per vertex. After half of its bytes, the surface error is
+/// 0.0079, 0.0084 and 0.0127 percent of the diagonal.
 const LIMIT_SHARE_APART: [usize; 2] = [7, 10];
 
-/// The least cosine of the angle between a triangle and the full mesh at its corners: 78 degrees. Without one, triangles between three points of a straight
-/// border stand upright beside a terrain, and thin sheets fold over: one view of a plane had 96 in a thousand edges folded, and has 10.
+/// The minimum cosine of the angle between a triangle and the full mesh at its corners: 78 degrees.
+/// Without this limit, triangles between three points of a straight border can stand upright next
+/// to a terrain, and thin sheets fold over: in one view of a plane, 96 of 1000 edges were folded,
+/// with the limit 10.
 const MIN_COSINE: f64 = 0.2;
 
-/// What the levels know beyond the surface.
+/// The state of the levels in addition to the surface.
 struct MergeLevels {
     order: MergeOrder,
     spacing: Spacing,
-    /// For each point the sum of the normals of the full mesh at the points that it stands for, weighted by area.
+    /// For each point, the area-weighted sum of the full mesh's normals at the points that it
+    /// represents.
     normals: Vec<Point>,
-    /// By how much the cost of each point counts; empty if all count alike.
+    /// A factor for the cost of each point; empty if all are 1.
     factors: Vec<f32>,
 }
 
@@ -45,12 +50,13 @@ impl MergeLevels {
         Self { order, spacing, normals, factors: Vec::new() }
     }
 
-    /// Checks whether a triangle would turn farther than allowed from the full mesh at one of its corners, and farther than before. Each collapse turns triangles by
-    /// little, but many of them may turn one over.
+    /// Returns whether a triangle would turn farther than allowed from the full mesh at one of its
+    /// corners, and farther than before. Each collapse turns triangles by a small angle, but many
+    /// of them could turn one over.
     fn turns_over(&self, surface: &PricedSurface, point: u32, to: u32) -> bool {
         let at = |p: u32| surface.positions[p as usize];
         let sum_at = |p: u32| self.normals[p as usize];
-        // What the kept point stands for afterwards.
+        // The normal that the kept point represents afterwards.
         let mut kept = sum_at(to);
         add(&mut kept, sum_at(point));
         let turns = |before: [Point; 2], after: [Point; 2]| {
@@ -89,7 +95,7 @@ impl MergeLevels {
         }
     }
 
-    /// Returns a cost as it counts.
+    /// Returns a cost times the factor of its point.
     fn counted(&self, point: u32, cost: f32) -> f32 {
         self.factors.get(point as usize).map_or(cost, |factor| cost * factor)
     }
@@ -111,8 +117,8 @@ fn add(sum: &mut Point, other: Point) {
 }
 
 impl Decimation {
-    /// Does collapses level by level until there are at most `triangle_count` triangles, or none is possible. Returns the number of
-    /// collapses up to the end of each level.
+    /// Applies collapses level by level until at most `triangle_count` triangles remain or none is
+    /// possible. Returns the number of collapses up to the end of each level.
     pub(crate) fn run_levels(
         &mut self,
         (order, spacing): (MergeOrder, Spacing),
@@ -125,7 +131,7 @@ impl Decimation {
         levels.factors = self.cost_factors(error_factors);
         let mut pricers = Pricers::new(count);
         let mut level_ends = Vec::new();
-        // The last level that has taken an edge with a vertex beside this one.
+        // For each vertex, the last level that took an edge with an end at or next to it.
         let mut taken = vec![0_u32; count];
         let mut points: Vec<u32> = (0..count as u32).collect();
         let mut changed = points.clone();
@@ -145,7 +151,7 @@ impl Decimation {
                 }
                 let is_taken = |p: u32| spacing == Spacing::Disjoint && taken[p as usize] == level;
                 let Some(collapse) = self.collapse_beside(&levels, point, is_taken) else { continue };
-                // The best of the other targets may cost much more than the best one.
+                // The best of the other targets can be much more expensive than the best target.
                 if levels.counted(point, collapse.cost) > limit {
                     continue;
                 }
@@ -171,7 +177,8 @@ impl Decimation {
         level_ends
     }
 
-    /// Returns by how much the cost of each point counts, given by how much errors at vertices do: costs have the unit of a volume.
+    /// Returns the cost factors of points, given the error factors of vertices. Costs have the unit
+    /// of a volume, so their factors are cubed.
     fn cost_factors(&self, error_factors: &[f32]) -> Vec<f32> {
         if error_factors.is_empty() {
             return Vec::new();
@@ -181,7 +188,8 @@ impl Decimation {
         (0..topology.point_count() as u32).map(|point| factor(point).powi(3).min(f32::MAX)).collect()
     }
 
-    /// Collects the vertices that a level may remove, with their costs, the cheapest first. Returns the largest cost that a collapse of the level may have.
+    /// Collects the vertices that a level may remove with their costs, cheapest first. Returns the
+    /// maximum cost of a collapse of the level.
     fn cheapest(&self, levels: &MergeLevels, points: &[u32], chosen: &mut Vec<(f32, u32)>) -> f32 {
         chosen.clear();
         let MergeLevels { order, spacing, .. } = *levels;
@@ -208,7 +216,7 @@ impl Decimation {
         }
     }
 
-    /// Returns the best collapse of a vertex to one that is not taken.
+    /// Returns the best collapse of a vertex to a target that is not taken.
     fn collapse_beside(
         &mut self,
         levels: &MergeLevels,
@@ -226,7 +234,7 @@ impl Decimation {
         best
     }
 
-    /// Prices vertices, each of which waits with its best collapse, if there is one.
+    /// Prices vertices, and stores their best collapses.
     fn price_for_level(&mut self, levels: &MergeLevels, pricers: &mut Pricers, points: &[u32]) {
         let mut best_collapses = std::mem::take(&mut self.best_collapses);
         let (this, surface) = (&*self, &self.surface);

@@ -1,4 +1,5 @@
-//! Collapses from the queue against a search of all pairs in every step, with costs from lists of planes, and an example computed by hand.
+//! Collapses from the queue, compared with a search over all pairs in every step, with costs from
+//! lists of planes; and an example computed by hand.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -61,7 +62,7 @@ fn decimation(positions: &[[f32; 3]], triangles: &[u32]) -> Decimation {
     Decimation::new(positions, bits, triangles, |_, _| None, &options(), &[])
 }
 
-/// Returns the costs of all collapses that are allowed.
+/// Returns the costs of all allowed collapses.
 fn allowed(decimation: &mut Decimation, planes: &[Vec<Plane>]) -> BTreeMap<[u32; 2], f64> {
     let (mut found, mut neighbours) = (BTreeMap::new(), Vec::new());
     for point in 0..planes.len() as u32 {
@@ -77,7 +78,8 @@ fn allowed(decimation: &mut Decimation, planes: &[Vec<Plane>]) -> BTreeMap<[u32;
     found
 }
 
-/// Simplifies as far as possible; checks each collapse against a search of all pairs. Returns the number of collapses.
+/// Simplifies as far as possible, and checks each collapse against a search over all pairs. Returns
+/// the number of collapses.
 fn check_against_all_pairs(positions: &[[f32; 3]], triangles: &[u32]) -> usize {
     let mesh = Mesh::new(positions.to_vec(), Faces::from_triangles(triangles.to_vec()).unwrap()).unwrap();
     let done = simplify_triangles(&mesh, triangles.to_vec(), &options()).unwrap();
@@ -94,7 +96,7 @@ fn check_against_all_pairs(positions: &[[f32; 3]], triangles: &[u32]) -> usize {
         let (&cheapest, &least) = all.iter().min_by(|a, b| a.1.total_cmp(b.1)).unwrap();
         let rounding = 1e-9 * least + 1e-12;
         assert!(cost <= least + rounding, "{point} to {to} costs {cost}, {cheapest:?} {least}");
-        // Of two costs that rounding cannot exchange, the one taken is the least.
+        // If rounding cannot swap two costs, the collapse taken has the smaller one.
         let is_clear = all.iter().all(|(&pair, &other)| pair == cheapest || other > least + rounding);
         assert!(!is_clear || cheapest == [point, to]);
         let error = f64::from(collapse.error) / naive.surface.unit;
@@ -117,7 +119,7 @@ fn each_collapse_is_the_cheapest_of_all_pairs() {
         let (positions, triangles) = grid(7, 6, closed);
         assert!(check_against_all_pairs(&positions, &triangles) > 25);
     }
-    // Three sheets at one line.
+    // Three sheets that share a line.
     let (mut positions, mut triangles) = grid(5, 4, [false, false]);
     let first = positions.len() as u32;
     positions.extend((0..5).map(|y| [2.0, y as f32, 3.0]));
@@ -131,13 +133,14 @@ fn each_collapse_is_the_cheapest_of_all_pairs() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 5))]
 
-    /// With equal positions, triangles without area, edges of many triangles and windings of all kinds.
+    /// With equal positions, triangles without area, edges of many triangles and arbitrary
+    /// windings.
     #[test]
     fn any_triangles_are_simplified_by_the_cheapest_pair(
         positions in prop::collection::vec(prop::array::uniform3(0_u8..4), 3..16),
         corners in prop::collection::vec(any::<prop::sample::Index>(), 0..60),
     ) {
-        // One vertex per position, so that no seam hides which point collapses.
+        // One vertex per position, so no seam hides which point collapses.
         let mut positions: Vec<[f32; 3]> = positions.into_iter().map(|p| p.map(f32::from)).collect();
         positions.sort_by(|a, b| a.partial_cmp(b).unwrap());
         positions.dedup();
@@ -149,15 +152,7 @@ proptest! {
     }
 }
 
-/// Four triangles with slopes of 1 around the apex 4 of a pyramid without a bottom:
-/// ```text
-///    3 ─────── 2      The apex moves to a corner, say 0: the planes of the two triangles at 0 pass through it, those of the two others, such as
-///    │ ╲     ╱ │      z = 2 - x, are √2 away from it. Cost: 2 · 2. Corner 0 has no other planes.
-///    │    4    │      A corner moves to the next one, such as 0 to 1: the plane of the triangle 3 0 4 is √2 away from 1, and so is the border
-///    │ ╱     ╲ │      plane through 3 0, which is perpendicular to it. Cost: 2 + 1000 · 2.
-///    0 ─────── 1
-/// ```
-/// The hub is not priced again at each collapse beside it, which would take minutes.
+/// The hub is not priced again at each collapse next to it, which would take minutes.
 #[test]
 fn cones_and_fans_of_many_triangles_are_simplified() {
     let rim = 40_000_u32;
@@ -177,6 +172,20 @@ fn cones_and_fans_of_many_triangles_are_simplified() {
     }
 }
 
+/// Four triangles with slopes of 1 around the apex 4 of a pyramid without a bottom:
+/// ```text
+///    3 ─────── 2
+///    │ ╲     ╱ │
+///    │    4    │
+///    │ ╱     ╲ │
+///    0 ─────── 1
+/// ```
+/// The apex collapses to a corner, say 0. The planes of the two triangles at 0 pass through it; those
+/// of the other two, such as z = 2 - x, are √2 away from it. Cost: 2 · 2. Corner 0 has no other
+/// planes.
+///
+/// A corner collapses to the next one, such as 0 to 1. The plane of the triangle 3 0 4 is √2 away
+/// from 1, and so is the border plane through 3 0, which is perpendicular to it. Cost: 2 + 1000 · 2.
 #[test]
 fn costs_of_a_pyramid_are_those_computed_by_hand() {
     let positions = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 1.0]];
@@ -187,7 +196,8 @@ fn costs_of_a_pyramid_are_those_computed_by_hand() {
     let close = |x: f64, expected: f64| (x - expected).abs() < 1e-4 * expected;
     assert!(close(surface.cost(), 4.0), "{}", surface.cost());
     assert!(surface.simplify_to(1));
-    // The planes of the apex are at corner 0 now, and the pairs of the other corners are the cheapest, all equal but for rounding.
+    // The planes of the apex are now at corner 0. The pairs of the other corners are the cheapest,
+    // all equal except for rounding.
     assert!(close(surface.cost(), 2002.0), "{}", surface.cost());
     let sequence = surface.finish(0).unwrap().sequences.remove(0);
     let found: Vec<_> = sequence
@@ -210,7 +220,7 @@ fn limits_and_locked_vertices_hold() {
     assert!(some.sequence.error(0).unwrap() <= 0.2 && some.stopped.is_some_and(|stopped| stopped.error > 0));
     let reached = simplified(options().with_triangles(60));
     assert!(reached.stopped.is_none() && (59..=60).contains(&reached.sequence.triangle_count(0).unwrap()));
-    // The collapses to a number of triangles are the first of those to a smaller number.
+    // The collapses to a number of triangles are a prefix of those to a smaller number.
     let further = simplified(options().with_triangles(30));
     assert!(reached.sequence.iter().eq(further.sequence.iter().take(reached.sequence.len())));
     let locked = simplified(options().with_locked(vec![true; 50]));

@@ -1,7 +1,7 @@
-//! Corners of triangles, by number.
+//! Corners of triangles, as packed ids.
 
-/// A corner of a triangle: the triangle in the upper bits, the index within the triangle in the lowest two, so that neither needs a
-/// division.
+/// A corner of a triangle: the triangle in the upper bits, the index within the triangle in the
+/// lowest two. Extracting them needs no division.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(crate) struct CornerId(u32);
 
@@ -33,12 +33,12 @@ impl CornerId {
         Self::new(self.triangle(), PREVIOUS[self.within()])
     }
 
-    /// Returns the number of this corner among all, counted triangle by triangle.
+    /// Returns the index of this corner among all corners, counted triangle by triangle.
     pub(super) fn index(self) -> usize {
         3 * self.triangle() + self.within()
     }
 
-    /// Returns the points of the two other corners of the triangle, in its winding.
+    /// Returns the points of the two other corners of the triangle, in winding order.
     #[inline]
     pub(super) fn others(self, triangles: &[[u32; 3]]) -> [u32; 2] {
         let triangle = &triangles[self.triangle()];
@@ -46,7 +46,7 @@ impl CornerId {
     }
 }
 
-/// Iterates over all corners of a number of triangles.
+/// Iterates over all corners of this many triangles.
 pub(super) fn corners(triangle_count: usize) -> impl Iterator<Item = CornerId> {
     (0..triangle_count).flat_map(|t| (0..3).map(move |k| CornerId::new(t, k)))
 }

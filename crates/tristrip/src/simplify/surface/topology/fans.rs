@@ -1,4 +1,4 @@
-//! The arrangement of the triangles around a point: like a disk, like half of one, or neither.
+//! The arrangement of the triangles around a point: a disk, a half disk, or neither.
 
 use super::corner::CornerId;
 use crate::ids::OptionalId;
@@ -13,14 +13,15 @@ pub(crate) enum PointKind {
     Border,
     /// More than one fan, more than two triangles at an edge, or inconsistent winding.
     Irregular,
-    /// No triangle, or one that has two corners at one point.
+    /// No triangle, or one that has two corners at the same point.
     Degenerate,
 }
 
 /// Classifies points.
 #[derive(Debug)]
 pub(super) struct FanClassifier {
-    /// For each neighbour of the current point: the corners that it follows, and those that it precedes, counted up to two.
+    /// For each neighbour of the current point, the number of corners that it follows and that it
+    /// precedes, counted up to two.
     ins: Vec<u8>,
     outs: Vec<u8>,
     /// The next neighbour around the point.
@@ -71,7 +72,8 @@ impl FanClassifier {
         if others().any(|p| self.ins[p as usize] > 1 || self.outs[p as usize] > 1) {
             return PointKind::Irregular;
         }
-        // The fan from its first border edge, or from any edge if it is closed, must contain all corners.
+        // The fan must contain all corners. It starts at its border edge, or anywhere if it is
+        // closed.
         let opening = others().find(|&p| self.ins[p as usize] == 0);
         let first = opening.unwrap_or_else(|| ring[0].others(triangles)[0]);
         let (mut at, mut count) = (first, 0);
@@ -90,7 +92,8 @@ impl FanClassifier {
     }
 }
 
-/// Checks whether a few edges follow each other in one circle, each neighbour once: by far the most points have such a ring.
+/// Returns whether a few edges form a single circle with each neighbour once. Most points have such
+/// a ring.
 fn is_short_circle(edges: &[[u32; 2]]) -> bool {
     const LONGEST: usize = 10;
     let Some(&[first, mut at]) = edges.first() else { return false };

@@ -1,27 +1,31 @@
-//! Points at open borders that are joined because they lie near each other.
+//! Joins points at open borders that are near each other.
 //!
 //! ```text
-//!    ·─────a1 b1─────·        Two sheets whose borders were meant to be one. Apart, each border is simplified by itself, and a crack
-//!    │    ╱ │ │ ╲    │        opens between them. Joined, a1 and b1 are one point with a vertex on each side, as on a seam: it goes the same
-//!    ·───a2 │ │ b2───·        way on both sides.
+//!    ·─────a1 b1─────·
+//!    │    ╱ │ │ ╲    │
+//!    ·───a2 │ │ b2───·
 //!      ╲  │ │ │ │  ╱
 //! ```
+//! Two sheets whose borders should be one. If they are kept apart, each border is simplified by
+//! itself, and a crack opens between them. If they are joined, a1 and b1 are one point with a
+//! vertex on each side, as on a seam, and both sides collapse in the same way.
 //!
-//! Positions stay what they are, so that a gap stays as narrow as it was. Points inside a surface are not joined: two sheets that lie
-//! near each other are not one.
+//! Positions are not changed, so a gap keeps its width. Points inside a surface are not joined: two
+//! sheets near each other remain separate.
 //!
 //! # Algorithm
-//! In the order of their numbers, each point joins the nearest point within the distance that has joined no other itself, ties to the lowest. It does not
-//! if a triangle has it and a point that is joined to that one, so that no triangle loses its area.
+//! In the order of their indices, each point joins the nearest point within the distance that has
+//! joined no other. Ties go to the lowest index. It does not join if a triangle contains it and a
+//! point that is joined to that one, so no triangle loses its area.
 //!
 //! # Complexity
-//! O(n) for n points that are not inside, with their triangles; others take no time.
+//! O(n) for n points that are not inside, with their triangles. Inner points take no time.
 
 use super::{PointKind, Topology};
 use crate::mesh::{NearPositions, Positions};
 
 impl Topology {
-    /// Returns the point that each point joins, itself if none; `None` if none joins another.
+    /// Returns for each point the point that it joins, or itself; `None` if no point joins another.
     pub(super) fn near_points<P: Positions + ?Sized>(
         &self,
         positions: &P,
@@ -34,7 +38,7 @@ impl Topology {
             let position = positions.position(self.vertex_of(point) as usize).unwrap_or_default();
             let mut near: Vec<(f64, u32)> = grid.near(position).collect();
             if !near.is_empty() {
-                // What a triangle connects the point with stays apart from it.
+                // A point does not join points of its own triangles.
                 let others = self.opposite(point).iter().flatten();
                 adjacent.clear();
                 adjacent.extend(others.map(|&p| joined.as_ref().map_or(p, |joined| joined[p as usize])));
@@ -64,7 +68,7 @@ mod tests {
         Topology::new(positions, |_| Vec::new(), triangles, false, weld_distance)
     }
 
-    /// Joins points by the definition, with a look at all others for each.
+    /// Joins points by the definition, comparing each with all others.
     fn joined_by_definition(topology: &Topology, positions: &[[f32; 3]], distance: f64) -> Vec<u32> {
         let mut joined: Vec<u32> = (0..topology.point_count() as u32).collect();
         let at = |p: u32| positions[topology.vertex_of(p) as usize].map(f64::from);
@@ -104,7 +108,8 @@ mod tests {
             let expected = joined_by_definition(&apart, &positions, distance.into());
             let found = apart.near_points(&positions[..], distance).unwrap_or_else(|| (0..expected.len() as u32).collect());
             prop_assert_eq!(&found, &expected);
-            // The triangles have the joined points, and none more than before has two corners at one.
+            // The triangles have the joined points, and no additional triangle has two corners at
+            // one point.
             let joined = topology(&positions, triangles.as_flattened(), distance);
             let count = |topology: &Topology| topology.triangles.iter().filter(|&&t| is_degenerate(t)).count();
             prop_assert_eq!(count(&apart), count(&joined));
@@ -120,7 +125,7 @@ mod tests {
 
     #[test]
     fn borders_are_joined_and_insides_are_not() {
-        // Two fans around a centre each, 0.01 apart: their rims are joined, their centres are not.
+        // Two fans, each around a centre, 0.01 apart: their rims are joined, their centres are not.
         let rim = |i: u32| [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][i as usize];
         let sheet =
             |z: f32| (0..5).map(move |i| if i == 4 { [0.0, 0.0, z] } else { [rim(i)[0], rim(i)[1], z] });

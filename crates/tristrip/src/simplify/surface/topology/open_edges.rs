@@ -1,4 +1,4 @@
-//! The sides of triangles at which a surface ends, or its attributes change.
+//! The sides of triangles at borders of the surface or at attribute seams.
 
 use std::collections::HashMap;
 
@@ -6,9 +6,10 @@ use super::corner::{CornerId, corners};
 use super::{LONG_RING, PointKind, Topology};
 
 impl Topology {
-    /// Iterates over the sides of triangles at borders and seams: the corner at which each begins, and whether it is a border of its mesh.
+    /// Iterates over the sides of triangles at borders and seams: the corner at which each begins,
+    /// and whether it is a border of its mesh.
     pub(crate) fn open_edges(&self) -> impl Iterator<Item = (CornerId, bool)> {
-        // Sides between two points of many triangles each are found in a map.
+        // Sides between two points with many triangles each are looked up in a map.
         let is_long = |p: u32| self.ring(p).len() > LONG_RING;
         let mut long = HashMap::new();
         if (0..self.point_count() as u32).any(is_long) {
@@ -21,7 +22,8 @@ impl Topology {
             if self.wedges.is_empty() && self.kind(from) == PointKind::Inner {
                 return None;
             }
-            // The corner at the same point of the adjacent triangle, searched around the point of fewer corners.
+            // The corner at the same point of the adjacent triangle, searched around the point with
+            // fewer corners.
             let other = if is_long(from) && is_long(to) {
                 long.get(&[from, to]).copied()
             } else if self.ring(from).len() <= self.ring(to).len() {
@@ -30,7 +32,7 @@ impl Topology {
                 self.ring(to).iter().find(|&&other| self.others(other)[0] == from).map(|other| other.next())
             };
             let Some(other) = other else {
-                // An edge between triangles of different winding is no border.
+                // An edge between triangles of different winding is not a border.
                 let has_edge = |other: &&CornerId| **other != corner && self.others(**other)[0] == to;
                 let is_inside = !is_long(from) && self.ring(from).iter().any(|other| has_edge(&other));
                 return (!is_inside).then_some((corner, true));

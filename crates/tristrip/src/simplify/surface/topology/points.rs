@@ -1,11 +1,11 @@
-//! The vertices of each point, and those of them that have the same attributes.
+//! The vertices of each point, and which of them have the same attributes.
 
 use std::collections::HashMap;
 
 use crate::ids::OptionalId;
 use crate::mesh::{triangle_at, vertex_bound};
 
-/// Returns the corners of some triangles, in their order.
+/// Returns the corners of the given triangles, in their order.
 pub(super) fn picked(corners: &[u32], triangles: &[u32]) -> Vec<u32> {
     triangles.iter().flat_map(|&t| triangle_at(corners, t as usize)).collect()
 }
@@ -25,7 +25,8 @@ pub(super) fn by_first_use(mut points: Vec<u32>) -> Vec<u32> {
     points
 }
 
-/// Returns the lowest vertex of each point. Points are numbered in the order in which corners first use them.
+/// Returns the lowest vertex of each point. Points must be numbered in the order in which corners
+/// first use them.
 pub(super) fn lowest_vertices(vertices: &[u32], points: &[u32]) -> Vec<u32> {
     let mut lowest: Vec<u32> = Vec::new();
     for (&v, &point) in vertices.iter().zip(points) {

@@ -1,7 +1,8 @@
-//! The corners around each point, some of which are removed and others move to another point.
+//! The corners around each point, under removal and moves to other points.
 //!
 //! # Complexity
-//! Constant time to remove a corner; time proportional to the corners moved, and sometimes to those already there, to move them.
+//! Constant time to remove a corner. Moving corners takes time proportional to their number, and
+//! sometimes also to the number already at the target.
 
 use std::ops::Range;
 
@@ -9,11 +10,13 @@ use super::corner::CornerId;
 use crate::csr::Csr;
 use crate::mesh::{is_degenerate, triangle_at};
 
-/// The corners around each point, all in one array. A ring that outgrows its range moves to the end.
+/// The corners around each point, all in one array. A ring that outgrows its range moves to the
+/// end.
 #[derive(Debug)]
 pub(super) struct CornerRings {
     corners: Vec<CornerId>,
-    /// The opposite edge of each of these corners: the points of the two others of its triangle, in its winding.
+    /// The opposite edge of each of these corners: the points of the two others of its triangle, in
+    /// winding order.
     opposite: Vec<[u32; 2]>,
     rings: Vec<RingRange>,
     /// The position of each corner in its ring.
@@ -35,9 +38,10 @@ impl RingRange {
 }
 
 impl CornerRings {
-    /// Groups the corners of triangles by point, in ascending order, without those of triangles that have a vertex twice.
+    /// Groups the corners of triangles by point, in ascending order. Corners of triangles with a
+    /// repeated vertex are left out.
     pub(super) fn new(triangles: &[[u32; 3]], vertices: &[u32], point_count: usize) -> Self {
-        // Corners that are left out are grouped behind those of all points.
+        // Corners that are left out are grouped after those of all points.
         let left_out = [point_count as u32; 3];
         let is_drawn = |t: usize| !is_degenerate(triangle_at(vertices, t));
         let points = (0..triangles.len()).flat_map(|t| if is_drawn(t) { triangles[t] } else { left_out });
@@ -87,7 +91,7 @@ impl CornerRings {
         ring.length -= 1;
     }
 
-    /// Moves all corners of one point behind those of another.
+    /// Moves all corners of one point to the end of another point's ring.
     pub(super) fn append(&mut self, from: u32, to: u32) {
         let source = std::mem::take(&mut self.rings[from as usize]);
         let ring = &mut self.rings[to as usize];
