@@ -11,11 +11,11 @@ use crate::text::counted;
 /// ignores the attribute.
 ///
 /// At a weight of 1:
-/// - a normal (`NORMAL`) that deviates by one radian counts like a distance of 0.06 of the longest
-///   side of the bounding box, and a tangent (`TANGENT`) counts half as much;
+/// - a normal (`NORMAL`) that deviates by one radian counts like a distance of 0.042 of the longest
+///   side of the bounding box, and a tangent (`TANGENT`) like 0.03 of it;
 /// - a colour (`COLOR_n`) that deviates by 1 counts like a distance of 0.1 of that side;
-/// - texture coordinates (`TEXCOORD_n`) count like the distance by which the texture shifts on the
-///   surface;
+/// - texture coordinates (`TEXCOORD_n`) count like 1.5 times the distance by which the texture shifts
+///   on the surface;
 /// - a skin (`JOINTS_n`, `WEIGHTS_n`) counts like the distance by which a vertex moves differently
 ///   when a joint turns by a tenth of a radian.
 ///

@@ -1,10 +1,14 @@
 //! The base mesh as decisions.
 //!
 //! # Algorithm
-//! The triangles come in the order of a walk: each edge that is still open is looked at once, in the order in which the edges arose, and is either a
-//! border, or the edge of a new triangle, or one with another open edge. Where no edge is left, a new component begins. Then each fan, in the order of its lowest
-//! corner, is a new vertex or a fan of an earlier one, each vertex is a new point or has the position of an earlier fan, and new
-//! points and vertices have their values, expected by the parallelogram over the edge at which their first triangle was added.
+//! The triangles are coded in the order of a walk. Each open edge is visited once, in the order in
+//! which the edges were created. It is a border, the edge of a new triangle, or shared with another
+//! open edge. When no edge is left, a new component begins.
+//!
+//! Then the fans are coded, in the order of their lowest corners. Each fan is a new vertex, or
+//! belongs to the vertex of an earlier fan. Each vertex is a new point, or has the position of an
+//! earlier fan. New points and vertices get values. These are predicted by the parallelogram across
+//! the edge at which their first triangle was added.
 //!
 //! # Complexity
 //! O(n) time.
@@ -17,22 +21,23 @@ use crate::entropy::numbers::code_small;
 use crate::entropy::range_coder::{BitCoder, code_bits};
 use crate::entropy::slots::Simple;
 
-/// A base mesh to be encoded.
+/// A base mesh to encode.
 #[derive(Debug, Default)]
 pub(super) struct BaseToEncode {
-    /// For each fan its position, an earlier fan of its point, and one of its vertex.
+    /// For each fan its position, an earlier fan of its point if there is one, and one of its
+    /// vertex.
     pub(super) places: Vec<GridPlace>,
     pub(super) twins: Vec<Option<u32>>,
     pub(super) same_vertex: Vec<Option<u32>>,
     pub(super) values: Vec<Vec<Vec<i32>>>,
 }
 
-/// What is beyond an open edge.
+/// What is on the other side of an open edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Beyond {
     Border,
     Triangle,
-    /// The open edge that arose so many after it.
+    /// Another open edge, as the number of edges created since this one.
     Edge(u32),
 }
 
@@ -43,7 +48,8 @@ struct BaseModel {
 }
 
 impl BaseModel {
-    /// `can_grow` says whether there are more triangles, `most` how many edges arose later.
+    /// Codes the other side of an edge. `can_grow` is whether there are more triangles, `most` how
+    /// many edges were created later.
     fn code<C: BitCoder>(&mut self, coder: &mut C, can_grow: bool, most: u32, to_encode: Beyond) -> Beyond {
         if can_grow && self.kinds.code(coder, 0, to_encode == Beyond::Triangle) {
             return Beyond::Triangle;
@@ -56,17 +62,19 @@ impl BaseModel {
     }
 }
 
-/// Why bytes are not those of a base mesh.
+/// Why bytes are not a base mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum BaseFault {
-    /// Two triangles are to share an edge that one of them has not, or shares already.
+    /// Two triangles should share an edge that one of them does not have or already shares.
     NoSuchEdge,
-    /// The bytes end before the triangles do.
+    /// The bytes end before the triangles are complete.
     TooShort,
 }
 
-/// Codes the triangles of a base mesh with what is opposite to their corners, counted without marks. `opposite` is the table to be encoded, in which the triangles have any order; it returns that
-/// table in the order of the walk, and for each triangle its first corner in the table to be encoded, such that corner 0 of one is corner 0 of the other turned.
+/// Codes the triangles of a base mesh as a table of the opposite corner of each corner, three
+/// corners per triangle. `to_encode` is the table to encode, with triangles in any order. Returns
+/// the table in the order of the walk, and for each of its corners the corner in `to_encode`. The
+/// corners of a triangle keep their cyclic order, but can start at another one.
 pub(super) fn code_triangles<C: BitCoder>(
     coder: &mut C,
     triangle_count: usize,
@@ -74,7 +82,7 @@ pub(super) fn code_triangles<C: BitCoder>(
 ) -> Result<(Vec<u32>, Vec<u32>), BaseFault> {
     let mut model = BaseModel { kinds: Simple::new(2), distances: Simple::new(32) };
     let mut opposite: Vec<u32> = Vec::new();
-    // The corner in the table to be encoded for each corner, and the other way round.
+    // For each corner its corner in the table to encode, and the inverse.
     let mut sources: Vec<u32> = Vec::new();
     let mut numbers = vec![NONE; to_encode.len()];
     let mut next_seed = 0;
@@ -89,7 +97,8 @@ pub(super) fn code_triangles<C: BitCoder>(
         }
         add_triangle(next_seed, &mut sources, &mut numbers);
         opposite.extend([NONE; 3]);
-        // 2. The edges in their order: each is named by the opposite corner, whose number is its place in the order.
+        // 2. The edges in their order. Each is identified by the opposite corner, whose index is
+        //    the position in the order.
         while at < opposite.len() {
             let corner = at as u32;
             at += 1;
@@ -143,7 +152,8 @@ fn add_triangle(first: u32, sources: &mut Vec<u32>, numbers: &mut [u32]) {
 }
 
 impl Refiner {
-    /// Codes the fans, vertices and points of the base mesh, whose triangles are there. Not all are there if the coder is past its end.
+    /// Codes the fans, vertices and points of the base mesh. Its triangles must exist. Some are
+    /// missing if the coder is past its end.
     pub(super) fn code_base<C: BitCoder>(&mut self, coder: &mut C, to_encode: Option<&BaseToEncode>) {
         let mut flags = Simple::new(2);
         let fan_count = self.surface.first.len();
@@ -167,7 +177,7 @@ impl Refiner {
             let same_vertex = earlier(coder, 0, to_encode.and_then(|to_encode| to_encode.same_vertex[index]));
             let twin = same_vertex
                 .or_else(|| earlier(coder, 1, to_encode.and_then(|to_encode| to_encode.twins[index])));
-            // 2. The fans beyond the edge at which the first triangle of the fan was added.
+            // 2. The fans at the edge where the first triangle of the fan was added.
             let corner = lowest[index];
             let opposite = self.surface.opposite(corner);
             let has_edge = opposite != NONE && opposite < corner;

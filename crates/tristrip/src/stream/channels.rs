@@ -1,35 +1,35 @@
-//! Attributes of vertices as integers on a grid, the same grid for all levels.
+//! Vertex attributes as integers on a grid. The grid is the same at all levels.
 //!
-//! Each component of a new vertex is expected to be the mean of those of the vertices around it, and coded as the difference; indices of joints are expected to be those of the
-//! kept vertex.
+//! Each component of a new vertex is predicted as the mean of those of the vertices around it, and
+//! the difference is coded. Joint indices are predicted as those of the kept vertex.
 
 use crate::entropy::numbers::{NumberLevel, NumberModel, logarithm};
 use crate::entropy::range_coder::{BitCoder, code_bits};
 use crate::entropy::slots::Simple;
 
-/// What the integers of a channel are.
+/// The meaning of the integers of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum ChannelKind {
-    /// Steps of a grid, or whole numbers.
+    /// Steps of a grid, or integers.
     Linear,
-    /// A unit vector on an octahedron, by two integers.
+    /// A unit vector on an octahedron, as two integers.
     Octahedral,
-    /// The same, and a sign: 0 or 1.
+    /// A unit vector like `Octahedral`, and a sign: 0 or 1.
     Tangent,
-    /// Names without an order.
+    /// Names without an order, such as joint indices.
     Names,
 }
 
-/// The first weights of the features of a level.
+/// The initial weights of the features of a level.
 const LEVEL: [i32; 3] = [-8_000, 50_000, 10_000];
 
-/// How a channel is coded.
+/// The coding state of a channel.
 #[derive(Debug, Clone)]
 pub(super) struct ChannelModel {
     kind: ChannelKind,
-    /// The integers of each vertex.
+    /// The number of integers per vertex.
     pub(super) width: usize,
-    /// The bits of an integer at most.
+    /// The maximum number of bits of an integer.
     bits: u32,
     numbers: NumberModel,
     levels: Vec<NumberLevel<3>>,
@@ -43,7 +43,8 @@ impl ChannelModel {
         Self { kind, width, bits, numbers: NumberModel::new(axes), levels, is_kept: Simple::new(axes) }
     }
 
-    /// Codes the integers of a vertex, given those of the vertices around it, the kept one first. Appends them.
+    /// Codes the integers of a vertex, given those of the vertices around it, kept vertex first.
+    /// Appends them to `values`.
     pub(super) fn code<C: BitCoder>(
         &mut self,
         coder: &mut C,

@@ -1,27 +1,28 @@
-//! The framing of a stream: chunks with a head and a checksum each.
+//! The framing of a stream: chunks, each with a header and a checksum.
 //!
 //! ```text
-//! chunk  ─▶ stream · bytes of the payload · visits · level · triangles · error · checksum · payload
+//! chunk = stream · bytes of the payload · visits · level · triangles · error · checksum · payload
 //! ```
-//! Numbers are written seven bits at a time, the lowest first, with the eighth bit of each byte but the last set.
+//! Numbers are written in groups of seven bits, lowest first. The eighth bit of a byte is set if
+//! another byte follows.
 
 use crc32fast::Hasher;
 
-/// The head of a chunk.
+/// The header of a chunk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ChunkHead {
-    /// The number of the mesh that the chunk refines.
+    /// The index of the mesh that the chunk refines.
     pub(super) stream: u32,
     pub(super) payload_bytes: u32,
-    /// The fans that it visits; 0 for a base mesh.
+    /// The number of fans that it visits; 0 for a base mesh.
     pub(super) visits: u32,
-    /// The level that it leads to, and the triangles and the error of that.
+    /// The level after the chunk, with its triangles and its error.
     pub(super) level: u32,
     pub(super) triangles: u32,
     pub(super) error: f32,
 }
 
-/// The most bytes of a head with its checksum.
+/// The maximum size of a header with its checksum.
 pub(super) const MAX_HEAD_BYTES: usize = 5 * 5 + 4 + 4;
 
 pub(super) fn push_number(bytes: &mut Vec<u8>, mut number: u32) {
@@ -32,14 +33,14 @@ pub(super) fn push_number(bytes: &mut Vec<u8>, mut number: u32) {
     bytes.push(number as u8);
 }
 
-/// Reads from the start of bytes.
+/// Reads from the start of a byte slice.
 #[derive(Debug, Clone)]
 pub(super) struct ChunkReader<'a> {
     pub(super) bytes: &'a [u8],
 }
 
 impl<'a> ChunkReader<'a> {
-    /// Takes the next bytes; `None` if there are too few.
+    /// Takes the next bytes. Returns `None` if there are too few.
     pub(super) fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         let (taken, rest) = self.bytes.split_at_checked(count)?;
         self.bytes = rest;
@@ -50,7 +51,8 @@ impl<'a> ChunkReader<'a> {
         self.take(1).map(|bytes| bytes[0])
     }
 
-    /// Reads a number of at most 32 bits: `None` if the bytes end, and an error if there is none.
+    /// Reads a number of at most 32 bits. Returns `None` if the bytes end, and an error if the
+    /// number is longer.
     pub(super) fn number(&mut self) -> Option<Result<u32, NotANumber>> {
         let mut number = 0_u64;
         for i in 0..5 {
@@ -79,7 +81,7 @@ impl<'a> ChunkReader<'a> {
 pub(super) struct NotANumber;
 
 impl ChunkHead {
-    /// Returns the bytes of a chunk.
+    /// Returns the bytes of a chunk with this header.
     pub(super) fn with_payload(self, payload: &[u8]) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(MAX_HEAD_BYTES + payload.len());
         for number in [self.stream, payload.len() as u32, self.visits, self.level, self.triangles] {
@@ -92,7 +94,8 @@ impl ChunkHead {
         bytes
     }
 
-    /// Reads a head with its checksum; also returns the checksum and the length of both. `None` if the bytes end.
+    /// Reads a header with its checksum. Returns the header, the checksum and the length of both;
+    /// `None` if the bytes end.
     pub(super) fn read(bytes: &[u8]) -> Option<Result<(Self, u32, usize), NotANumber>> {
         let mut reader = ChunkReader { bytes };
         let mut numbers = [0; 5];
@@ -110,7 +113,7 @@ impl ChunkHead {
     }
 }
 
-/// Returns the CRC-32 of the head of a chunk before the checksum, and the payload.
+/// Returns the CRC-32 of the header before the checksum, and the payload.
 pub(super) fn checksum(head: &[u8], payload: &[u8]) -> u32 {
     let mut hasher = Hasher::new();
     hasher.update(head);

@@ -1,11 +1,12 @@
-//! What is known of each fan of a mesh that is refined: its position, and the fans around it.
+//! The state of each fan of a mesh during refinement: its position, and a summary of the fans
+//! around it.
 
 use super::surface::NONE;
 
 /// A position on the grid of the stream.
 pub(super) type GridPlace = [i32; 3];
 
-/// Returns the square of the distance of two positions.
+/// Returns the squared distance of two positions.
 #[inline]
 pub(super) fn square_distance(a: GridPlace, b: GridPlace) -> u64 {
     let square = |j: usize| {
@@ -15,27 +16,28 @@ pub(super) fn square_distance(a: GridPlace, b: GridPlace) -> u64 {
     square(0) + square(1) + square(2)
 }
 
-/// What is known of a fan. Two of them have room in a cache line: most of the time of decoding goes by while they are fetched.
+/// The state of a fan. Two of them fit into a cache line: decoding spends most of its time on
+/// fetching them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(align(32))]
 pub(super) struct SurfaceFan {
     /// Its position, in steps of the current precision.
     place: [u16; 3],
-    /// The number of fans around, modulo 2¹⁶, and the sum of their positions, modulo 2³².
+    /// The number of neighbouring fans, modulo 2¹⁶, and the sum of their positions, modulo 2³².
     pub(super) count: u16,
     sum: [i32; 3],
-    /// The fan that a batch visits after this one, or none.
+    /// The fan that a batch visits next, or [`NONE`].
     pub(super) next: u32,
-    /// The batch in which it arose, modulo 2⁸; 0 for the base mesh.
+    /// The batch that created it, modulo 2⁸; 0 for the base mesh.
     pub(super) born: u8,
-    /// The corners that a batch has used, at most 255, and the number of the batch.
+    /// The number of corners that a batch has used, at most 255, and the index of that batch.
     used: u8,
     used_in: u32,
     pub(super) is_open: bool,
 }
 
 impl SurfaceFan {
-    /// Creates a fan of a batch with none around.
+    /// Creates a fan in a batch, without neighbours.
     #[inline]
     pub(super) fn new(place: GridPlace, batch: u32, is_open: bool) -> Self {
         let mut fan = Self {
@@ -65,12 +67,12 @@ impl SurfaceFan {
         }
     }
 
-    /// Forgets the fans around.
+    /// Removes all neighbours from the summary.
     pub(super) fn clear(&mut self) {
         (self.sum, self.count) = ([0; 3], 0);
     }
 
-    /// Adds the positions of a number of fans around.
+    /// Adds the summed positions of some neighbours, and their number.
     #[inline]
     pub(super) fn add(&mut self, places: GridPlace, count: u32) {
         for j in 0..3 {
@@ -79,20 +81,20 @@ impl SurfaceFan {
         self.count = self.count.wrapping_add(count as u16);
     }
 
-    /// Returns how many corners a batch has used, at most 255.
+    /// Returns the number of corners that a batch has used, at most 255.
     #[inline]
     pub(super) fn used(&self, batch: u32) -> u32 {
         if self.used_in == batch { self.used.into() } else { 0 }
     }
 
-    /// Counts corners that a batch has used, and takes others away that it had counted.
+    /// Adds corners that a batch has used, and subtracts those that were counted before.
     #[inline]
     pub(super) fn use_corners(&mut self, batch: u32, count: u32, too_many: u32) {
         self.used = (self.used(batch) + count).min(255).saturating_sub(too_many) as u8;
         self.used_in = batch;
     }
 
-    /// Returns how far the position is from the mean of those around, times their number.
+    /// Returns the difference of the position from the mean of its neighbours, times their number.
     #[inline]
     pub(super) fn laplacian(&self) -> GridPlace {
         let mut laplacian = [0; 3];

@@ -1,20 +1,21 @@
-//! Fits the weights of the estimates to a model, by least squares.
+//! Fits the weights of the estimates to a model by least squares.
 //!
-//! The bits of a coordinate grow with the logarithm of how far it is from what was expected. Squares are therefore divided by those under the weights before: a few
-//! such fits minimize the sum of the logarithms. They need not be repeated by a decoder, which reads the weights.
+//! The bits of a coordinate grow with the logarithm of the prediction error. Squared errors are
+//! therefore divided by those under the previous weights: a few such fits minimize the sum of the
+//! logarithms. A decoder does not repeat them; it reads the weights.
 
 use super::fans::GridPlace;
 use super::places::{ESTIMATES, EstimateWeights, Estimates, WEIGHT_ONE};
 
-/// A row of the normal equations: the estimates, and the point.
+/// A row of the normal equations: the estimates, then the point.
 type Row = [f64; ESTIMATES + 1];
 
-/// Where weights of this size and more are cut off.
+/// The maximum absolute value of a weight.
 const MAX_WEIGHT: f64 = 255.0;
-/// A distance, in 1/16, below which all count the same.
+/// A distance, in 1/16 of a step, below which all errors count the same.
 const NEAR: f64 = 16.0;
 
-/// The normal equations of all weights: along the normal, and beside it.
+/// The normal equations of all weights, along the normal and perpendicular to it.
 #[derive(Debug, Clone)]
 pub(super) struct Fit {
     sums: Vec<[[Row; ESTIMATES]; 2]>,
@@ -60,7 +61,7 @@ impl Fit {
         }
     }
 
-    /// Returns the weights with the least squares; those of too few points stay as they are.
+    /// Returns the least-squares weights. Weights with too few points keep their values.
     pub(super) fn solve(&self, weights: &EstimateWeights) -> EstimateWeights {
         let mut solved = *weights;
         for (sums, weights) in self.sums.iter().zip(&mut solved) {
@@ -77,10 +78,10 @@ impl Fit {
     }
 }
 
-/// Solves the normal equations by elimination; `None` if they have no single solution.
+/// Solves the normal equations by elimination. Returns `None` if the solution is not unique.
 fn solve(mut rows: [Row; ESTIMATES]) -> Option<[f64; ESTIMATES]> {
     for (i, row) in rows.iter_mut().enumerate() {
-        // Keeps weights of estimates that say the same small.
+        // Regularization: keeps the weights of linearly dependent estimates small.
         row[i] += 1e-3 * row[i] + 1e-3;
     }
     for i in 0..ESTIMATES {

@@ -5,7 +5,7 @@ use super::fans::GridPlace;
 use crate::error::Error;
 use crate::mesh::{Attribute, AttributeData};
 
-/// The grid of the positions: the same step along all axes.
+/// The position grid. All axes have the same step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Grid {
     pub(super) origin: [f32; 3],
@@ -13,7 +13,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Finds the grid of positions, which are finite, with a number of bits per coordinate.
+    /// Creates the grid of finite positions, with a number of bits per coordinate.
     pub(super) fn new(positions: impl Iterator<Item = [f32; 3]>, bits: u32) -> Self {
         let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for position in positions {
@@ -25,7 +25,7 @@ impl Grid {
         let size = |j: usize| f64::from(most[j]) - f64::from(least[j]);
         let extent = (0..3).map(size).fold(0.0, f64::max);
         let step = extent / f64::from((1_u32 << bits) - 1);
-        // Rounded up, so that the last step is at the far end.
+        // Rounded up, so the last step reaches the far end.
         let mut rounded = step as f32;
         if f64::from(rounded) < step {
             rounded = rounded.next_up();
@@ -50,14 +50,15 @@ impl Grid {
         [0, 1, 2].map(|j| if self.step > 0.0 { (steps(j) + 0.5).floor().clamp(0.0, most) as i32 } else { 0 })
     }
 
-    /// Returns the middle of what a place with unknown bits may be.
+    /// Returns the center of the positions that a grid position with unknown low bits can
+    /// represent.
     pub(super) fn position(&self, place: GridPlace, unknown_bits: u32) -> [f32; 3] {
         let half = f64::from((1_u32 << unknown_bits) - 1) / 2.0;
         let steps = |j: usize| f64::from(place[j]) * f64::from(1_u32 << unknown_bits) + half;
         [0, 1, 2].map(|j| (f64::from(self.origin[j]) + steps(j) * f64::from(self.step)) as f32)
     }
 
-    /// Returns how far a position may be from the true one, in mesh units.
+    /// Returns the maximum error of a position, in mesh units.
     pub(super) fn error(&self, unknown_bits: u32) -> f32 {
         (f64::from(self.step) * f64::from(1_u32 << unknown_bits) * 0.75_f64.sqrt()) as f32
     }
@@ -112,7 +113,7 @@ impl AttributeType {
     }
 }
 
-/// An attribute, and the grid on which its values are coded.
+/// An attribute, and the grid of its values.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Channel {
     pub(super) name: String,
@@ -121,15 +122,15 @@ pub(super) struct Channel {
     pub(super) value_type: AttributeType,
     pub(super) kind: ChannelKind,
     pub(super) bits: u32,
-    /// The least value of each component, and the step of a linear channel.
+    /// The minimum of each component, and the step of a linear channel.
     pub(super) origins: Vec<f64>,
     pub(super) step: f64,
 }
 
-/// The attribute with the number of the part that a vertex belongs to, where a mesh has several.
+/// The name of the attribute that stores the part of each vertex, if a mesh has several parts.
 pub const PART: &str = "part";
 
-/// Bits of attributes that are not whole numbers.
+/// Bits per component of attributes that are not integers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct AttributeBits {
     pub(super) normal: u32,
@@ -137,7 +138,7 @@ pub(super) struct AttributeBits {
     pub(super) other: u32,
 }
 
-/// The most bits of whole numbers that are kept exactly.
+/// The maximum number of bits of integers that are stored exactly.
 const MAX_EXACT_BITS: u32 = 24;
 
 impl Channel {
@@ -191,7 +192,7 @@ impl Channel {
                 format!("values of attribute `{}` from {:?} to {most:?}", attribute.name, channel.origins);
             return Err(Error::Parameter { name: "attributes", found, expected: "finite differences" });
         }
-        // Numbers such as those of features, also where they are stored as floats.
+        // Integers such as feature ids, even if they are stored as floats.
         let is_whole = !is_float || (0..attribute.data.len()).all(|i| value(i).fract() == 0.0);
         if is_whole && extent < f64::from(1_u32 << MAX_EXACT_BITS) {
             channel.step = 1.0;
@@ -204,7 +205,7 @@ impl Channel {
         channel.bits = match () {
             () if !is_float => MAX_EXACT_BITS,
             () if is("TEXCOORD") => {
-                // A texture that is repeated has as many steps in each repeat.
+                // Each repeat of a texture gets the same number of steps.
                 let repeats = extent.ceil().clamp(1.0, f64::from(1_u32 << MAX_EXACT_BITS)) as u32;
                 (bits.uv + repeats.next_power_of_two().ilog2()).min(MAX_EXACT_BITS)
             }
@@ -212,7 +213,7 @@ impl Channel {
         };
         let is_share = |component: usize| channel.origins[component] >= 0.0 && most[component] <= 1.0;
         if is("WEIGHTS") && (0..components).all(is_share) {
-            // Shares of one, so that their sum stays one.
+            // Use shares of one, so that their sum remains one.
             channel.origins = vec![0.0; components];
             channel.step = 1.0 / f64::from((1_u32 << channel.bits) - 1);
         } else {
@@ -221,7 +222,7 @@ impl Channel {
         Ok(channel)
     }
 
-    /// The integers of a vertex.
+    /// Returns the number of integers per vertex.
     pub(super) fn width(&self) -> usize {
         match self.kind {
             ChannelKind::Octahedral => 2,
@@ -250,7 +251,7 @@ impl Channel {
         if self.name.starts_with("WEIGHTS_") && self.value_type == AttributeType::F32 && is_of_shares {
             let sum: f64 = (0..components).map(value).sum();
             if (sum - 1.0).abs() < 1e-3 {
-                // The largest takes what rounding has changed.
+                // The largest one absorbs the rounding error.
                 let rest = most as i32 - integers.iter().sum::<i32>();
                 if let Some(largest) = integers.iter_mut().max() {
                     *largest += rest;
@@ -260,7 +261,7 @@ impl Channel {
         integers
     }
 
-    /// Returns the attribute with the values of some integers.
+    /// Returns the attribute with the values of integers.
     pub(super) fn attribute(&self, integers: &[i32]) -> Attribute {
         let most = f64::from((1_u32 << self.bits) - 1);
         let width = self.width().max(1);
@@ -288,7 +289,7 @@ impl Channel {
     }
 }
 
-/// Returns a value as it is stored.
+/// Returns a stored value without normalization.
 fn raw(data: &AttributeData, i: usize) -> f64 {
     match data {
         AttributeData::F32(v) => v[i].into(),
@@ -302,7 +303,7 @@ fn raw(data: &AttributeData, i: usize) -> f64 {
     }
 }
 
-/// Returns a unit vector on an octahedron that is unfolded to a square of `most` steps.
+/// Maps a unit vector to an octahedron, unfolded to a square of `most` steps.
 fn octahedral([x, y, z]: [f64; 3], most: f64) -> [i32; 2] {
     let sum = x.abs() + y.abs() + z.abs();
     let [u, v] = if sum > 0.0 { [x / sum, y / sum] } else { [0.0; 2] };

@@ -1,4 +1,4 @@
-//! The first chunk of a stream: grids, counts, weights, and the base mesh.
+//! The head of chunk 0: grids, counts and attributes, followed by the weights and the base mesh.
 
 use super::channels::{ChannelKind, ChannelModel};
 use super::chunk::{ChunkReader, push_number};
@@ -9,27 +9,27 @@ use crate::entropy::range_coder::BitCoder;
 use crate::entropy::slots::Simple;
 use crate::text::counted;
 
-/// The most attributes of a mesh, and the most bytes of a name.
+/// The maximum number of attributes of a mesh, and the maximum length of a name in bytes.
 const MAX_CHANNELS: u32 = 64;
 const MAX_NAME_BYTES: u32 = 256;
 
-/// What the first chunk says before the base mesh.
+/// The fields of chunk 0 before the base mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Head {
     pub(super) grid: Grid,
     pub(super) position_bits: u32,
-    /// The bits that the base mesh does not tell yet.
+    /// The position bits that the base mesh does not have yet.
     pub(super) unknown_bits: u32,
     pub(super) channels: Vec<Channel>,
-    /// The triangles of the base mesh.
+    /// The number of triangles of the base mesh.
     pub(super) base_triangles: u32,
-    /// The collapses, triangles and vertices of the full mesh.
+    /// The numbers of collapses, triangles and vertices of the full mesh.
     pub(super) levels: u32,
     pub(super) triangles: u32,
     pub(super) vertices: u32,
 }
 
-/// Where the first chunk is not as it must be.
+/// An invalid field of the head.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HeadFault {
     pub(super) found: String,
@@ -171,7 +171,7 @@ impl Head {
     }
 }
 
-/// Codes the weights of the estimates, as differences from the usual ones.
+/// Codes the weights of the estimates as differences from the usual ones.
 pub(super) fn code_weights<C: BitCoder>(coder: &mut C, to_encode: &EstimateWeights) -> EstimateWeights {
     let mut model = Simple::new(32);
     let mut weights = USUAL_WEIGHTS;

@@ -419,7 +419,7 @@ impl StreamPart {
     /// Returns the mesh decoded so far, with its attributes.
     ///
     /// # Errors
-    /// The stream header has two attributes with the same name, or an attribute whose values are
+    /// The head of the stream has two attributes with the same name, or an attribute whose values are
     /// invalid in a mesh. Streams written by the encoder have neither.
     ///
     /// ```

@@ -1,60 +1,72 @@
-//! Where the point of a split is: expected from the polygon around it, and coded as the difference.
+//! The position of the new point of a split: predicted from the polygon around it, and coded as the
+//! difference.
 //!
 //! ```text
-//!       a₂ ──── a₁             The polygon of the new point v is the kept point k and the points aₛ … aₑ around the corners that move. What is
-//!      ╱  ╲    ╱  ╲            expected is the mean q of its points, and a weighted sum of how other estimates differ from q.
+//!       a₂ ──── a₁
+//!      ╱  ╲    ╱  ╲
 //!     a₃    v      a₀
 //!      ╲  ╱    ╲  ╱
 //!       k ──────
 //! ```
-//! # Algorithm
-//! 1. The estimates: the kept point; the middle of aₛ and aₑ; q and the mean of the Laplacians of the polygon's points; the centre of the polygon's
-//!    area. They have weights along the normal of the polygon and others beside it, which the encoder fits to the model and sends: for
-//!    each number of points in the polygon, and for each of three regimes of batches.
-//! 2. The axes: the coordinates are coded one after the other, that along which the normal is longest last. A difference in the first two says
-//!    what to expect in the others, if the new point is in the plane of the polygon.
-//! 3. The levels: how large a difference is expected to be. Features are the size of the polygon, projected to the axis; how far the expected point is from
-//!    q; how wide the polygon is along the axis; how much the coordinate before has differed.
+//! The polygon of the new point v consists of the kept point k and the points aₛ … aₑ around the
+//! corners that move. The prediction is the mean q of its points, plus a weighted sum of the
+//! differences of other estimates from q.
 //!
-//! All is done in integers below 2⁵³, so that floats can stand for them; divisions round down.
+//! # Algorithm
+//! 1. The estimates: the kept point; the midpoint of aₛ and aₑ; q plus the mean of the Laplacians
+//!    of the polygon's points; the centroid of the polygon. They have separate weights along the
+//!    polygon's normal and perpendicular to it. The encoder fits the weights to the model and sends
+//!    them, for each number of points in the polygon and each of three regimes of batches.
+//! 2. The axes: the coordinates are coded one after the other; the axis along which the normal is
+//!    longest comes last. If the new point is in the plane of the polygon, the differences in the
+//!    first coordinates predict those in the later ones.
+//! 3. The levels: the expected size of a difference. Features are the size of the polygon projected
+//!    to the axis, the distance of the prediction from q, the width of the polygon along the axis,
+//!    and the difference in the previous coordinate.
+//!
+//! All values are integers below 2⁵³, so they can be represented as floats. Divisions round down.
 //!
 //! # References
-//! Taubin, Guéziec, Horn, Lazarus: *Progressive Forest Split Compression*, 1998; Alliez, Desbrun: *Progressive Compression for Lossless Transmission of
-//! Triangle Meshes*, 2001 (barycentres, and the normal apart). The combination is ours.
+//! Taubin, Guéziec, Horn, Lazarus: *Progressive Forest Split Compression*, 1998; Alliez, Desbrun:
+//! *Progressive Compression for Lossless Transmission of Triangle Meshes*, 2001 (barycentres, and
+//! separate coding along the normal). The combination was developed for this library.
 
 use super::fans::{GridPlace, SurfaceFan};
 use crate::entropy::numbers::{NumberLevel, NumberModel, logarithm};
 use crate::entropy::range_coder::BitCoder;
 
-/// The estimates beside the mean of the polygon.
+/// The number of estimates in addition to the mean of the polygon.
 pub(super) const ESTIMATES: usize = 4;
-/// The numbers of points that have weights of their own: 3, 4, 5, 6, 7, and more.
+/// The number of polygon sizes with their own weights: 3, 4, 5, 6, 7, and more points.
 const POLYGONS: usize = 6;
-/// The batches that have weights of their own: the last, the last but one, and all before.
+/// The number of batch regimes with their own weights: the last batch, the second to last, and all
+/// earlier ones.
 pub(super) const REGIMES: usize = 3;
-/// Weights of the estimates along the normal and beside it, in 1/64.
+/// Weights of the estimates along the normal and perpendicular to it, in 1/64.
 pub(super) type EstimateWeights = [[[i32; 2]; ESTIMATES]; POLYGONS * REGIMES];
 pub(super) const WEIGHT_ONE: i64 = 64;
 pub(super) const USUAL_WEIGHTS: EstimateWeights =
     [[[42, 13], [-6, -12], [12, 14], [32, 52]]; POLYGONS * REGIMES];
-/// Estimates are in 1/16 of a step, the expected point in 1/1024.
+/// Estimates are in 1/16 of a step, the prediction in 1/1024.
 const ONE: i64 = 16 * WEIGHT_ONE;
 
-/// The largest Laplacian: twice the size of the grid. Larger ones are those of fans with so many others around that their number has wrapped.
+/// The maximum Laplacian: twice the size of the grid. Larger values occur only for fans with so
+/// many neighbours that their number has wrapped.
 const MAX_LAPLACIAN: i64 = 1 << 21;
 
-/// The most bits of a coordinate.
+/// The maximum number of bits of a coordinate.
 pub(super) const MAX_BITS: u32 = 16;
 
-/// The sets of numbers: coordinates beside the normal, those along it, and those of the base mesh.
+/// The sets of numbers: coordinates perpendicular to the normal, those along it, and those of the
+/// base mesh.
 const ALONG: usize = 1;
 const OF_BASE: usize = 2;
 
-/// The first weights of the features of a level, beside the normal and along it.
+/// The initial weights of the features of a level, perpendicular to the normal and along it.
 const BESIDE_LEVEL: [i32; 5] = [55_000, 40_000, 29_000, 42_000, 13_000];
 const ALONG_LEVEL: [i32; 5] = [36_000, 6_000, 6_000, 9_000, 3_000];
 
-/// 65536 / n.
+/// Returns 65536 / n.
 #[inline]
 fn reciprocal(n: u32) -> i64 {
     const RECIPROCALS: [u32; 257] = {
@@ -75,16 +87,16 @@ pub(super) struct Estimates {
     pub(super) kept: GridPlace,
     /// The points of the polygon without the kept one.
     points: Vec<[i64; 3]>,
-    /// The mean of the polygon, in 1/16.
+    /// The mean of the polygon, in 1/16 of a step.
     pub(super) mean: [i64; 3],
-    /// How the others differ from it, in 1/16.
+    /// The differences of the other estimates from it, in 1/16 of a step.
     pub(super) others: [[i64; 3]; ESTIMATES],
     /// The normal of the polygon, of any length.
     pub(super) normal: [i64; 3],
     /// The variance of its points along each axis, times the square of their number.
     spreads: [i64; 3],
     count: i64,
-    /// Which weights apply.
+    /// The index of the weights to use.
     pub(super) class: usize,
 }
 
@@ -97,7 +109,7 @@ fn dot(a: &[i64; 3], b: &[i64; 3]) -> i64 {
 }
 
 impl Estimates {
-    /// Finds them for a point between a kept fan and others around it.
+    /// Computes the estimates for a point between a kept fan and the fans around it.
     #[inline]
     pub(super) fn look_around(&mut self, fans: &[SurfaceFan], (kept, around): (u32, &[u32]), regime: usize) {
         let of_kept = &fans[kept as usize];
@@ -107,7 +119,8 @@ impl Estimates {
         if self.points.len() < count {
             self.points.resize(2 * count, [0; 3]);
         }
-        // 1. The points relative to the kept one, their sum, and that of their squares; the sum of the Laplacians.
+        // 1. The points relative to the kept one, their sum and the sum of their squares; the sum
+        //    of the Laplacians.
         let (mut laplacians, mut fan_count) = (of_kept.laplacian(), u32::from(of_kept.count));
         for (point, &other) in self.points.iter_mut().zip(around) {
             let fan = &fans[other as usize];
@@ -168,7 +181,7 @@ impl Estimates {
         self.class = regime * POLYGONS + (count - 3).min(POLYGONS - 1);
     }
 
-    /// Returns the expected point relative to the kept one, in 1/1024.
+    /// Returns the predicted point relative to the kept one, in 1/1024 of a step.
     #[inline]
     fn expected(&self, weights: &EstimateWeights, square: i64) -> [i64; 3] {
         let mut expected = [0; 3];
@@ -190,7 +203,7 @@ pub(super) struct PlaceModel {
     numbers: NumberModel,
     levels: [NumberLevel<5>; 3],
     pub(super) weights: EstimateWeights,
-    /// The largest coordinate of the bits that are known: bytes that no encoder has written may lead beyond it.
+    /// The maximum coordinate with the known bits. Invalid bytes could exceed it.
     pub(super) most: i32,
 }
 
@@ -219,7 +232,7 @@ impl PlaceModel {
         let order = [if last == 2 { 0 } else { last + 1 }, if last == 0 { 2 } else { last - 1 }, last];
         let [n0, n1, n2] = order.map(|j| normal[j]);
         let rest = square - n0 * n0;
-        // 1. The features: those of the polygon, then those of an axis.
+        // 1. The features: those of the polygon, then those of each axis.
         let log = |x: i64| logarithm(x.cast_unsigned());
         let count = estimates.count;
         let small = ((count * count) >> 3) + 1;
@@ -235,7 +248,7 @@ impl PlaceModel {
         }
         let shift = 2 * log(shift) - 160 - size;
 
-        // 2. The coordinates beside the normal, then that along it.
+        // 2. The coordinates perpendicular to the normal, then the one along it.
         let mut found = estimates.kept;
         let mut before = 0;
         let mut code = |turn: usize, slope: i64| {
@@ -252,7 +265,7 @@ impl PlaceModel {
             level.learn(features, error);
             before = error.clamp(-48, 48);
             found[j] = middle.wrapping_add(difference).clamp(0, self.most);
-            // How far from what is expected of the polygon.
+            // The difference from the prediction.
             ONE * (i64::from(found[j]) - i64::from(estimates.kept[j])) - expected[j]
         };
         let across = n0 * code(0, 0);
@@ -262,7 +275,8 @@ impl PlaceModel {
         found
     }
 
-    /// Codes the position of a point of the base mesh, near a place at which the triangles around have sides of a square length.
+    /// Codes the position of a point of the base mesh near a predicted position. `square` is the
+    /// squared length of the sides of the triangles around it.
     pub(super) fn code_base<C: BitCoder>(
         &mut self,
         coder: &mut C,

@@ -1,12 +1,16 @@
-//! The splits of a stream, from the collapses of a simplification: which corners each moves, and which triangles it adds.
+//! Plans the splits of a stream from the collapses of a simplification: which corners each split
+//! moves, and which triangles it adds.
 //!
 //! # Algorithm
-//! 1. The triangles of the full mesh get a corner table: edges of exactly two triangles, one in each direction, are shared. Where a surface is not manifold or
-//!    its attributes differ, vertices have several fans.
-//! 2. The collapses are done one after another. A collapse ends one fan for each vertex that it renames: the corners between the dropped triangles move to the
-//!    fan of the kept vertex.
-//! 3. A collapse that is not of this kind is left out, as are later ones of vertices around it, whose triangles would be others than those that were
-//!    expected. What is left is the base mesh.
+//! 1. Build a corner table of the triangles of the full mesh: edges of exactly two triangles, one
+//!    in each direction, are shared. On non-manifold surfaces and attribute seams, vertices have
+//!    several fans.
+//! 2. Apply the collapses one after another. A collapse removes one fan or several for each vertex
+//!    that it renames: the corners between the dropped triangles move to the fan of the kept
+//!    vertex.
+//! 3. Leave out a collapse that is not of this kind, and later collapses of vertices around it,
+//!    because their triangles would differ from the expected ones. The remaining triangles are the
+//!    base mesh.
 //!
 //! # Complexity
 //! O(n) time for fans of bounded size; 45 bytes per triangle.
@@ -22,18 +26,18 @@ use crate::mesh::{is_degenerate, triangles_of};
 pub(super) struct FanSplit {
     pub(super) kept: u32,
     pub(super) removed: u32,
-    /// The first triangle that moves, or none.
+    /// The first triangle that moves, or [`NONE`].
     pub(super) first: u32,
-    /// How many triangles move.
+    /// The number of triangles that move.
     pub(super) count: u32,
-    /// The triangles added before and after them, or none.
+    /// The triangles added before and after them, or [`NONE`].
     pub(super) added: [u32; 2],
 }
 
 /// The base mesh, and the splits that lead to the full mesh.
 #[derive(Debug)]
 pub(super) struct Plan {
-    /// The triangles of the full mesh, of which those that are drawn are the base mesh.
+    /// The triangles of the full mesh. Those that are drawn at the end are the base mesh.
     pub(super) surface: StreamSurface,
     pub(super) is_drawn: Vec<bool>,
     /// The vertex of each fan.
@@ -42,13 +46,13 @@ pub(super) struct Plan {
     pub(super) splits: Vec<FanSplit>,
     /// The number of splits up to each collapse.
     ends: Vec<u32>,
-    /// The removed vertices of collapses that are not of fans.
+    /// The removed vertices of collapses that cannot become splits of fans.
     pub(super) unsplittable: Vec<u32>,
     /// The number of fans of each vertex.
     fan_counts: Vec<u32>,
 }
 
-/// A fan that a collapse ends, with the corners that stay.
+/// A fan that a collapse removes, and its corners that move.
 #[derive(Debug)]
 struct Ending {
     split: FanSplit,
@@ -85,7 +89,7 @@ impl Plan {
         plan
     }
 
-    /// Keeps all vertices of the triangles that a collapse would have changed.
+    /// Locks all vertices of the triangles that a collapse would have changed.
     fn freeze(&self, collapse: &Collapse<'_>, is_frozen: &mut [bool]) {
         let mut ring = Ring::new();
         for rename in collapse.renames {
@@ -105,14 +109,14 @@ impl Plan {
         }
     }
 
-    /// Returns the vertices of the triangles of the base mesh.
+    /// Returns the triangles of the base mesh, as vertices of the full mesh.
     pub(super) fn base(&self) -> Vec<u32> {
         let drawn = (0..).zip(&self.is_drawn).filter(|(_, is_drawn)| **is_drawn);
         let corners = drawn.flat_map(|(t, _)| corners_of(t));
         corners.map(|corner| self.vertices[self.surface.fan(corner) as usize]).collect()
     }
 
-    /// Counts the collapses that become splits.
+    /// Returns the number of collapses that become splits.
     pub(super) fn collapse_count(&self) -> usize {
         (0..self.ends.len()).filter(|&collapse| self.end(collapse + 1) > self.end(collapse)).count()
     }
@@ -122,9 +126,9 @@ impl Plan {
         collapses.checked_sub(1).map_or(0, |last| self.ends[last] as usize)
     }
 
-    /// Does a collapse, unless it is not one of fans.
+    /// Applies a collapse. Returns `None` if it cannot become splits of fans.
     fn collapse(&mut self, collapse: &Collapse<'_>) -> Option<()> {
-        // 1. The fans that end, with the dropped triangles of each.
+        // 1. The fans that are removed, with the dropped triangles of each.
         let mut fans: Vec<(u32, Rename, Vec<u32>)> = Vec::new();
         for &t in collapse.dropped {
             let is_removed = |&&rename: &&Rename| self.corner_of_vertex(t, rename.removed).is_some();
@@ -135,19 +139,19 @@ impl Plan {
                 None => fans.push((fan, rename, vec![t])),
             }
         }
-        // Each vertex must have as many fans as end, all of them.
+        // All fans of each removed vertex must be removed.
         for rename in collapse.renames {
             let ended = fans.iter().filter(|(_, other, _)| other == rename).count();
             if ended == 0 || self.fan_counts[rename.removed as usize] != ended as u32 {
                 return None;
             }
         }
-        // 2. Look first, so that nothing is done by halves.
+        // 2. Check everything before the first change, so that a failed collapse changes nothing.
         let mut endings: Vec<Ending> = Vec::new();
         for (fan, rename, dropped) in &fans {
             endings.push(self.ending(*fan, *rename, dropped)?);
         }
-        // A group splits a fan once, and no fan that it adds.
+        // A group splits a fan at most once, and no fan that it adds.
         let is_twice = |(i, ending): (usize, &Ending)| {
             let kept = ending.split.kept;
             endings[..i].iter().any(|other| other.split.kept == kept)
@@ -169,11 +173,11 @@ impl Plan {
                 firsts.push((fan, own.or_else(|| moved.clone().next())?, opens || self.surface.is_open(fan)));
             }
         }
-        // 3. Do it.
+        // 3. Apply it.
         for Ending { split, moved } in &endings {
             for (side, &t) in split.added.iter().enumerate().filter(|(_, t)| **t != NONE) {
                 let kept = self.corner_of_fan(t, split.kept)?;
-                // The corner opposite to the edge of the kept fan is the removed one.
+                // The corner of the removed fan is opposite to the outer edge at the kept fan.
                 let removed = if side == 0 { previous(kept) } else { next(kept) };
                 let [outer, inner] = [removed, kept].map(|c| self.surface.opposite(c));
                 self.surface.join(outer, inner);
@@ -190,7 +194,7 @@ impl Plan {
         Some(())
     }
 
-    /// Finds what the collapse of a fan moves, given its dropped triangles.
+    /// Determines what the collapse of a fan moves, given its dropped triangles.
     fn ending(&self, fan: u32, rename: Rename, dropped: &[u32]) -> Option<Ending> {
         let mut added = [NONE; 2];
         let mut kept = None;
@@ -211,11 +215,11 @@ impl Plan {
         let [start_added, end_added] = added.map(|t| t != NONE);
         let start = if start_added { place(added[0])? + 1 } else { 0 };
         let count = ring.len() - usize::from(start_added) - usize::from(end_added);
-        // A fan of many corners is not split.
+        // A fan with many corners is not split.
         self.surface.ring(kept?, NONE, &mut of_kept);
         let is_small = of_kept.corners().len() + count <= MAX_CORNERS / 2;
         let is_at_end = !end_added || place(added[1])? % ring.len() == (start + count) % ring.len();
-        // An open fan starts with S, and a closed one has both.
+        // An open fan starts with S; a closed one has both S and E.
         let is_whole =
             if is_open { !start_added || start == 1 } else { start_added && end_added && count > 0 };
         let moved: Vec<u32> = (start..start + count).map(|i| ring[i % ring.len()]).collect();
@@ -224,7 +228,8 @@ impl Plan {
         (is_at_end && is_whole && is_small && kept? != fan).then_some(Ending { split, moved })
     }
 
-    /// Returns a corner of a fan that stays when triangles are dropped, that at one corner of the fan among them: its first one, or one nearby.
+    /// Returns a corner of a fan that remains when triangles are dropped: its first corner, or one
+    /// near `dropped_corner`, a corner of the fan in a dropped triangle.
     fn remaining(&self, fan: u32, dropped_corner: u32, dropped: &[u32]) -> Option<u32> {
         let stays = |corner: &u32| !dropped.contains(&triangle_of(*corner));
         let first = self.surface.first[fan as usize];
@@ -245,9 +250,10 @@ impl Plan {
     }
 }
 
-/// Builds the corner table of triangles over vertices, and the vertex of each fan. Degenerate triangles have no neighbours.
+/// Builds the corner table of triangles over vertices, and the vertex of each fan. Degenerate
+/// triangles have no neighbours.
 fn surface_of(triangles: &[u32]) -> (StreamSurface, Vec<u32>) {
-    // 1. Share the edges of two triangles. Corners are counted without marks here.
+    // 1. Share the edges of two triangles. Corners are counted three per triangle here.
     let mut edges: FxHashMap<[u32; 2], (u32, u32)> = FxHashMap::default();
     let edge = |corner: usize| {
         let first = corner / 3 * 3;

@@ -1,7 +1,8 @@
-//! A mesh that batches of splits refine: what the encoder and the decoder have in common.
+//! A mesh refined by batches of splits: the code shared by the encoder and the decoder.
 //!
-//! Both walk through the same fans and ask the same questions. The encoder answers them from its plan and writes the answers down, the decoder reads them: that
-//! is the only difference, hidden in [`BitCoder`]. Every decision is valid, so that any bytes build some mesh.
+//! Both walk through the same fans and make the same decisions. The encoder takes each decision
+//! from its plan and writes it; the decoder reads it. [`BitCoder`] hides this difference. Every
+//! decision is valid, so any bytes build some mesh.
 
 use super::channels::ChannelModel;
 use super::costs::StreamCosts;
@@ -14,67 +15,69 @@ use super::surface::{MAX_CORNERS, NONE, Ring, Split, StreamSurface, triangle_of}
 use crate::entropy::range_coder::{BitCoder, code_bits};
 use crate::entropy::slots::Simple;
 
-/// A split to be encoded.
+/// A split to encode.
 #[derive(Debug, Clone)]
 pub(super) struct SplitToEncode {
     /// The fan that is split: the kept fan, or another one of its point.
     pub(super) fan: u32,
-    /// The first triangle that moves, or none.
+    /// The first triangle that moves, or [`NONE`].
     pub(super) first: u32,
     pub(super) count: usize,
     pub(super) adds: [bool; 2],
     /// The position on the grid of the full mesh.
     pub(super) place: GridPlace,
-    /// The attributes of the vertex; none if it is the vertex of an earlier fan of the group.
+    /// The earlier fan of the group with the same vertex, if there is one. Its attributes are not
+    /// coded again.
     pub(super) same_as: Option<usize>,
     pub(super) values: Vec<Vec<i32>>,
 }
 
-/// A mesh with what is known for the next split.
+/// A mesh, and the state needed for its next split.
 #[derive(Debug, Clone)]
 pub(super) struct Refiner {
     pub(super) surface: StreamSurface,
     pub(super) fans: Vec<SurfaceFan>,
     /// The vertex of each fan.
     pub(super) vertices: Vec<u32>,
-    /// The next fan of the same point, and the first one, of all fans up to the last one that has others.
+    /// For each fan up to the last one whose point has several, the next fan of the same point, and
+    /// the first one.
     twins: Vec<[u32; 2]>,
     /// The attributes of each vertex, one array per channel.
     pub(super) values: Vec<Vec<i32>>,
     pub(super) vertex_count: u32,
-    /// Bits of a coordinate that are still unknown.
+    /// The number of position bits that are still unknown.
     pub(super) unknown_bits: u32,
     known_bits: u32,
-    /// The most triangles of the level to decode.
+    /// The maximum number of triangles of the level being decoded.
     pub(super) most_triangles: usize,
-    /// The corners around the fans that were visited.
+    /// The number of fans visited, plus the corners around those that were split.
     pub(super) corner_count: u64,
-    /// The collapses that have been undone.
+    /// The number of collapses undone.
     pub(super) group_count: u32,
-    /// The fan that each split has kept, below [`FOLLOWS`]; splits add fans one after the other.
+    /// The fan that each split has kept, combined with [`FOLLOWS`]. Splits add fans in order.
     pub(super) record: Vec<u32>,
     batch: u32,
     regime: usize,
-    /// The next fan to visit, or none at the end of a batch.
+    /// The next fan to visit, or [`NONE`] at the end of a batch.
     pub(super) next: u32,
     splits: SplitModel,
     pub(super) place_model: PlaceModel,
     channels: Vec<ChannelModel>,
     flags: Simple,
-    /// Counts the bits of each component, if requested, and those up to the last one.
+    /// The bits of each component, if they are counted, and the total bits at the last update.
     pub(super) costs: Option<(StreamCosts, f64)>,
-    /// Learns the weights, while encoding.
+    /// Fits the weights while encoding.
     pub(super) fit: Option<Fit>,
-    /// The strips of the mesh, if they are kept.
+    /// The strips of the mesh, if they are maintained.
     pub(super) strips: Option<KeptStrips>,
     ring: Ring,
     estimates: Estimates,
 }
 
-/// Added to the kept fan of a split that belongs to the collapse of the split before.
+/// Flag on the kept fan of a split that belongs to the same collapse as the previous split.
 pub(super) const FOLLOWS: u32 = 1 << 31;
 
-/// The fans of a point among which one is chosen.
+/// The maximum number of fans of a point to choose from.
 const MAX_TWINS: u32 = 1024;
 
 /// Contexts of single flags.
@@ -114,7 +117,8 @@ impl Refiner {
         }
     }
 
-    /// Adds a fan that the surface has or will get. `twin` is another fan of its point, and `vertex` the next vertex or one of these fans.
+    /// Adds a fan that the surface has or will get. `twin` is another fan of its point. `vertex` is
+    /// the next vertex, or that of one of the point's fans.
     pub(super) fn push_fan(&mut self, place: GridPlace, twin: Option<u32>, vertex: u32, is_open: bool) {
         let fan = self.fans.len() as u32;
         self.fans.push(SurfaceFan::new(place, self.batch, is_open));
@@ -128,7 +132,8 @@ impl Refiner {
         self.vertex_count = self.vertex_count.max(vertex + 1);
     }
 
-    /// Begins a batch: codes whether the positions get another bit, and the regime. `full` returns the position of a fan on the grid of the full mesh.
+    /// Begins a batch: codes whether positions gain bits, and the regime. `full` returns the
+    /// position of a fan on the grid of the full mesh.
     pub(super) fn begin_batch<C: BitCoder>(
         &mut self,
         coder: &mut C,
@@ -148,13 +153,14 @@ impl Refiner {
         self.next = if self.fans.is_empty() { NONE } else { 0 };
     }
 
-    /// Sets how many bits of a coordinate are known, and how many are not.
+    /// Sets the numbers of known and unknown bits of a coordinate.
     pub(super) fn know_bits(&mut self, known: u32, unknown: u32) {
         (self.known_bits, self.unknown_bits) = (known, unknown);
         self.place_model.most = (1 << known) - 1;
     }
 
-    /// Codes further bits of all positions. `full` returns the position of a fan on the grid of the full mesh.
+    /// Codes further bits of all positions. `full` returns the position of a fan on the grid of the
+    /// full mesh.
     pub(super) fn refine_places<C: BitCoder>(
         &mut self,
         coder: &mut C,
@@ -183,10 +189,11 @@ impl Refiner {
         }
     }
 
-    /// Visits the next fan of the batch: codes all its splits. `to_encode` are those to be encoded, in groups.
+    /// Visits the next fan of the batch and codes all its splits. `to_encode` has the splits to
+    /// encode, in groups.
     pub(super) fn visit<C: BitCoder>(&mut self, coder: &mut C, to_encode: &[Vec<SplitToEncode>]) {
         let fan = self.next;
-        // The fans of this batch come before it.
+        // Read before the visit: it inserts new fans after this one, for the next batch.
         self.next = self.fans[fan as usize].next;
         let mut done = 0;
         loop {
@@ -211,7 +218,8 @@ impl Refiner {
         }
     }
 
-    /// Makes room for a number of triangles, and for as many fans as a closed surface has, with a few borders.
+    /// Reserves memory for this many triangles, and for the fans of a closed surface with a few
+    /// borders.
     pub(super) fn reserve(&mut self, triangles: usize) {
         if triangles <= self.surface.capacity() {
             return;
@@ -223,7 +231,7 @@ impl Refiner {
         self.record.reserve_exact(fans);
     }
 
-    /// Returns whether more has been built than the bytes may build; never while encoding.
+    /// Returns whether more was built than the bytes may build. Always `false` while encoding.
     fn is_too_large<C: BitCoder>(&self, coder: &C) -> bool {
         coder.is_past_end() || self.surface.triangle_count() > self.most_triangles
     }
@@ -252,7 +260,7 @@ impl Refiner {
         loop {
             self.code_split(coder, of, to_encode.get(number), first_new);
             number += 1;
-            // Only where a surface has borders a point has several fans.
+            // A point has several fans only where a surface has borders.
             if !self.ring.is_open {
                 break;
             }
@@ -267,7 +275,8 @@ impl Refiner {
                 break;
             }
         }
-        // New fans are visited after this one, from the next batch on, so that fans near each other are visited one after the other.
+        // New fans are visited directly after this one, from the next batch on. Neighbouring fans
+        // are thus visited one after the other.
         let mut next = std::mem::replace(&mut self.fans[fan as usize].next, first_new);
         for new in (first_new..self.fans.len() as u32).rev() {
             self.fans[new as usize].next = next;
@@ -276,12 +285,12 @@ impl Refiner {
         self.group_count += 1;
     }
 
-    /// Returns the next fan of the same point; of one fan alone itself.
+    /// Returns the next fan of the same point, or the fan itself if it is the only one.
     fn twin_of(&self, fan: u32) -> u32 {
         self.twins.get(fan as usize).map_or(fan, |&[next, _]| next)
     }
 
-    /// Codes a fan of the point of another one, whose number is counted from it.
+    /// Codes a fan of the same point as another one, as the number of steps from it.
     fn code_twin<C: BitCoder>(&self, coder: &mut C, fan: u32, to_encode: u32) -> u32 {
         let (mut count, mut place, mut twin) = (1, 0, self.twin_of(fan));
         while twin != fan && count < MAX_TWINS {
@@ -347,7 +356,7 @@ impl Refiner {
             self.vertex_count
         };
         self.account(coder, |costs| Some(&mut costs.attributes));
-        // 4. Do it.
+        // 4. Apply the split.
         self.push_fan(place, (!is_first).then_some(first_new), vertex, split.adds != [true; 2]);
         self.update_around(fan, split);
         let added = self.surface.split(fan, &self.ring, split, self.batch);
@@ -378,7 +387,7 @@ impl Refiner {
         }
     }
 
-    /// Finds what is around all fans.
+    /// Initializes the summaries of all fans.
     pub(super) fn look_around(&mut self) {
         for fan in 0..self.fans.len() {
             self.fans[fan].next = if fan + 1 < self.fans.len() { fan as u32 + 1 } else { NONE };
@@ -387,7 +396,7 @@ impl Refiner {
         self.sum_around();
     }
 
-    /// Counts the fans around all fans, and sums up their positions.
+    /// Counts the neighbours of all fans, and sums their positions.
     fn sum_around(&mut self) {
         self.fans.iter_mut().for_each(SurfaceFan::clear);
         let mut add = |fan: u32, other: u32| {
@@ -404,8 +413,8 @@ impl Refiner {
         }
     }
 
-    /// Changes what is known of the fans around the last fan, before it is split off: the corners that are used, the number of fans around and the sum of their
-    /// positions.
+    /// Updates the fans around the last fan before it is split off: their used corners, the number
+    /// of their neighbours and the sum of the neighbours' positions.
     fn update_around(&mut self, kept: u32, split: Split) {
         let [corners, around] = self.ring.run(split);
         let (kept, new, last) = (kept as usize, self.fans.len() - 1, around.len() - 1);
@@ -417,7 +426,7 @@ impl Refiner {
             // The corner between this fan and the next one moves.
             let mut used = 0;
             if let Some(&corner) = corners.get(i) {
-                // It may be used already where a group has several splits.
+                // It may already be used if a group has several splits.
                 used = u32::from(self.surface.mark(corner) != self.batch);
                 not_free += 1 - used;
                 self.surface.set_mark(corner, self.batch);
@@ -425,7 +434,8 @@ impl Refiner {
             let fan = &mut self.fans[other as usize];
             let place = fan.place();
             all = sum(all, place);
-            // The first and the last one stay neighbours of the kept fan if a triangle is added there.
+            // The first and the last fan remain neighbours of the kept fan if a triangle is added
+            // there.
             let stays = corners.is_empty() || i == 0 && split.adds[0] || i == last && split.adds[1];
             fan.use_corners(self.batch, before + used + u32::from(stays), 0);
             before = used;

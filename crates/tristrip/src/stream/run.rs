@@ -1,4 +1,5 @@
-//! A pass over the batches of a stream: every decision, from the base mesh on, rehearsed or written.
+//! A pass over the batches of a stream: every decision, starting from the base mesh, rehearsed or
+//! written.
 
 use super::base::{BaseToEncode, code_triangles};
 use super::channels::ChannelModel;
@@ -14,10 +15,10 @@ use crate::entropy::range_coder::{BitCoder, Rehearsal};
 use crate::error::Error;
 use rustc_hash::FxHashMap;
 
-/// The collapses and splits of one group.
+/// A collapse, whose splits form a group.
 #[derive(Debug, Clone, Copy)]
 struct SplitGroup {
-    /// The fan that is visited.
+    /// The visited fan.
     fan: u32,
     /// The collapse, counted from the full mesh.
     collapse: usize,
@@ -28,11 +29,11 @@ pub(super) struct EncodingRun<'a> {
     source: &'a StreamSource<'a>,
     pub(super) refiner: Refiner,
     weights: EstimateWeights,
-    /// The fan of the stream for each fan of the plan.
+    /// For each fan of the plan, the fan of the stream.
     fans: Vec<u32>,
-    /// And the other way round.
+    /// The inverse of `fans`.
     sources: Vec<u32>,
-    /// The triangle of the stream for each of the input, and the other way round.
+    /// For each input triangle, the triangle of the stream; `triangles` is the inverse.
     numbers: Vec<u32>,
     triangles: Vec<u32>,
 }
@@ -41,7 +42,7 @@ pub(super) struct EncodingRun<'a> {
 pub(super) trait Pass {
     type Coder: BitCoder;
     fn coder(&mut self) -> &mut Self::Coder;
-    /// The bytes of the chunk so far.
+    /// Returns the number of bytes of the current chunk.
     fn len(&self) -> usize;
     fn begin(&mut self, _: &Head) {}
     fn end(&mut self, _: ChunkHead) {}
@@ -81,7 +82,7 @@ impl<'a> EncodingRun<'a> {
         self.sources.get(fan as usize).copied()
     }
 
-    /// Does all batches.
+    /// Encodes the base mesh and all batches.
     pub(super) fn all<P: Pass>(&mut self, pass: &mut P, options: &StreamOptions) -> Result<(), Error> {
         self.base(pass)?;
         let batch_count = self.source.batches.len();
@@ -126,7 +127,7 @@ impl<'a> EncodingRun<'a> {
         });
     }
 
-    /// Sorts the groups of a batch by the fans that are visited.
+    /// Sorts the groups of a batch by the visited fans.
     fn groups(&self, start: usize, end: usize) -> Vec<SplitGroup> {
         let plan = &self.source.plan;
         let group = |collapse: usize| {
@@ -144,11 +145,11 @@ impl<'a> EncodingRun<'a> {
     fn visit<P: Pass>(&mut self, pass: &mut P, groups: &[SplitGroup]) {
         let plan = &self.source.plan;
         let mut to_encode = Vec::with_capacity(groups.len());
-        // The splits in the order of the stream.
+        // The splits, in stream order.
         let mut order = Vec::new();
         for group in groups {
             let mut splits = plan.splits[plan.end(group.collapse)..plan.end(group.collapse + 1)].to_vec();
-            // That of the visited fan first.
+            // The split of the visited fan comes first.
             splits.sort_by_key(|split| self.fans[split.kept as usize] != group.fan);
             let of_split = |number: usize| {
                 let split = &splits[number];
@@ -178,10 +179,10 @@ impl<'a> EncodingRun<'a> {
         }
     }
 
-    /// Does the base mesh.
+    /// Encodes the base mesh.
     fn base<P: Pass>(&mut self, pass: &mut P) -> Result<(), Error> {
         let (source, plan) = (self.source, &self.source.plan);
-        // 1. The triangles that are drawn, numbered.
+        // 1. Number the drawn triangles.
         let drawn: Vec<u32> =
             (0..).zip(&plan.is_drawn).filter_map(|(t, &is_drawn)| is_drawn.then_some(t)).collect();
         let mut places = vec![NONE; plan.is_drawn.len()];
@@ -236,7 +237,7 @@ impl<'a> EncodingRun<'a> {
         let mut to_encode = BaseToEncode::default();
         for (fan, &source_fan) in (0..).zip(&self.sources) {
             let vertex = plan.vertices[source_fan as usize];
-            // −0 and 0 are one position.
+            // −0 and 0 are the same position.
             let bits = source.mesh.positions()[vertex as usize].map(|x| (x + 0.0).to_bits());
             let first = *of_vertex.entry(vertex).or_insert(fan);
             let twin = *of_position.entry(bits).or_insert(fan);
@@ -251,7 +252,7 @@ impl<'a> EncodingRun<'a> {
         Ok(())
     }
 
-    /// Checks that the triangles that were built are those of the input.
+    /// Checks that the triangles built are those of the input.
     pub(super) fn check(&self) -> Result<(), Error> {
         let wrong = |found: String| Error::Parameter {
             name: "level_ends",
@@ -274,7 +275,8 @@ impl<'a> EncodingRun<'a> {
                     vertex == NONE || vertex == source[(i + by) % 3]
                 })
             };
-            // A triangle may be turned; which way, the fans of the plan tell.
+            // The corners of a triangle can be rotated. The fans of the plan determine the
+            // rotation.
             let of_plan = |by: usize| {
                 (0..3).all(|i| {
                     self.fan_source(fans[i])

@@ -1,4 +1,4 @@
-//! Meshes and streams for the tests.
+//! Meshes and streams for tests.
 
 use proptest::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::random::Random;
 use crate::simplify::{MergeTree, SimplifyOptions, refinement_batches};
 use crate::stripify::generated_meshes::polygons;
 
-/// Builds a mesh of triangles whose vertices have positions of their own, at random from a seed.
+/// Builds a mesh of triangles with random, distinct vertex positions.
 pub(super) fn scattered(triangles: Vec<u32>, seed: u64) -> Mesh {
     let mut random = Random::new(seed);
     let count = triangles.iter().max().map_or(0, |&v| v + 1);
@@ -18,12 +18,13 @@ pub(super) fn scattered(triangles: Vec<u32>, seed: u64) -> Mesh {
     Mesh::new(positions, Faces::from_triangles(triangles).unwrap()).unwrap()
 }
 
-/// Meshes of many kinds: open, closed, of several components, not manifold, with duplicate and degenerate triangles.
+/// Generates meshes of many kinds: open, closed, with several components, non-manifold, with
+/// duplicate and degenerate triangles.
 pub(super) fn meshes() -> impl Strategy<Value = Mesh> {
     (polygons(true, 1..4), any::<u64>()).prop_map(|(polygons, seed)| scattered(polygons.concat(), seed))
 }
 
-/// A bumpy grid of `width` by `height` quadrilaterals, each cut into two triangles.
+/// Builds a bumpy grid of `width` by `height` quads, each split into two triangles.
 pub(super) fn grid(width: u32, height: u32) -> Mesh {
     let at = |x: u32, y: u32| y * (width + 1) + x;
     let quad = |x, y| [at(x, y), at(x + 1, y), at(x, y + 1), at(x, y + 1), at(x + 1, y), at(x + 1, y + 1)];
@@ -34,13 +35,13 @@ pub(super) fn grid(width: u32, height: u32) -> Mesh {
     Mesh::new(positions, Faces::from_triangles(triangles).unwrap()).unwrap()
 }
 
-/// A grid with normals, colours, joints and weights, and with texture coordinates that have a seam along its middle column, whose vertices are there
-/// twice.
+/// Builds a grid with normals, colours, joints, weights and texture coordinates. The texture
+/// coordinates have a seam along the middle column, whose vertices are duplicated.
 pub(super) fn with_attributes(width: u32, height: u32) -> Mesh {
     let plain = grid(width, height);
     let (middle, columns) = (width / 2, width + 1);
     let count = plain.vertex_count() as u32;
-    // Beyond the seam the vertices of the middle column are others.
+    // Beyond the seam, the triangles use the duplicated vertices of the middle column.
     let mut triangles = plain.faces().corners().to_vec();
     for triangle in triangles.chunks_exact_mut(3) {
         let is_beyond = triangle.iter().any(|v| v % columns > middle);
@@ -90,7 +91,7 @@ pub(super) fn with_attributes(width: u32, height: u32) -> Mesh {
     })
 }
 
-/// Collapses all triangles of a mesh that can be restored; some vertices stay locked so that all can.
+/// Collapses the triangles of a mesh, with vertices locked until all collapses can be restored.
 pub(super) fn batches(mesh: &Mesh) -> MergeTree {
     let mut locked = vec![false; mesh.vertex_count()];
     loop {
@@ -104,7 +105,7 @@ pub(super) fn batches(mesh: &Mesh) -> MergeTree {
     }
 }
 
-/// Options with a chunk after every few bytes.
+/// Returns options with a chunk after every few bytes.
 pub(super) fn small_chunks() -> StreamOptions {
     StreamOptions { least_chunk_bytes: 40, most_chunk_bytes: 90, ..StreamOptions::default() }
 }
@@ -116,19 +117,19 @@ pub(super) fn stream_of(mesh: &Mesh, stream: u32, options: &StreamOptions) -> (M
     (batches, encoded)
 }
 
-/// Decodes bytes that are a stream.
+/// Decodes the bytes of a valid stream.
 pub(super) fn decoded(bytes: &[u8]) -> Decoder {
     let mut decoder = Decoder::new(StreamLimits::default());
     decoder.update(bytes).unwrap();
     decoder
 }
 
-/// Returns the fingerprints of all meshes, with their levels.
+/// Returns the levels and fingerprints of all meshes.
 pub(super) fn fingerprints(decoder: &Decoder) -> Vec<(usize, u32)> {
     decoder.parts().map(|part: &StreamPart| (part.level(), part.fingerprint())).collect()
 }
 
-/// Splits bytes into the heads and payloads of chunks.
+/// Splits bytes into the headers and payloads of chunks.
 pub(super) fn chunks_of(mut bytes: &[u8]) -> Vec<(ChunkHead, Vec<u8>)> {
     let mut chunks = Vec::new();
     while let Some(Ok((head, _, length))) = ChunkHead::read(&bytes[..bytes.len().min(MAX_HEAD_BYTES)]) {
@@ -139,7 +140,7 @@ pub(super) fn chunks_of(mut bytes: &[u8]) -> Vec<(ChunkHead, Vec<u8>)> {
     chunks
 }
 
-/// Puts chunks together again, with the right lengths and checksums.
+/// Joins chunks, with correct lengths and checksums.
 pub(super) fn sealed(chunks: &[(ChunkHead, Vec<u8>)]) -> Vec<u8> {
     chunks.iter().flat_map(|(head, payload)| head.with_payload(payload)).collect()
 }

@@ -23,7 +23,8 @@ pub(super) struct StreamSource<'a> {
     /// Whether positions have all bits at every level.
     pub(super) is_exact: bool,
     pub(super) channels: Vec<Channel>,
-    /// The first and last collapse of each batch, counted from the full mesh, in stream order.
+    /// The start and end of each batch, as numbers of collapses from the full mesh, in stream
+    /// order.
     pub(super) batches: Vec<[usize; 2]>,
 }
 

@@ -1,22 +1,27 @@
 //! Which fans a batch splits, and which of their corners move.
 //!
 //! # Algorithm
-//! In each batch, triangles that a split has moved or added are *used*, others are *free*: no other split of the batch moves those that are used. For each fan, in the order of
-//! the batch:
+//! In each batch, triangles that a split has moved or added are *used*, others are *free*. No other
+//! split of the batch moves used triangles. For each fan, in the order of the batch:
 //!
-//! 1. Is there a (further) split? Features: the valence and the free corners, the age of the fan, and how far it is from the mean of its neighbours, as
-//!    a split tells what a curved surface lacks. None of them needs a look at the fans around.
-//! 2. An open fan: is a triangle only added at its end, and at which one?
-//! 3. How many corners move, given the valence and how many free corners follow one another: the shape of the fan says little about it.
-//! 4. The first of them, as one choice among all that so many free corners follow. An edge of the fan is the first of the run, the last, within, or not of
-//!    it. Its features are its length, compared with the other edges, and the valence at its other end: edges that are not of the finer mesh are long.
-//! 5. Corners at the end of an open fan: is there a triangle beyond?
+//! 1. Is there another split? Features: the valence and the number of free corners, the age of the
+//!    fan, and its distance from the mean of its neighbours, since a split adds what a curved
+//!    surface lacks. None of these accesses the fans around.
+//! 2. For an open fan: is a triangle only added at an end, and at which one?
+//! 3. The number of corners that move, given the valence and the longest run of free corners. The
+//!    shape of the fan says little about it.
+//! 4. The first of them, as one choice among all corners that start a long enough free run. An edge
+//!    of the fan is the first of the run, the last, within, or outside. Its features are its length
+//!    relative to the other edges, and the valence at its other end: edges that are not in the
+//!    finer mesh are long.
+//! 5. For corners at the end of an open fan: is there a triangle beyond?
 //!
 //! # Complexity
-//! O(1) for a mark, O(n) for a split of a fan of n corners.
+//! O(1) for a mark, O(n) for a split of a fan with n corners.
 //!
 //! # References
-//! Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000 (batches of splits, and marks of what splits).
+//! Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000 (batches of splits, and marks of
+//! split vertices).
 
 use super::fans::{SurfaceFan, square_distance};
 use super::surface::{MAX_CORNERS, Ring, Split, StreamSurface};
@@ -25,25 +30,27 @@ use crate::entropy::range_coder::{BitCoder, WHOLE, code_bits};
 use crate::entropy::scores::{Scores, weight_of};
 use crate::entropy::slots::Simple;
 
-/// The features of a mark: valence, free corners, whether the fan is open and has been split in this batch; then its age; then its distance from the mean.
+/// The features of a mark. The first combines the valence, the free corners, and whether the fan is
+/// open and was split in this batch. The others are its age and its distance from the mean.
 const AGES: usize = 16 * 8 * 4;
 const DISTANCES: usize = AGES + 8;
 const MARK_FEATURES: usize = DISTANCES + 32;
 
-/// What an edge of a fan is to a run of corners: its first edge, one within, or its last one. Scores have one more, which is not used, so that rows have a power of two.
+/// The role of an edge of a fan in a run of corners: its first edge, one within, or its last one.
+/// `Roles` has a fourth, unused score, so the size of a row is a power of two.
 const FIRST: usize = 0;
 const WITHIN: usize = 1;
 const LAST: usize = 2;
 type Roles = [i32; 4];
-/// The features of an edge: its length, and the valence at its other end, or that it is a border.
+/// The features of an edge: its length, and the valence at its other end or [`BORDER`].
 const LENGTHS: usize = 16;
 const VALENCES: usize = 16;
 const BORDER: u8 = 0;
-/// How slowly the scores of runs move: by one part in 2⁴ of an error.
+/// The learning rate of the scores of runs: they move by 2⁻⁴ of an error.
 const RUN_RATE: i32 = 4;
-/// A fan of more corners has no choices by scores.
+/// In fans with more corners, runs are not chosen by scores.
 const MAX_CHOICES: usize = 15;
-/// Edges of such a fan, at most, and cells in which an index of four bits cannot be wrong.
+/// The maximum number of edges of such a fan. Arrays of this size can be indexed by any four bits.
 const EDGES: usize = MAX_CHOICES + 1;
 
 /// The models of splits.
@@ -93,7 +100,7 @@ impl SplitModel {
         self.marks.code(coder, features, bit)
     }
 
-    /// Codes which corners of a fan move. `to_encode` is the split to be encoded.
+    /// Codes which corners of a fan move. `to_encode` is the split to encode.
     pub(super) fn code_split<C: BitCoder>(
         &mut self,
         coder: &mut C,
@@ -128,7 +135,7 @@ impl SplitModel {
         Split { start, count, is_open, adds }
     }
 
-    /// Codes a run of free corners: the first one, and their number.
+    /// Codes a run of free corners. Returns its first corner and the number of corners.
     #[inline]
     fn code_run<C: BitCoder>(
         &mut self,
@@ -137,7 +144,8 @@ impl SplitModel {
         (fan, ring): (u32, &Ring),
         [start_to_encode, count_to_encode]: [usize; 2],
     ) -> [usize; 2] {
-        // 1. Where so many free corners follow one another, as bits; around a closed fan not all.
+        // 1. The starts of runs of each length, as bits. Around a closed fan a run cannot contain
+        //    all corners.
         let (n, is_open) = (ring.corners().len().min(MAX_CHOICES), ring.is_open);
         let twice = if is_open { ring.free } else { ring.free | ring.free << n };
         let largest = if is_open { n } else { (n - 1).max(1) };
@@ -156,7 +164,7 @@ impl SplitModel {
         [self.code_start(coder, fans, (fan, ring), (starts[count], count), start_to_encode), count]
     }
 
-    /// Codes the first corner of a run, one of some that are given as bits.
+    /// Codes the first corner of a run, one of several given as bits.
     #[inline]
     fn code_start<C: BitCoder>(
         &mut self,
@@ -169,7 +177,8 @@ impl SplitModel {
         if starts.is_power_of_two() {
             return starts.trailing_zeros() as usize;
         }
-        // 1. The scores: those of its first edge, of the edges within, and of the last edge. Around a closed fan, edges are counted twice.
+        // 1. The score of each run: its first edge, the edges within, and the last edge. Around a
+        //    closed fan, edges are listed twice.
         let (n, is_open) = (ring.corners().len().min(MAX_CHOICES), ring.is_open);
         let edge_count = if is_open { n + 1 } else { n };
         let features = edge_features(fans, fan, ring, edge_count);
@@ -192,14 +201,14 @@ impl SplitModel {
             most = most.max(score);
             number = (number + 1) & (EDGES - 1);
         }
-        // 2. Their shares of the whole.
+        // 2. Their probabilities.
         let (mut shares, mut all) = ([0; EDGES], 0);
         for c in 0..number {
             shares[c] = weight_of(most.wrapping_sub(scores[c]).cast_unsigned());
             all += shares[c];
         }
         let unit = u32::MAX / all;
-        // A start that is not among them is another one, which the encoder notices.
+        // If the start to encode is not among them, another one is coded; the encoder checks this.
         let (mut to_encode, mut sum) = (0, 0);
         for c in 0..number {
             shares[c] = (shares[c] * unit) >> 16;
@@ -208,7 +217,7 @@ impl SplitModel {
             }
             sum += shares[c];
         }
-        // 3. The choice. What rounding has left belongs to the last one.
+        // 3. The choice. The last one gets what rounding has left over.
         let part = coder.seek(16, to_encode);
         let (mut choice, mut passed, mut sum) = (0, 0, 0);
         for c in 0..number - 1 {
@@ -229,7 +238,8 @@ impl SplitModel {
         choices[choice].into()
     }
 
-    /// Learns from the errors of all first corners of runs, from `errors[EDGES]` on. An edge is within the runs that have begun before it and not ended.
+    /// Learns from the errors of all starts of runs, from `errors[EDGES]` on. An edge is within the
+    /// runs that began before it and have not ended.
     #[inline]
     fn learn_start(&mut self, features: &[[u8; 2]], errors: &[i32; 2 * EDGES], count: usize) {
         let (firsts, lasts) = (&errors[EDGES..], &errors[EDGES - count..]);
@@ -252,7 +262,7 @@ impl SplitModel {
     }
 }
 
-/// Finds the features of the edges of a fan.
+/// Computes the features of the edges of a fan.
 #[inline]
 fn edge_features(fans: &[SurfaceFan], fan: u32, ring: &Ring, edge_count: usize) -> [[u8; 2]; EDGES] {
     let (mut features, mut lengths, mut sum) = ([[0; 2]; EDGES], [0; EDGES], 1);
@@ -276,7 +286,7 @@ fn edge_features(fans: &[SurfaceFan], fan: u32, ring: &Ring, edge_count: usize) 
     features
 }
 
-/// Codes a run of free corners where there are many.
+/// Codes a run of free corners in a fan with many corners.
 fn code_plain<C: BitCoder>(
     coder: &mut C,
     is_free: impl Fn(usize) -> bool,

@@ -1,30 +1,39 @@
-//! Strips of a mesh that a stream refines: ours. They are kept up while splits add triangles, and are never searched for from scratch.
+//! Strips of a mesh during refinement, developed for this library. They are maintained while splits
+//! add triangles, and never recomputed from scratch.
 //!
 //! ```text
-//!     ╲    aₛ               ╲    aₛ             A split inserts the triangle S between the two sides of the edge k–aₛ, which becomes two edges. A strip that
-//!   ━━ ╲━━│━━ ╱        ━━ ╲━━╱S╲━━ ╱            crosses the edge goes through S afterwards. No other link changes.
+//!     ╲    aₛ               ╲    aₛ
+//!   ━━ ╲━━│━━ ╱        ━━ ╲━━╱S╲━━ ╱
 //!       ╲ │ ╱               ╲╱━━╲╱
 //!         k                 k    v
 //! ```
-//! # Algorithm
-//! 1. *Split*: each new triangle that lies on a link is put into it; others are strips by themselves.
-//! 2. After a *chunk*, each triangle that it has added is joined, in their order, to the ends of strips beside it: over the edge that lowers the vertices sent the most, as long as
-//!    there is one.
-//! 3. *Search*: of the triangles nearest to the new ones, four times as many as these, a local search (see `cover/local_search.rs`) starts from each end of a strip, four
-//!    times, and then from each triangle, once.
+//! A split inserts the triangle S between the two sides of the edge k–aₛ, which becomes two edges.
+//! A strip that crosses the edge passes through S afterwards. No other link changes.
 //!
-//! The base mesh is the first chunk: all its triangles are new, and it is searched more.
+//! # Algorithm
+//! 1. *Split*: each new triangle on a link is inserted into it; others become strips of their own.
+//! 2. After a *chunk*, each of its new triangles, in order, is joined to the ends of neighbouring
+//!    strips: across the edge that lowers the vertices sent most, as long as there is one.
+//! 3. *Search*: take the triangles nearest to the new ones, four times as many. A local search (see
+//!    `cover/local_search.rs`) starts four times from each of them that is the end of a strip, and
+//!    then once from each.
+//!
+//! The base mesh is the first chunk: all its triangles are new, and it gets more search.
 //!
 //! # Determinism
-//! The strips depend on the chunks only, not on when their bytes arrive. Decoders in other languages do the same steps with the same random numbers.
+//! The strips depend only on the chunks, not on when their bytes arrive. Decoders in other
+//! languages perform the same steps with the same random numbers.
 //!
 //! # Complexity
-//! A split takes O(1) time, a chunk time in proportion to the triangles that it adds. 20 bytes and one bit per triangle.
+//! A split takes O(1) time, a chunk time proportional to the triangles that it adds. 20 bytes and
+//! one bit per triangle.
 //!
 //! # Vertices sent
-//! In percent of three vertices per triangle, mean over all chunks at the default options, and at the full mesh; in parentheses with an index between strips. Times are those of all
-//! chunks. The levels of Kim et al. 2005 with their filter send 54.4 of the bunny, and need the strips of the full mesh in the stream: by an estimate (`strip_links` of the
-//! benchmarks) 1.2 bits per vertex, 5 % more bytes.
+//! In percent of three vertices per triangle: the mean over all chunks at the default options, and
+//! at the full mesh. Values in parentheses include an index between strips. Times are for all
+//! chunks. For the bunny, the levels of Kim et al. 2005 with their filter send 54.4 %, and need the
+//! strips of the full mesh in the stream. These take an estimated 1.2 bits per vertex
+//! (`strip_links` of the benchmarks), which is 5 % more bytes.
 //!
 //! | model | chunks | mean | full mesh | decoding, ms | with strips, ms |
 //! |---|---|---|---|---|---|
@@ -33,8 +42,9 @@
 //! | dragon | 249 | 42.4 (44.1) | 42.5 (44.2) | 349 | 1785 |
 //!
 //! # References
-//! Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005 (strips that a stream carries). Porcu, Sanna, Scateni: *Efficiently Keeping an
-//! Optimal Stripification over a CLOD Mesh*, 2005 (repair next to each change).
+//! Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*,
+//! 2005 (strips that a stream carries). Porcu, Sanna, Scateni: *Efficiently Keeping an Optimal
+//! Stripification over a CLOD Mesh*, 2005 (repair next to each change).
 
 use super::surface::{NONE, StreamSurface, corners_of, triangle_of};
 #[cfg(test)]
@@ -42,23 +52,25 @@ use crate::cover::priced::PricedPaths;
 use crate::lod::{RepairedPaths, walk_steps};
 use crate::strip::{Cost, Strips};
 
-/// The triangles from which the search after a chunk starts, per new triangle; how often it starts from ends, and from all of them.
-/// Tuned on the bunny: half of the first two send 4 % more vertices in half of the time.
+/// The number of triangles per new triangle from which the search after a chunk starts, and the
+/// numbers of rounds from strip ends and from all of them. Tuned on the bunny: halving the first
+/// two sends 4 % more vertices in half of the time.
 const NEAR: usize = 4;
 const ROUNDS_OF_ENDS: u32 = 4;
 const ROUNDS: u32 = 1;
-/// How often the search in the base mesh starts from all triangles.
+/// The number of rounds of search from all triangles of the base mesh.
 const BASE_ROUNDS: u32 = 10;
 
-/// The strips of a mesh that is refined.
+/// The strips of a mesh during refinement.
 #[derive(Debug, Clone)]
 pub(super) struct KeptStrips {
     repaired: RepairedPaths,
-    /// The triangles before the chunk.
+    /// The number of triangles before the current chunk.
     known: u32,
 }
 
-/// Returns the half-edge opposite to a corner. Half-edges are numbered by fours: edge e of triangle t, which begins at corner e, is 4 t + e.
+/// Returns the half-edge opposite to a corner. Half-edges are numbered by fours: edge e of triangle
+/// t, which begins at corner e, is 4 t + e.
 fn opposite_side(corner: u32) -> u32 {
     let e = corner & 7;
     4 * triangle_of(corner) + if e == 2 { 0 } else { e + 1 }
@@ -80,7 +92,8 @@ impl KeptStrips {
         strips
     }
 
-    /// Follows a split that has added triangles: S and E, by their first corners, or none.
+    /// Updates the strips after a split that has added the triangles S and E, given by their first
+    /// corners or [`NONE`].
     pub(super) fn follow_split(&mut self, surface: &StreamSurface, [start, end]: [u32; 2]) {
         self.repaired.grow(surface.triangle_count());
         if start != NONE {
@@ -94,7 +107,8 @@ impl KeptStrips {
         }
     }
 
-    /// Inserts a triangle between the two sides of an edge; the corners of the triangle are opposite to its edges there.
+    /// Inserts a triangle between the two sides of an edge. `corners` are opposite to its edges
+    /// there.
     fn insert(&mut self, surface: &StreamSurface, corners: [u32; 2]) {
         self.repaired.paths.insert_triangle(triangle_of(corners[0]));
         let sides = corners.map(opposite_side);
@@ -136,7 +150,7 @@ impl KeptStrips {
         self.known = count;
     }
 
-    /// Returns the number of vertices of all strips, swaps and winding repeats included.
+    /// Returns the number of vertices of all strips, including swaps and winding repeats.
     pub(super) fn vertices_sent(&self) -> usize {
         self.repaired.vertices_sent(self.repaired.paths.len())
     }

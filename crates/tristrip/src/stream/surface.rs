@@ -1,32 +1,38 @@
-//! The triangles that a stream has built so far, with their neighbours: a corner table whose vertices are fans.
+//! The triangles decoded so far, with adjacency: a corner table whose vertices are fans.
 //!
-//! A *fan* is a run of triangles around a point in which each shares an edge with the next: closed around an inner point, open on a border. A point where a
-//! surface touches itself, or at which attributes differ, has several fans. Edges are shared within fans only, so that any set of triangles has a table.
+//! A *fan* is a run of triangles around a point in which each shares an edge with the next. It is
+//! closed around an inner point and open at a border. A point where a surface touches itself, or
+//! where attributes differ, has several fans. Edges are shared only within fans, so any set of
+//! triangles has a table.
 //!
 //! ```text
-//!        a₂ ───── a₁              The corners around k, counterclockwise: (k a₀ a₁), (k a₁ a₂), …
+//!        a₂ ───── a₁
 //!       ╱  ╲     ╱  ╲
-//!      ╱    ╲   ╱    ╲            A split moves the triangles of some successive corners to a new fan v, and adds the triangles
-//!    a₃ ───── k ───── a₀          S = (k aₛ v) before them and E = (k v aₑ) after them.
+//!      ╱    ╲   ╱    ╲
+//!    a₃ ───── k ───── a₀
 //! ```
-//! A triangle has four places in the table: three corners, and what its user keeps with it.
+//! The corners around k are counterclockwise: (k a₀ a₁), (k a₁ a₂), … A split moves the triangles
+//! of some consecutive corners to a new fan v, and adds the triangles S = (k aₛ v) before them and
+//! E = (k v aₑ) after them.
 //!
 //! # Complexity
-//! A split takes time in proportion to the corners that move; 32 bytes per triangle and 4 per fan.
+//! A split takes time proportional to the number of corners that move; 32 bytes per triangle and 4
+//! per fan.
 
-/// No corner: an edge of one triangle.
+/// No corner: the edge has a single triangle.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A fan of more corners is not split, so that the time of a split has a bound.
+/// Fans with more corners are not split, which bounds the time of a split.
 pub(super) const MAX_CORNERS: usize = 1024;
 
-/// Returns the next corner of the same triangle. Which one it is cannot be predicted, so that a branch would be expensive.
+/// Returns the next corner of the same triangle. The index is unpredictable, so a branch would be
+/// expensive.
 #[inline]
 pub(super) fn next(corner: u32) -> u32 {
     corner + 1 - 3 * (corner >> 1 & 1)
 }
 
-/// Returns the corner before in the same triangle.
+/// Returns the previous corner of the same triangle.
 #[inline]
 pub(super) fn previous(corner: u32) -> u32 {
     corner + 2 - 3 * ((corner | corner >> 1) & 1)
@@ -44,22 +50,23 @@ pub(super) fn corners_of(triangle: u32) -> std::ops::Range<u32> {
     triangle << 3..(triangle << 3) + 3
 }
 
-/// Triangles with neighbours.
+/// Triangles with adjacency.
 #[derive(Debug, Clone, Default)]
 pub(super) struct StreamSurface {
-    /// Eight cells for each triangle: the fans of its three corners, a mark, what is opposite to its corners, and one that is not used. A corner is the
-    /// place of its fan.
+    /// Eight cells per triangle: the fans of its three corners, a mark, the corners opposite to its
+    /// corners, and an unused cell. A corner is the index of the cell of its fan.
     cells: Vec<u32>,
-    /// A corner of each fan, the first one counterclockwise if the fan is open; none of a fan without triangles.
+    /// A corner of each fan; the first one counterclockwise if the fan is open. [`NONE`] for a fan
+    /// without triangles.
     pub(super) first: Vec<u32>,
 }
 
-/// From the cell of a corner's fan to that of what is opposite.
+/// The offset from the cell of a corner's fan to that of its opposite corner.
 const OPPOSITE: u32 = 4;
 
 impl StreamSurface {
-    /// Builds the table of triangles from what is opposite to each corner, where corners are counted three to a triangle. The fans get numbers in the order
-    /// of their lowest corners.
+    /// Builds the table of triangles from the opposite corner of each corner, with three corners
+    /// per triangle. Fans are numbered in the order of their lowest corners.
     pub(super) fn new(opposite: &[u32]) -> Self {
         let corner = |i: u32| if i == NONE { NONE } else { 8 * (i / 3) + i % 3 };
         let mut surface = Self::default();
@@ -71,7 +78,8 @@ impl StreamSurface {
         surface
     }
 
-    /// Returns whether the corners of each triangle are in three fans. Splits keep it so.
+    /// Returns whether the corners of each triangle are in three different fans. Splits preserve
+    /// this.
     pub(super) fn has_distinct_fans(&self) -> bool {
         let fans = |triangle: &[u32]| [triangle[0], triangle[1], triangle[2]];
         self.cells.chunks_exact(8).map(fans).all(|[a, b, c]| a != b && b != c && a != c)
@@ -92,18 +100,19 @@ impl StreamSurface {
         (0..self.triangle_count() as u32).flat_map(corners_of)
     }
 
-    /// Returns the number of triangles that there is room for.
+    /// Returns the number of triangles that fit into the reserved memory.
     pub(super) fn capacity(&self) -> usize {
         self.cells.capacity() / 8
     }
 
-    /// Makes room for further triangles and fans.
+    /// Reserves memory for additional triangles and fans.
     pub(super) fn reserve(&mut self, triangles: usize, fans: usize) {
         self.cells.reserve_exact(8 * triangles);
         self.first.reserve_exact(fans);
     }
 
-    /// Returns the cells of all triangles: their fans, a mark, what is opposite to their corners, and one that is not used.
+    /// Returns the eight cells of each triangle: its fans, a mark, the corners opposite to its
+    /// corners, and an unused cell.
     pub(super) fn triangles(&self) -> impl Iterator<Item = &[u32; 8]> {
         self.cells.as_chunks::<8>().0.iter()
     }
@@ -119,13 +128,13 @@ impl StreamSurface {
         self.cells[corner as usize] = fan;
     }
 
-    /// Returns the corner on the other side of the edge opposite to a corner, or none.
+    /// Returns the corner on the other side of the edge opposite to a corner, or [`NONE`].
     #[inline]
     pub(super) fn opposite(&self, corner: u32) -> u32 {
         self.cells[(corner + OPPOSITE) as usize]
     }
 
-    /// Returns the mark of the triangle of a corner: 0 unless it was set.
+    /// Returns the mark of the triangle of a corner; 0 unless it was set.
     #[inline]
     pub(super) fn mark(&self, corner: u32) -> u32 {
         self.cells[(corner | 3) as usize]
@@ -150,7 +159,8 @@ impl StreamSurface {
         (opposite != NONE).then(|| previous(opposite))
     }
 
-    /// Collects the corners of a fan counterclockwise, at most [`MAX_CORNERS`] and one more; `used` is the mark of triangles that are not free.
+    /// Collects the corners of a fan counterclockwise, at most [`MAX_CORNERS`] + 1. `used` is the
+    /// mark of triangles that are not free.
     #[inline]
     pub(super) fn ring(&self, fan: u32, used: u32, ring: &mut Ring) {
         ring.clear();
@@ -180,19 +190,19 @@ impl StreamSurface {
         ring.length = n;
     }
 
-    /// Returns whether a fan is open; of one without triangles false.
+    /// Returns whether a fan is open; `false` if it has no triangles.
     pub(super) fn is_open(&self, fan: u32) -> bool {
         let first = self.first[fan as usize];
         first != NONE && self.before(first).is_none()
     }
 
-    /// Makes two corners opposite to each other; one of them may be none.
+    /// Makes two corners opposite to each other. Either can be [`NONE`].
     pub(super) fn join(&mut self, a: u32, b: u32) {
         self.set_opposite(a, b);
         self.set_opposite(b, a);
     }
 
-    /// Sets what is opposite to a corner, or to none.
+    /// Sets the opposite corner of a corner. Does nothing if the corner is [`NONE`].
     #[inline]
     fn set_opposite(&mut self, corner: u32, opposite: u32) {
         if corner != NONE {
@@ -200,7 +210,7 @@ impl StreamSurface {
         }
     }
 
-    /// Returns the corner with which the fan of a corner starts: this one if the fan is closed.
+    /// Returns the first corner of a corner's fan, or the corner itself if the fan is closed.
     pub(super) fn first_around(&self, corner: u32) -> u32 {
         let mut first = corner;
         while let Some(before) = self.before(first) {
@@ -229,13 +239,15 @@ impl StreamSurface {
         }
     }
 
-    /// Moves some successive corners of a fan to a new fan, and adds the triangles before and after them, which get a mark. `ring` are those of the fan, [repeated](Ring::repeat).
-    /// Returns the first corners of the new triangles, which are corners of `fan`.
+    /// Moves consecutive corners of a fan to a new fan, and adds the triangles before and after
+    /// them, with a mark. `ring` is the ring of the fan, [repeated](Ring::repeat). Returns the
+    /// first corners of the new triangles, which are corners of `fan`, or [`NONE`].
     pub(super) fn split(&mut self, fan: u32, ring: &Ring, split: Split, mark: u32) -> [u32; 2] {
         let Split { start, count, is_open, adds: [adds_start, adds_end] } = split;
         let new = self.first.len() as u32;
         let ([moved, around], all) = (ring.run(split), ring.corners());
-        // 1. The edges on both sides of the corners that move. Each is named by the corner opposite to it.
+        // 1. The edges on both sides of the corners that move. Each is identified by the opposite
+        //    corner.
         let before = match start.checked_sub(1) {
             Some(before) => next(all[before]),
             None if is_open => NONE,
@@ -251,8 +263,10 @@ impl StreamSurface {
         let (start_fan, end_fan) = (around[0], around[around.len() - 1]);
         // 2. Move.
         moved.iter().for_each(|&corner| self.set_fan(corner, new));
-        // 3. Add. In S = (k aₛ v), the edge to v is opposite to corner 0, that from v to k to corner 1, that from k to corner 2. In E = (k v aₑ), the
-        //    edge from v to aₑ is opposite to corner 0, that from aₑ to k to corner 1, that from k to v to corner 2.
+        // 3. Add triangles. In S = (k aₛ v), the edge from aₛ to v is opposite to corner 0, that
+        //    from v to k to corner 1, that from k to aₛ to corner 2. In E = (k v aₑ), the edge from
+        //    v to aₑ is opposite to corner 0, that from aₑ to k to corner 1, that from k to v to
+        //    corner 2.
         let corner = self.cells.len() as u32;
         let added = match [adds_start, adds_end] {
             [true, true] => [corner, corner + 8],
@@ -273,7 +287,7 @@ impl StreamSurface {
             self.set_opposite(last, of_end);
             self.set_opposite(after, of_end + 1);
         }
-        // 4. The first corners. An open fan starts where there is nothing clockwise.
+        // 4. The first corners. An open fan starts at the corner with nothing clockwise of it.
         if adds_end && after == NONE {
             self.first[end_fan as usize] = added[1] + 2;
         }
@@ -295,20 +309,21 @@ impl StreamSurface {
     }
 }
 
-/// A fan: its corners, and the fans at the other ends of its edges, one more than the corners.
+/// A fan: its corners, and the fans at the other ends of its edges. An open fan has one edge more
+/// than corners; for a closed one, the first fan is repeated at the end.
 #[derive(Debug, Clone)]
 pub(super) struct Ring {
     length: usize,
     corners: Vec<u32>,
     around: Vec<u32>,
     pub(super) is_open: bool,
-    /// Which of the first 32 corners are free, if there are not more.
+    /// A bit for each of the first 32 corners: whether it is free. Valid only if there are no more.
     pub(super) free: u32,
 }
 
 impl Ring {
     pub(super) fn new() -> Self {
-        // Twice, so that runs need not end at the last corner.
+        // Twice the size, so that runs can wrap around the last corner.
         let cells = vec![NONE; 2 * MAX_CORNERS + 2];
         Self { length: 0, corners: cells.clone(), around: cells, is_open: true, free: 0 }
     }
@@ -336,7 +351,8 @@ impl Ring {
         }
     }
 
-    /// Returns the corners that a split moves, which are [repeated](Self::repeat), and the fans around them: one more.
+    /// Returns the corners that a split moves, which must be [repeated](Self::repeat), and the fans
+    /// around them: one more than corners.
     #[inline]
     pub(super) fn run(&self, split: Split) -> [&[u32]; 2] {
         let (start, end) = (split.start, split.start + split.count);
@@ -344,12 +360,12 @@ impl Ring {
     }
 }
 
-/// What a split of a fan does.
+/// A split of a fan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Split {
-    /// The first of the corners that move.
+    /// The index of the first corner that moves.
     pub(super) start: usize,
-    /// How many corners move.
+    /// The number of corners that move.
     pub(super) count: usize,
     pub(super) is_open: bool,
     /// Whether a triangle is added before and after these corners.
