@@ -69,7 +69,7 @@ names! {
     None => "none", "Draw the renamed strips unchanged, degenerate triangles included";
     Stss => "stss", "Simple triangle strip scanner: send repeated pairs of vertices once (El-Sana et al. 2000)";
     Dtfs => "dtfs", "Degenerate-triangle-free scanner: send valid triangles only (Kim et al. 2005)";
-    Linked => "linked", "Send valid triangles only, in the same order, at the least cost for this order";
+    Linked => "linked", "Send valid triangles only, in the same order, at the minimum cost for this order";
 }
 
 impl Filter {

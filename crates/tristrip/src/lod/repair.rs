@@ -103,7 +103,8 @@ const AVERAGE_SHARE: u64 = 16;
 /// ```
 /// use tristrip::{CollapseSequence, Rename, Strips};
 /// use tristrip::lod::{LevelCursor, Repair, RepairOptions};
-/// // A strip of four triangles over two rows of vertices; 1 collapses to 0, which drops the first triangle.
+/// // A strip of four triangles over two rows of vertices. 1 collapses to 0, which drops the first
+/// // triangle.
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3, 4, 5]);
 /// let rename = [Rename { removed: 1, kept: 0 }];
@@ -138,7 +139,8 @@ impl Repair {
     /// Builds the cursor at the full mesh from its strips.
     ///
     /// # Errors
-    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or there are too many triangles.
+    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or
+    /// there are too many triangles.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -7,7 +7,7 @@
 //! beginnings   a until 1, d until 2, e until 3
 //! a            b until 1
 //! b            c until 0, d until 1
-//! d            e until 0, d e until 2, g until 3   d is visited twice at level 1: d follows, then e
+//! d            e until 0, d e until 2, g until 3   level 1 visits d twice: d, then e
 //! e            f until 2, d until 3
 //! ```
 //! # Algorithm

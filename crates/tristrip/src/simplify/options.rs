@@ -14,8 +14,8 @@ use crate::text::counted;
 /// - a normal (`NORMAL`) that deviates by one radian counts like a distance of 0.042 of the longest
 ///   side of the bounding box, and a tangent (`TANGENT`) like 0.03 of it;
 /// - a colour (`COLOR_n`) that deviates by 1 counts like a distance of 0.1 of that side;
-/// - texture coordinates (`TEXCOORD_n`) count like 1.5 times the distance by which the texture shifts
-///   on the surface;
+/// - texture coordinates (`TEXCOORD_n`) count like 1.5 times the distance by which the texture
+///   shifts on the surface;
 /// - a skin (`JOINTS_n`, `WEIGHTS_n`) counts like the distance by which a vertex moves differently
 ///   when a joint turns by a tenth of a radian.
 ///
@@ -130,9 +130,9 @@ impl Price {
 
 names! {
     "tristrip::simplify::Price", Price, "price",
-    Distance => "distance", "The distances of all removed vertices from the triangles, and between old and new triangles";
-    Planes => "planes", "The distances from the planes of the full mesh alone: a third of the time, larger distances";
-    Quadric => "quadric", "Quadric error metrics as published in 1997: the cheapest pair of all next; attributes do not count";
+    Distance => "distance", "Distances of all removed vertices from the triangles, and between old and new triangles";
+    Planes => "planes", "Distances from the planes of the full mesh only: a third of the time, larger distances";
+    Quadric => "quadric", "Quadric error metrics as published in 1997: globally cheapest pair first; attributes are ignored";
 }
 
 /// Options of a simplification. Without limits, a mesh is simplified as far as its topology allows.
@@ -228,15 +228,15 @@ impl SimplifyOptions {
         #[doc = include_str!("example.txt")]
         /// let options = SimplifyOptions::default().with_locked_borders(true);
         /// let kept = simplify(&grid, &options)?.vertices;
-        /// // The first row, and the first and the last vertex of the second.
+        /// // The first row, and the first and last vertex of the second row.
         /// assert!((0..10).chain([17]).all(|v| kept.contains(&v)));
         /// # Ok::<(), tristrip::Error>(())
         /// ```
         with_locked_borders(locked_borders: bool);
 
         /// Allows components to vanish. Each value is the error of removing the vertex's whole
-        /// component, in mesh units. Vertices with a missing, negative or NaN value keep one triangle
-        /// of their component.
+        /// component, in mesh units. Vertices with a missing, negative or NaN value keep one
+        /// triangle of their component.
         ///
         /// ```
         /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};

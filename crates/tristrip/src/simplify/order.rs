@@ -1,4 +1,5 @@
-//! The order of the collapses: passes and queues, limits, the levels of a merge tree, and several meshes simplified as one.
+//! The order of collapses: passes, queues, limits, the levels of a merge tree, and several meshes
+//! simplified as one.
 
 pub(crate) mod ahead;
 pub(crate) mod collapse_order;

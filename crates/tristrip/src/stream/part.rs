@@ -419,8 +419,8 @@ impl StreamPart {
     /// Returns the mesh decoded so far, with its attributes.
     ///
     /// # Errors
-    /// The head of the stream has two attributes with the same name, or an attribute whose values are
-    /// invalid in a mesh. Streams written by the encoder have neither.
+    /// The head of the stream has two attributes with the same name, or an attribute whose values
+    /// are invalid in a mesh. Streams written by the encoder have neither.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

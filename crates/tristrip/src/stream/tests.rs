@@ -17,7 +17,7 @@ mod hostile;
 mod strips;
 mod vectors;
 
-/// Numbers keys in the order in which they are seen.
+/// Numbers keys in the order in which they occur.
 #[derive(Default)]
 struct Keys(HashMap<Vec<i64>, u32>);
 
@@ -28,12 +28,12 @@ impl Keys {
     }
 }
 
-/// The grid of the positions that triangles use.
+/// Returns the grid of the positions that triangles use.
 fn grid_of(mesh: &Mesh, bits: u32) -> Grid {
     Grid::new(mesh.faces().corners().iter().map(|&v| mesh.positions()[v as usize]), bits)
 }
 
-/// Returns the triangles over numbers of the grid positions of their corners, sorted.
+/// Returns the triangles, sorted, with the numbers of their corners' grid positions.
 fn on_grid(
     keys: &mut Keys,
     grid: &Grid,
@@ -45,7 +45,7 @@ fn on_grid(
     sorted(triangles)
 }
 
-/// Decodes chunk by chunk, and checks what has been built after each.
+/// Decodes chunk by chunk, and checks the mesh after each.
 fn check_stream(
     mesh: &Mesh,
     batches: &MergeTree,
@@ -68,7 +68,7 @@ fn check_stream(
     let part = decoder.parts().next().unwrap().clone();
     let full = mesh.faces().corners();
     let is_real = |&[a, b, c]: &[u32; 3]| a != b && b != c && a != c;
-    // 1. The full mesh is that of the input.
+    // 1. The full mesh equals the input.
     let grid = grid_of(mesh, 14);
     let mut keys = Keys::default();
     let positions = part.positions();
@@ -77,7 +77,7 @@ fn check_stream(
     prop_assert_eq!(&of_stream, &of_input);
     prop_assert_eq!(part.level(), part.full_level());
     prop_assert_eq!(part.triangle_count(), part.full_triangle_count());
-    // 2. Each chunk has led to a level of the collapses, and the base mesh is that of the plan.
+    // 2. Each chunk led to a level of the collapses, and the base mesh is that of the plan.
     let sequence = part.sequence().unwrap();
     sequence.check().unwrap();
     for (level, drawn) in &levels {
@@ -85,7 +85,7 @@ fn check_stream(
     }
     let of_plan = on_grid(&mut keys, &grid, mesh.positions(), triangles_of(&stream.base));
     prop_assert_eq!(on_grid(&mut keys, &grid, &positions, sequence.drawn(0).unwrap()), of_plan);
-    // 3. At the end of a batch the level is that of the collapses that were encoded.
+    // 3. At the end of a batch, the level is that of the encoded collapses.
     let count = batches.sequence.len();
     prop_assert_eq!(part.full_level(), count);
     let ends: Vec<usize> = batches.level_ends.iter().map(|&end| count - end as usize).collect();
@@ -93,7 +93,7 @@ fn check_stream(
         let to_encode = on_grid(&mut keys, &grid, mesh.positions(), batches.sequence.drawn(level).unwrap());
         prop_assert_eq!(on_grid(&mut keys, &grid, &positions, sequence.drawn(level).unwrap()), to_encode);
     }
-    // 4. The positions are within the error that the stream states.
+    // 4. The positions are within the declared error.
     let most = f64::from(stream.position_error) * (1.0 + 1e-6) + 1e-5;
     for &v in full {
         let p = mesh.positions()[v as usize];
@@ -138,7 +138,7 @@ proptest! {
 
     #[test]
     fn collapses_that_cannot_be_split_stay_in_the_base_mesh(mesh in meshes()) {
-        // The vertices that cannot be restored are not locked here.
+        // Here, vertices that cannot be restored are not locked.
         let options = crate::simplify::SimplifyOptions::default();
         let tree = crate::simplify::merge_tree(&mesh, mesh.faces().corners().to_vec(), crate::simplify::MergeOrder::Quadric, &options).unwrap();
         let stream = encode(&mesh, &tree.sequence, &tree.level_ends, 0, &small_chunks()).unwrap();
@@ -228,7 +228,7 @@ fn vertices_in_one_position_are_restored() {
 
 #[test]
 fn a_point_has_more_neighbours_than_are_counted() {
-    // A cone, whose tip has so many neighbours that their number wraps.
+    // A cone whose tip has so many neighbours that their number wraps.
     let count = 66_000;
     let angle = |i: u32| f64::from(i) / f64::from(count) * std::f64::consts::TAU;
     let rim = |i: u32| [libm::cos(angle(i)), libm::sin(angle(i)), f64::from(i % 7) / 99.0].map(|x| x as f32);
@@ -270,7 +270,7 @@ fn bits_are_counted_without_a_change() {
     let costs = counting.part(0).unwrap().costs().unwrap();
     let sum = costs.base + costs.connectivity() + costs.positions + costs.precision + costs.attributes;
     let bits = stream.bytes().len() as f64 * 8.0;
-    // Heads and the ends of chunks are not counted.
+    // Headers and chunk ends are not counted.
     assert!(sum <= bits && sum >= 0.9 * bits, "{sum} of {bits}");
     assert!(costs.attributes > costs.marks);
 }

@@ -12,8 +12,8 @@
 //! ```text
 //!       left wing                    left wing
 //!       ╱   │   ╲                    ╱  ╱ ╲  ╲
-//!      ·  kept   ·     split ─▶     · kept─new ·      new triangles: left and right of kept ─ new;
-//!       ╲   │   ╱                    ╲  ╲ ╱  ╱        corners to the right of the wings are renamed
+//!      ·  kept   ·     split ─▶     · kept─new ·    new triangles: left and right of kept ─ new;
+//!       ╲   │   ╱                    ╲  ╲ ╱  ╱      corners to the right of the wings are renamed
 //!       right wing                   right wing
 //! ```
 //! # References

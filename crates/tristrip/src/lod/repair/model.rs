@@ -37,7 +37,8 @@ impl RepairedStrips {
     /// Builds the model from the strips of the full mesh.
     ///
     /// # Errors
-    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or there are too many triangles.
+    /// The strips do not draw every triangle of the full mesh exactly once with its winding, or
+    /// there are too many triangles.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

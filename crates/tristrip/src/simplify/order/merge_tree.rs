@@ -66,8 +66,8 @@ pub enum MergeOrder {
 
 names! {
     "tristrip::simplify::MergeOrder", MergeOrder, "merge order",
-    Quadric => "quadric", "The least quadric error first, up to a limit per level";
-    ShortestEdge => "shortest-edge", "The shortest edge first (Xia et al. 1997)";
+    Quadric => "quadric", "Smallest quadric error first, up to a limit per level";
+    ShortestEdge => "shortest-edge", "Shortest edge first (Xia et al. 1997)";
 }
 
 /// The minimum distance between collapses of the same level.

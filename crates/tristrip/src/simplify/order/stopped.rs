@@ -16,7 +16,8 @@ pub struct Stopped {
     pub non_manifold: usize,
     /// Points on attribute seams whose collapse would open the seam.
     pub seam: usize,
-    /// Points whose collapse would close a hole, make the mesh non-manifold, or remove the last triangles of a component.
+    /// Points whose collapse would close a hole, make the mesh non-manifold, or remove the last
+    /// triangles of a component.
     pub topology: usize,
     /// Points whose collapse would flip a triangle.
     pub fold_over: usize,

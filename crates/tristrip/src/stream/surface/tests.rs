@@ -5,7 +5,8 @@ use crate::entropy::range_coder::RangeDecoder;
 use crate::stream::base::code_triangles;
 
 impl StreamSurface {
-    /// Checks that opposite corners name one edge, that each corner is in the ring of its fan, and that open fans start at their first corner.
+    /// Checks that opposite corners share an edge, that each corner is in the ring of its fan, and
+    /// that open fans start at their first corner.
     pub(in super::super) fn check(&self) -> Result<(), String> {
         for corner in self.corners() {
             let opposite = self.opposite(corner);
@@ -35,7 +36,7 @@ impl StreamSurface {
                     return Err(format!("fan {fan}: corner {corner} of fan {}", self.fan(corner)));
                 }
                 at = self.after(corner).filter(|&corner| corner != first);
-                // A fan that does not end where it starts has no corner before its first one.
+                // A fan that is not closed has no corner before its first one.
                 if at.is_none() && self.after(corner).is_some() != self.before(first).is_some() {
                     return Err(format!("fan {fan} starts at corner {first}"));
                 }
@@ -48,7 +49,7 @@ impl StreamSurface {
     }
 }
 
-/// A surface of triangles that any bytes glue together.
+/// Generates a surface by joining triangles according to random bytes.
 fn surface() -> impl Strategy<Value = StreamSurface> {
     (1..40_usize, prop::collection::vec(any::<u8>(), 0..60)).prop_filter_map(
         "edges twice",
@@ -60,7 +61,7 @@ fn surface() -> impl Strategy<Value = StreamSurface> {
     )
 }
 
-/// Any split of a fan that the models may ask for.
+/// Returns a split of a fan that the models could code.
 fn split_of(ring: &[u32], is_open: bool, [start, count, adds]: [u16; 3]) -> Split {
     let n = ring.len();
     if is_open && adds & 4 == 0 {
@@ -101,7 +102,7 @@ proptest! {
                 prop_assert!([next(corner), previous(corner)].iter().any(|&corner| surface.fan(corner) == new));
             }
             surface.ring(new, NONE, &mut ring);
-            // With a triangle on both sides it is closed.
+            // A fan with added triangles on both sides is closed.
             prop_assert_eq!(ring.is_open, split.adds != [true; 2]);
             prop_assert_eq!(ring.corners().len(), split.count + added.iter().filter(|&&corner| corner != NONE).count());
         }
@@ -110,7 +111,7 @@ proptest! {
 
 #[test]
 fn a_fan_on_the_border_is_split_at_its_end() {
-    // One triangle; a triangle is added at the end of the fan of corner 0, then before its start.
+    // One triangle. Add a triangle at the end of the fan of corner 0, then one before its start.
     let mut surface = StreamSurface::new(&[NONE; 3]);
     let mut ring = Ring::new();
     surface.ring(0, NONE, &mut ring);

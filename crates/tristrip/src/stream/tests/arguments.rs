@@ -24,7 +24,7 @@ fn points_with_a_common_triangle_are_no_batch() {
     let result = encode(&mesh, &tree.sequence, &[], 0, &StreamOptions::default());
     let found = message(result);
     assert!(found.starts_with("parameter `level_ends`: found "), "{found}");
-    // Ends beyond the collapses, twice, in any order, and one collapse per batch are fine.
+    // Valid: ends beyond the collapses, duplicates, any order, and one collapse per batch.
     let count = tree.sequence.len() as u32;
     let mut ends: Vec<u32> = (0..count + 3).rev().collect();
     ends.push(1);
@@ -57,7 +57,7 @@ fn ends_at_random_are_refused_or_right() {
 
 #[test]
 fn any_collapses_are_encoded_or_refused() {
-    // Vertices of no common triangle, and of several at once.
+    // Vertices without a common triangle, and several at once.
     let mesh = grid(2, 2);
     let corners = mesh.faces().corners().to_vec();
     for removed in 0..9 {

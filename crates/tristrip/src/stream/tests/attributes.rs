@@ -3,7 +3,7 @@ use crate::stream::grid::{AttributeBits, Channel};
 
 const BITS: AttributeBits = AttributeBits { normal: 10, uv: 14, other: 10 };
 
-/// Returns values as numbers that are equal only where the values are.
+/// Returns values as numbers that are equal only if the values are.
 fn value_bits(data: &AttributeData) -> Vec<i64> {
     match data {
         AttributeData::F32(values) => values.iter().map(|x| i64::from(x.to_bits())).collect(),
@@ -12,7 +12,7 @@ fn value_bits(data: &AttributeData) -> Vec<i64> {
     }
 }
 
-/// Returns the triangles over numbers of the positions and attributes of their corners, sorted.
+/// Returns the triangles, sorted, with the numbers of their corners' positions and attributes.
 fn with_values(keys: &mut Keys, grid: &Grid, mesh: &Mesh) -> Vec<[u32; 3]> {
     let values: Vec<(usize, Vec<i64>)> =
         mesh.attributes().iter().map(|a| (usize::from(a.components), value_bits(&a.data))).collect();
@@ -25,7 +25,7 @@ fn with_values(keys: &mut Keys, grid: &Grid, mesh: &Mesh) -> Vec<[u32; 3]> {
     sorted(triangles)
 }
 
-/// Returns a mesh with the values that its attributes have on their grids.
+/// Returns a mesh with its attributes rounded to their grids.
 fn rounded(mesh: &Mesh) -> Mesh {
     let plain = Mesh::new(mesh.positions().to_vec(), mesh.faces().clone()).unwrap();
     mesh.attributes().iter().fold(plain, |plain, attribute| {
@@ -75,7 +75,8 @@ fn floats(data: &AttributeData) -> &[f32] {
 fn values_are_within_the_steps_of_their_grids() {
     let mesh = with_attributes(12, 12);
     let near = rounded(&mesh);
-    // An octahedron of 1023 steps, two steps of which are 1/256 at most; texture coordinates by 4095 steps; weights by 1023.
+    // An octahedron of 1023 steps, where two steps are at most 1/256; texture coordinates in 4095
+    // steps; weights in 1023.
     let most = [0.004, 1.0 / 4095.0, 0.0, 0.0, 2.0 / 1023.0, 0.004];
     for ((a, b), most) in mesh.attributes().iter().zip(near.attributes()).zip(most) {
         assert_eq!((&a.name, a.components, a.normalized), (&b.name, b.components, b.normalized));
@@ -87,7 +88,7 @@ fn values_are_within_the_steps_of_their_grids() {
             assert!((x - y).abs() <= most, "{}: {x} became {y}", a.name);
         }
     }
-    // Weights still add up to one, and the signs of tangents stay.
+    // Weights still add up to one, and the signs of tangents are preserved.
     let weights = floats(&near.attributes()[4].data);
     assert!(weights.chunks_exact(4).all(|weights| (weights.iter().sum::<f32>() - 1.0).abs() < 1e-6));
     let signs = |mesh: &Mesh| {

@@ -8,7 +8,7 @@ use crate::stream::StreamError;
 use crate::stream::chunk::ChunkHead;
 use crate::stream::samples::{chunks_of, sealed};
 
-/// Two meshes, one of them with attributes, in small chunks.
+/// Returns two meshes in small chunks, one of them with attributes.
 fn bytes() -> Vec<u8> {
     let first = stream_of(&with_attributes(4, 4), 0, &small_chunks()).1;
     let second = stream_of(&grid(5, 3), 1, &small_chunks()).1;
@@ -40,7 +40,7 @@ fn a_stream_may_end_at_any_byte() {
         let count = decoder.update(&bytes[..length]).unwrap();
         assert_eq!(count, ends.iter().filter(|&&end| end <= length).count());
         assert_eq!(fingerprints(&decoder), states[count]);
-        // It goes on from there.
+        // Decoding can resume from there.
         if length % 7 == 0 {
             decoder.update(&bytes[length..]).unwrap();
             assert_eq!(fingerprints(&decoder), states[chunks.len()]);
@@ -60,7 +60,7 @@ fn damage_is_noticed_and_what_came_before_stays() {
         let count = decoder.chunk_count();
         let before = sealed(&chunks[..count]);
         assert!(before.len() <= at, "{at}");
-        // A length that has become larger may only make a chunk that is not complete.
+        // An increased length can only make the chunk incomplete.
         assert!(result.is_err() || count < chunks.len());
         assert_eq!(fingerprints(&decoder), fingerprints(&decoded(&before)));
         assert_eq!(decoder.offset(), before.len() as u64);
@@ -102,7 +102,7 @@ fn limits_are_respected() {
     let (decoder, found) = message(&bytes, StreamLimits { meshes: 1, ..default });
     assert!(found.ends_with("found mesh 1, expected a number below 1"), "{found}");
     assert_eq!(decoder.parts().count(), 1);
-    // A thousand visits, in a chunk that says no more than that nothing is split.
+    // A thousand visits in a chunk that only codes that nothing is split.
     let chunks = chunks_of(&bytes);
     // The largest number below the first range.
     let mut payload = vec![0xFF; 50];
@@ -110,14 +110,14 @@ fn limits_are_respected() {
     let idle = [chunks[0].clone(), (ChunkHead { visits: 1000, ..chunks[0].0 }, payload)];
     let (_, found) = message(&sealed(&idle), StreamLimits { corners: 100, ..default });
     assert!(found.ends_with("corners around vertices that are visited, expected at most 100"), "{found}");
-    // Room is made for the triangles that a head announces, but not for more than are allowed.
+    // Memory is reserved for the triangles that a head declares, but not for more than the limit.
     let (_, stream) = stream_of(&grid(40, 40), 0, &small_chunks());
     let allowed = 2 * stream.chunks[0].triangles as usize;
     let (decoder, _) = message(&stream.bytes(), StreamLimits { triangles: allowed, ..default });
     let part = decoder.part(0).unwrap();
     assert!(part.full_triangle_count() == 3200 && allowed < 1600, "{allowed}");
     assert!(part.surface().capacity() <= 2 * allowed, "{}", part.surface().capacity());
-    // A chunk is refused before its bytes have arrived.
+    // A chunk is rejected before its bytes have arrived.
     let base = &chunks_of(&bytes)[0];
     let length = base.1.len();
     let limits = StreamLimits { chunk_bytes: length - 1, ..default };
@@ -126,7 +126,7 @@ fn limits_are_respected() {
     Decoder::new(StreamLimits { chunk_bytes: length.max(100), ..default }).update(&bytes).unwrap();
 }
 
-/// Changes some chunks at random. Lengths and checksums are right.
+/// Changes some chunks at random. Lengths and checksums are correct.
 fn mutated(random: &mut Random, chunks: &[(ChunkHead, Vec<u8>)]) -> Vec<u8> {
     let mut chunks = chunks.to_vec();
     for _ in 0..=random.below(3) {
@@ -166,7 +166,7 @@ fn mutated(random: &mut Random, chunks: &[(ChunkHead, Vec<u8>)]) -> Vec<u8> {
     sealed(&chunks)
 }
 
-/// Changes what a chunk says that it leads to, so that what was built is accepted.
+/// Changes the level and triangles declared by chunks to the decoded ones, so they are accepted.
 fn accepted(bytes: &[u8], limits: StreamLimits) -> (Vec<u8>, bool) {
     let mut chunks = chunks_of(bytes);
     let mut decoder = Decoder::new(limits);
@@ -191,7 +191,8 @@ fn accepted(bytes: &[u8], limits: StreamLimits) -> (Vec<u8>, bool) {
     (sealed(&chunks), true)
 }
 
-/// Asks all questions of what has been built; returns how many parts have splits that are none of collapses.
+/// Calls all getters of the decoded parts. Returns the number of parts whose splits are not the
+/// inverse of valid collapses.
 fn check_parts(decoder: &Decoder, most: usize) -> usize {
     let (mut triangles, mut refused_sequences) = (0, 0);
     for part in decoder.parts() {
@@ -224,7 +225,7 @@ fn check_parts(decoder: &Decoder, most: usize) -> usize {
     refused_sequences
 }
 
-/// `MUTATED_STREAMS=100000` tries so many.
+/// `MUTATED_STREAMS=100000` tries that many streams.
 #[test]
 fn changed_contents_do_no_harm() {
     let rounds = std::env::var("MUTATED_STREAMS").map_or(10_000, |count| count.parse().unwrap());
@@ -237,7 +238,7 @@ fn changed_contents_do_no_harm() {
         let mut decoder = Decoder::new(limits).keeping_strips();
         let result = decoder.update(&bytes);
         *(if result.is_ok() { &mut right } else { &mut wrong }) += 1;
-        // A split that is one too many adds two triangles.
+        // One split too many adds two triangles.
         check_parts(&decoder, limits.triangles + 2);
         if i % 4 == 0 {
             let (bytes, is_right) = accepted(&bytes, limits);
@@ -262,7 +263,7 @@ fn any_payload_is_read() {
     let mut random = Random::new(9);
     let mut refused = 0;
     for _ in 0..500 {
-        // A base mesh with the usual head, and any bytes after it.
+        // A base mesh with the usual head, followed by random bytes.
         let mut payload = base.1[..random.below(base.1.len())].to_vec();
         payload.extend((0..random.below(300)).map(|_| random.next_u64() as u8));
         let refinement: Vec<u8> = (0..random.below(900)).map(|_| random.next_u64() as u8).collect();

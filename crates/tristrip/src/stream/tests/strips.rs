@@ -15,16 +15,16 @@ fn keeping() -> Decoder {
     Decoder::new(StreamLimits::default()).keeping_strips()
 }
 
-/// Checks the strips of a part against its triangles, and their paths against the table of its corners.
+/// Checks the strips of a part against its triangles, and their paths against the corner table.
 pub(super) fn check_strips(part: &StreamPart) {
     let Some(strips) = part.strips() else { return };
-    // 1. Proof: each triangle once, with its winding.
+    // 1. Every triangle is drawn exactly once, with its winding.
     let triangles = part.triangles();
     let drawn = triangles_of(&triangles).filter(|&t| !is_degenerate(t)).flatten();
     let faces = Faces::from_triangles(drawn.collect()).unwrap();
     verify_drawing(&faces, &strips.triangles().collect::<Vec<_>>()).unwrap();
     assert_eq!(part.vertices_sent(), Some(strips.vertices_sent()));
-    // 2. The neighbours are those of the table.
+    // 2. The neighbours match the corner table.
     let paths = part.paths().unwrap();
     let surface = part.surface();
     assert_eq!(paths.len(), surface.triangle_count());
@@ -33,7 +33,7 @@ pub(super) fn check_strips(part: &StreamPart) {
         let other = surface.opposite(corner);
         assert_eq!(paths.twin(side(corner)), (other != NONE).then(|| side(other)));
     }
-    // 3. The paths are paths, and cost as much as those computed from scratch.
+    // 3. The paths are valid, and their cost equals one computed from scratch.
     check_paths(paths, part.triangles());
 }
 
@@ -56,7 +56,7 @@ fn check_paths(paths: &PricedPaths, triangles: Vec<u32>) {
     assert!((0..paths.len().div_ceil(64)).all(|block| again.ends_of(block) == paths.ends_of(block)));
 }
 
-/// Decodes chunk by chunk; returns the strips after each.
+/// Decodes chunk by chunk. Returns the strips after each.
 fn strips_of(stream: &EncodedStream) -> Vec<Strips> {
     let mut decoder = keeping();
     let strips = stream.chunks.iter().map(|chunk| {
@@ -68,11 +68,13 @@ fn strips_of(stream: &EncodedStream) -> Vec<Strips> {
     strips.collect()
 }
 
-/// What the rule would do without O(1) insertions: cut the link, insert the triangle, join both sides.
+/// Implements the rule without O(1) insertions: cuts the link, inserts the triangle, joins both
+/// sides.
 #[test]
 fn insertions_cost_as_much_as_cuts_and_joins() {
     let mut random = Random::new(3);
-    // A fan of triangles, each of which has the next one over edge 1 and the one before over edge 2 or, at random, the other way round.
+    // A fan of triangles. Each has the next one across edge 1 and the previous one across edge 2,
+    // or, at random, the reverse.
     let mut paths = PricedPaths::empty(400, Cost::OpenGl.prices());
     (0..3).for_each(|t| paths.insert_triangle(t));
     let pair = |paths: &mut PricedPaths, a: u32, b: u32| {
@@ -143,7 +145,7 @@ proptest! {
         prop_assert_eq!(strips(&decoded(&bytes)), None);
     }
 
-    /// The oracle is the triangles that the collapses leave.
+    /// The oracle is the triangles that remain after the collapses.
     #[test]
     fn a_part_is_a_level_model(mesh in meshes(), keeps in any::<bool>(), jumps in prop::collection::vec(any::<usize>(), 1..6)) {
         let (_, stream) = stream_of(&mesh, 0, &small_chunks());
@@ -176,7 +178,7 @@ fn strips_stay_long() {
     assert!(strips.len() > 10 && mean < 0.45, "{mean}");
 }
 
-/// A ribbon is one strip, and a split in it may not walk to its ends.
+/// A ribbon is one strip, and a split in it must not walk to its ends.
 #[test]
 fn a_long_ribbon_is_followed_in_linear_time() {
     let (_, stream) = stream_of(&grid(20_000, 1), 0, &StreamOptions::default());

@@ -1,4 +1,5 @@
-//! The streams in `testdata/stream/v1`, which decoders in other languages are tested with: `TRISTRIP_BLESS=1` writes them.
+//! The streams in `testdata/stream/v1`, which test decoders in other languages. `TRISTRIP_BLESS=1`
+//! writes them.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,12 +8,12 @@ use crate::mesh::{Attribute, AttributeData, Faces, Mesh};
 use crate::stream::samples::{decoded, grid, scattered, stream_of, with_attributes};
 use crate::stream::{Decoder, EncodedStream, StreamLimits, StreamOptions, StreamPart};
 
-/// A bumpy torus of `width` by `height` quadrilaterals.
+/// Builds a bumpy torus of `width` by `height` quads.
 fn torus(width: u32, height: u32) -> Mesh {
     let at = |x: u32, y: u32| y % height * width + x % width;
     let quad = |x, y| [at(x, y), at(x + 1, y), at(x, y + 1), at(x, y + 1), at(x + 1, y), at(x + 1, y + 1)];
     let triangles = (0..height).flat_map(|y| (0..width).flat_map(move |x| quad(x, y))).collect();
-    // A square that is rolled up along two parabolas, for which no platform has a rounding of its own.
+    // A square rolled up along two parabolas, which are computed identically on every platform.
     let turn = |i: u32, n: u32| {
         let t = 4.0 * i as f32 / n as f32;
         let bow = |t: f32| if t < 2.0 { t * (2.0 - t) } else { (t - 2.0) * (t - 4.0) };
@@ -28,7 +29,7 @@ fn torus(width: u32, height: u32) -> Mesh {
     Mesh::new(positions, Faces::from_triangles(triangles).unwrap()).unwrap()
 }
 
-/// A grid without some of its triangles.
+/// Builds a grid without some of its triangles.
 fn holes() -> Mesh {
     let whole = grid(40, 40);
     let corners = whole.faces().corners().chunks_exact(3).enumerate();
@@ -36,7 +37,7 @@ fn holes() -> Mesh {
     Mesh::new(whole.positions().to_vec(), Faces::from_triangles(kept.collect()).unwrap()).unwrap()
 }
 
-/// Tori and grids beside each other.
+/// Builds tori and grids next to each other.
 fn components() -> Mesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for (i, mesh) in [torus(9, 7), grid(5, 9), torus(6, 6), grid(3, 3)].into_iter().enumerate() {
@@ -47,7 +48,7 @@ fn components() -> Mesh {
     Mesh::new(positions, Faces::from_triangles(triangles).unwrap()).unwrap()
 }
 
-/// Three sheets that share their first column, and a few triangles that are there twice.
+/// Builds three sheets that share their first column, with a few duplicate triangles.
 fn nonmanifold() -> Mesh {
     let sheet = grid(8, 8);
     let count = sheet.vertex_count() as u32;
@@ -65,7 +66,7 @@ fn nonmanifold() -> Mesh {
     Mesh::new(positions, Faces::from_triangles(triangles).unwrap()).unwrap()
 }
 
-/// A grid with attributes of all kinds.
+/// Builds a grid with attributes of all kinds.
 fn seams(width: u32, height: u32) -> Mesh {
     let mesh = with_attributes(width, height);
     let ids = (-500..).step_by(31).take(mesh.vertex_count());
@@ -85,7 +86,7 @@ fn chunks_of_size(least: usize, most: usize) -> StreamOptions {
     StreamOptions { least_chunk_bytes: least, most_chunk_bytes: most, ..StreamOptions::default() }
 }
 
-/// The streams by name: the bytes of their chunks.
+/// Returns the streams by name, as the bytes of their chunks.
 fn vectors() -> Vec<(&'static str, Vec<Vec<u8>>)> {
     let bits = |bits| StreamOptions::default().with_position_bits(bits);
     let chunks = |stream: EncodedStream| stream.chunks.into_iter().map(|chunk| chunk.bytes).collect();
@@ -109,14 +110,14 @@ fn vectors() -> Vec<(&'static str, Vec<Vec<u8>>)> {
     ]
 }
 
-/// Describes what a decoder finds after each chunk, and the meshes at last.
+/// Describes the decoder state after each chunk, and the final meshes.
 fn description(chunks: &[Vec<u8>]) -> String {
     let mut decoder = Decoder::new(StreamLimits::default());
     let (mut lines, mut end) = (Vec::new(), 0);
     for chunk in chunks {
         decoder.update(chunk).unwrap();
         end += chunk.len();
-        // The number of the stream is the first byte.
+        // The first byte is the index of the stream.
         let stream = chunk[0];
         let part = decoder.part(stream.into()).unwrap();
         let [level, triangles, vertices] = [part.level(), part.triangle_count(), part.vertex_count()];

@@ -180,12 +180,13 @@ fn cones_and_fans_of_many_triangles_are_simplified() {
 ///    │ ╱     ╲ │
 ///    0 ─────── 1
 /// ```
-/// The apex collapses to a corner, say 0. The planes of the two triangles at 0 pass through it; those
-/// of the other two, such as z = 2 - x, are √2 away from it. Cost: 2 · 2. Corner 0 has no other
-/// planes.
+/// The apex collapses to a corner, say 0. The planes of the two triangles at 0 pass through it;
+/// those of the other two, such as z = 2 - x, are √2 away from it. Cost: 2 · 2. Corner 0 has no
+/// other planes.
 ///
 /// A corner collapses to the next one, such as 0 to 1. The plane of the triangle 3 0 4 is √2 away
-/// from 1, and so is the border plane through 3 0, which is perpendicular to it. Cost: 2 + 1000 · 2.
+/// from 1, and so is the border plane through 3 0, which is perpendicular to it. Cost: 2 + 1000 ·
+/// 2.
 #[test]
 fn costs_of_a_pyramid_are_those_computed_by_hand() {
     let positions = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 1.0]];
