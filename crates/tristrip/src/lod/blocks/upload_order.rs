@@ -32,7 +32,7 @@ const CUT: f32 = 3.0;
 /// The price of a slot that every level change uploads.
 const UPLOAD: f32 = 6.0;
 
-/// How many triangles a triangle that never changes looks ahead for one that does.
+/// The number of triangles after one that never changes that are searched for one that does.
 const LOOK_AHEAD: usize = 16;
 
 /// The number of triangles processed at once.
