@@ -100,8 +100,8 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions) -> Result<Simplified, Er
 /// Simplifies triangles over the vertices of a mesh by half-edge collapses. The mesh's own faces
 /// are ignored, so the caller can triangulate polygons in any way.
 ///
-/// Triangles with a repeated vertex draw nothing and are not counted. Triangles whose different
-/// vertices share a position are never dropped.
+/// Triangles with a repeated vertex draw nothing and are not counted. Triangles between different
+/// vertices at the same position are never dropped.
 ///
 /// # Errors
 /// The number of indices is not a multiple of three; an index is out of range; there are more than

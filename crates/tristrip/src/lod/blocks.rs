@@ -11,8 +11,8 @@
 //!           slots renamed  slots renamed                 written one by one
 //! ```
 //! # Algorithm
-//! *Keys*: below the full mesh, the next key follows when the number of triangles has fallen by x
-//! √(T F), or by half. T is the number of triangles of the last key, F that of the full mesh. These
+//! *Keys*: below the full mesh, the next key follows when the number of triangles has fallen by
+//! x·√(T·F), or by half. T is the number of triangles of the last key, F that of the full mesh. These
 //! distances minimize the memory of all key buffers for a given number of vertices sent over all
 //! levels: a key costs memory in proportion to T, and saves vertices in proportion to the square of
 //! the distance. The constant x follows from the memory that the options allow.
@@ -35,7 +35,6 @@
 //! A level change takes one step per renamed slot, about three per collapse, plus a copy of the
 //! buffer when the key changes. Building repairs the strips once over all levels and takes linear
 //! time per key; there are about 15 keys.
-//! over all levels, and takes linear time per key, of which there are about 15.
 
 mod changed_ranges;
 mod key_strips;

@@ -16,8 +16,8 @@
 //! # References
 //! [`stss`] is El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and
 //! Updating Triangle Strips for Real-Time Rendering*, 2000, section 5.4. [`dtfs`] is Kim, Park,
-//! Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005, section
-//! 4. [`linked`] was developed for this library, as was [`repair`](super::repair). `repair` reads
+//! Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005 (section
+//! 4). [`linked`] was developed for this library, as was [`repair`](super::repair). `repair` reads
 //! no strips: it follows the collapses and repairs the strips next to them.
 //!
 //! # Complexity

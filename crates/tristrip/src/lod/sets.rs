@@ -40,7 +40,6 @@
 //! Building takes time proportional to the number of stored successors times a logarithm. A level
 //! change takes one step per strip, one step per vertex of the changed strips, and a binary search
 //! at the first visit of each vertex. The bunny's 69,451 triangles take 24 bytes each.
-//! a step, and a binary search at the first visit. The bunny's 69,451 triangles take 24 bytes each.
 
 pub(crate) mod multiresolution;
 pub(crate) mod shortened;

@@ -4,7 +4,7 @@
 //!
 //! State 0 of a strip is the full mesh, and each collapse that changes the strip leads to the next
 //! state. The collapses at which states begin are stored per strip. So the labels of a graph are
-//! states, of which a strip has few, and not levels.
+//! states instead of levels; a strip has few states.
 //!
 //! # References
 //! Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*, 2006,

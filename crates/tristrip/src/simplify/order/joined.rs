@@ -222,7 +222,7 @@ impl<'a> SurfaceSimplifier<'a> {
     /// is `None` in the result.
     ///
     /// # Errors
-    /// Meshes accepted by [`SurfaceSimplifier::new`] cause no error.
+    /// The triangles of a mesh are invalid. [`SurfaceSimplifier::new`] has ruled this out.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

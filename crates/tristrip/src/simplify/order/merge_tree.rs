@@ -26,7 +26,7 @@
 //!    refinement that depends on them would have a large error.
 //!
 //! The rules of the module `decimate` apply. In addition, no triangle may turn by more than 78
-//! degrees from the full mesh, or farther than it already has. The reference is the area-weighted
+//! degrees from the full mesh, or farther than it has turned already. The reference is the area-weighted
 //! sum of the normals of the full mesh at the vertices that one of its corners represents. This
 //! rule applies to the triangles of the removed vertex, and to those of the kept vertex, which
 //! represents more vertices afterwards. Without it, triangles fold over step by step.

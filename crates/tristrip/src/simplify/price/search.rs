@@ -19,7 +19,7 @@
 //! # Algorithm
 //! The neighbours are priced by ascending estimate. A price is computed in steps, cheap ones first,
 //! and abandoned as soon as it exceeds the best price. Points that were never priced have a cost of
-//! their estimate times a typical ratio of the two, so few are priced in vain. A neighbour whose
+//! their estimate times a typical ratio of the two, so few prices are wasted. A neighbour whose
 //! estimate exceeds the best price is skipped, because it rarely has the better price.
 //!
 //! For [`Price::Planes`], the price is the estimate plus the attributes. [`Price::Quadric`] uses
