@@ -55,9 +55,9 @@ impl BlockOptions {
         /// ```
         with_repair(repair: RepairOptions);
 
-        /// Sets the approximate size of the model in bytes per triangle of the full mesh, up to
-        /// 256. With more bytes there are more keys, so fewer vertices are sent. The collapses
-        /// alone take about 12 bytes; near or below that there are few keys.
+        /// Sets the approximate size of the model, up to 256 bytes per triangle of the full mesh.
+        /// With more bytes there are more keys, so fewer vertices are sent. The collapses alone
+        /// take about 12 bytes; near or below that there are few keys.
         ///
         /// ```
         /// # use tristrip::lod::BlockOptions;

@@ -14,8 +14,8 @@
 //! The paper does not require the parities, because they follow from the vertices on an oriented
 //! surface. They may not where more than two triangles share an edge; the scanner then splits. The
 //! vertex repeated at the start of a strip at an odd position is what the paper calls overridden
-//! for a consistent orientation. The paper counts it in its results but not in its figure 8 (`502
-//! 615 206 620 │ 620 580 66 761`, where the second strip begins at an odd position).
+//! for a consistent orientation. The paper counts it in its results but not in its figure 8
+//! (`502 615 206 620 │ 620 580 66 761`, where the second strip begins at an odd position).
 //! [`DrawCost`](super::DrawCost) has both counts.
 //!
 //! A straightforward scanner spends most of its time on mispredicted branches. Here, valid

@@ -19,7 +19,7 @@
 //! A ring is a range of one array: pricing reads the whole ring of a point several times per
 //! collapse, and a range is read sequentially. Levels of detail have the opposite access pattern:
 //! their collapses and splits read each ring once, and a split has to restore the ring in constant
-//! time. The linked rings of `lod::level_mesh` do that. Here, a removed corner is replaced by the
+//! time. The linked rings of `lod::level::level_mesh` do that. Here, a removed corner is replaced by the
 //! last one, and the order of a ring determines the order in which normals are added. So the two
 //! cannot share one structure without losing speed or changing results.
 //!
