@@ -16,8 +16,8 @@
 //! new one:
 //! - the foot of the origin is inside the new triangle if the dot products of n' with u × w, a × u
 //!   and w × a are positive; the height of the origin is a · n divided by the length of n';
-//! - the foot of a position m is inside the old triangle if m · (n × u) and m · (w × n) are not negative, and
-//!   their sum is at most n · n; its height is m · n divided by the length of n.
+//! - the foot of a position m is inside the old triangle if m · (n × u) and m · (w × n) are not
+//!   negative, and their sum is at most n · n; its height is m · n divided by the length of n.
 //!
 //! Neighbouring triangles share the edges at o or a, so testing one such edge per triangle is
 //! enough around an inner point.

@@ -19,9 +19,9 @@
 //! A ring is a range of one array: pricing reads the whole ring of a point several times per
 //! collapse, and a range is read sequentially. Levels of detail have the opposite access pattern:
 //! their collapses and splits read each ring once, and a split has to restore the ring in constant
-//! time. The linked rings of `lod::level::level_mesh` do that. Here, a removed corner is replaced by the
-//! last one, and the order of a ring determines the order in which normals are added. So the two
-//! cannot share one structure without losing speed or changing results.
+//! time. The linked rings of `lod::level::level_mesh` do that. Here, a removed corner is replaced
+//! by the last one, and the order of a ring determines the order in which normals are added. So the
+//! two cannot share one structure without losing speed or changing results.
 //!
 //! # Complexity
 //! 12 bytes per triangle, 12 more if there are seams, some 30 for the rings; 18 bytes per point,
