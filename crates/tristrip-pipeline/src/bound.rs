@@ -16,13 +16,14 @@ use crate::prepared::Survey;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Options {
-    /// Whether vertices with the same bits in all attributes are one, as [`StripifyOptions::with_weld`] has it.
+    /// Whether vertices with the same bits in all attributes are welded; see
+    /// [`StripifyOptions::with_weld`].
     pub weld: bool,
 }
 
 impl Options {
     tristrip::setters! {
-        /// Sets whether vertices with the same bits in all attributes are one.
+        /// Sets whether vertices with the same bits in all attributes are welded.
         with_weld(weld: bool);
     }
 }

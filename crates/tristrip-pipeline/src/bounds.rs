@@ -44,10 +44,10 @@ pub struct BoundGap {
 }
 
 impl Bounds {
-    /// Bounds all parts of a model.
+    /// Sums the lower bounds of all parts of a model.
     ///
     /// # Errors
-    /// A graph is not the one of its faces.
+    /// A dual graph does not belong to its faces.
     pub(crate) fn of(parts: &[PreparedPart<'_>]) -> Result<Self, Error> {
         let bounds = map(parts, |part| Bound::of_prepared(&part.surface, &part.graph));
         Ok(Self::sum(&bounds.into_iter().collect::<Result<Vec<_>, _>>()?))
@@ -66,7 +66,8 @@ impl Bounds {
         sum
     }
 
-    /// Compares the figure that a method minimizes with its bound; returns `None` for methods that do not search.
+    /// Compares the metric that a method minimizes with its bound. Returns `None` for methods that
+    /// do not search.
     pub(crate) fn gap(&self, options: &StripifyOptions, figures: &StripMetrics) -> Option<BoundGap> {
         let (figure, found, bound) = match (options.method, options.cost) {
             (Method::Fewest, _) => ("strips", figures.strips, self.strips),

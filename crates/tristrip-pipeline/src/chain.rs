@@ -1,23 +1,26 @@
-//! Chains of levels of detail: a model at a few chosen sizes over one vertex buffer, of which every level uses the first vertices.
+//! Level-of-detail chains: a model at a few chosen sizes over one vertex buffer. Every level uses a
+//! prefix of the vertices.
 //!
 //! ```text
-//! Model ─ one sequence of collapses per part ─▶ the levels asked for ─▶ vertices in the order of their removal
-//!                                                                 │                    │
-//!                   proof of each level from the bytes ◀─ encode ─┴─ strips or lists ◀─┘
+//! Model ─ one sequence of collapses per part ─▶ levels ─▶ vertices in reverse order of removal
+//!                                                  │                 │
+//!    proof of each level from the bytes ◀─ encode ─┴─ strips/lists ◀─┘
 //! ```
 //! # Algorithm
-//! 1. Every part is simplified once, to the coarsest level or to the error limit; parts that share a border are simplified together. The collapses of
-//!    all parts are in one order, by their costs. A level is the first point of this order at which there are no more triangles than requested; so
-//!    each level is a simplification of the next finer one.
-//! 2. Vertices are numbered in the opposite order of their removal: first those of the coarsest level, then each vertex that undoing
-//!    a collapse brings back. A level, and any point of the sequence between two levels, uses the first vertices only, so that a
-//!    program may load a coarse level first and append vertices to its buffer. Coarse levels are spread over the surface, and fetch
-//!    vertices from memory in no particular order.
-//! 3. Each level gets strips, or a list, of its own triangles. Vertices keep their normals in all levels: one that a level repaired would be a
-//!    vertex of its own.
+//! 1. Every part is simplified once, down to the coarsest level or the error limit. Parts that
+//!    share a border are simplified together. The collapses of all parts are merged into one order,
+//!    by cost. A level is the first point in this order with at most the requested number of
+//!    triangles, and each level is a simplification of the next finer one.
+//! 2. Vertices are numbered in reverse order of removal: first those of the coarsest level, then
+//!    each vertex that a collapse removed, last collapse first. A level, and any point between two
+//!    levels, uses a prefix of the vertices. A program can load a coarse level first and append
+//!    vertices to its buffer. The vertices of coarse levels are spread over the surface, and their
+//!    memory order has no locality.
+//! 3. Each level gets its own strips or triangle list. Vertices keep their normals in all levels,
+//!    because a repaired normal would need a new vertex.
 //!
 //! # Complexity
-//! That of one simplification, and of the strips of all levels.
+//! One simplification, plus the strips of all levels.
 
 mod collapsed;
 mod coverage;
@@ -45,19 +48,19 @@ use coverage::{PartExtent, coverages};
 pub use encode::File;
 pub use ratios::ChainRatios;
 
-/// How a chain is built.
+/// Options for building a chain.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
     /// The ratios of triangles that the levels keep.
     pub ratios: ChainRatios,
-    /// The maximum error of a collapse: a level that needs a larger one is not reached.
+    /// The maximum error of a collapse. Levels that need a larger error are not reached.
     pub deviation: Deviation,
-    /// What collapses may do, and what they cost.
+    /// The constraints on collapses, and their cost function.
     pub rules: CollapseRules,
-    /// The method of the strips, or of the order of triangles in lists.
+    /// The method that builds the strips, or orders the triangles of lists.
     pub stripify: StripifyOptions,
-    /// The format in which the levels will be written.
+    /// The format that the levels will be written in.
     pub format: Format,
     /// Whether the collapses are proven.
     pub verify: bool,
@@ -70,7 +73,8 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Chooses levels and a format, with an error of at most 1 % of the diagonal.
+    /// Creates options for these levels and this format, with a maximum error of 1 % of the
+    /// diagonal.
     pub fn new(ratios: ChainRatios, format: Format) -> Self {
         Self {
             ratios,
@@ -86,16 +90,16 @@ impl Options {
         /// Sets the maximum error of a collapse.
         with_deviation(deviation: Deviation);
 
-        /// Sets what collapses may do, and what they cost.
+        /// Sets the constraints on collapses, and their cost function.
         with_rules(rules: CollapseRules);
 
-        /// Sets the method of the strips.
+        /// Sets the method that builds the strips.
         with_stripify(stripify: StripifyOptions);
 
         /// Sets whether the collapses are proven.
         with_verify(verify: bool);
 
-        /// Sets the format in which the levels will be written.
+        /// Sets the format that the levels will be written in.
         with_format(format: Format);
     }
 }
@@ -132,12 +136,12 @@ pub struct ChainLevel {
     pub output: Option<String>,
 }
 
-/// A model at several levels of detail, to be encoded.
+/// A model at several levels of detail, ready to be encoded.
 #[derive(Debug, Default)]
 pub struct Chain {
     options: Options,
     leveled: LeveledModel,
-    /// For each level the triangles of each part, over the vertices of the source.
+    /// The triangles of each part at each level, over the vertices of the source.
     expected: Vec<Vec<Vec<u32>>>,
     extents: Vec<PartExtent>,
 }
@@ -192,12 +196,13 @@ pub struct Outcome {
 /// Builds the levels of a chain.
 ///
 /// # Errors
-/// The maximum error is negative or not a number, a part is too large, the collapses are not proven, or the observer cancelled.
+/// The maximum error is negative or NaN, a part is too large, the collapses are not proven, or the
+/// observer cancelled.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
 /// use tristrip_pipeline::{Deviation, chain};
-/// // A fan of four triangles around a vertex, which one collapse removes.
+/// // A fan of four triangles around a vertex. One collapse removes the vertex.
 /// let fan = |height: u32| {
 ///     let corners = format!("v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 {height}\n");
 ///     read([&corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)
@@ -226,7 +231,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
         prove(&done, &collapses, observer)?;
     }
 
-    // 3. The vertices in the order of their removal.
+    // 3. The vertices in reverse order of removal.
     begin(observer, Stage::Reorder)?;
     let extents = (0..parts.len()).map(|part| collapsed::extent(&parts[part], part, &done, &levels));
     let extents = extents.collect::<Result<Vec<PartExtent>, Error>>()?;
@@ -239,7 +244,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     let locked = locked_note(collapses.locked_vertices);
     notes.extend(place_notes.into_iter().chain(locked).chain(kept_groups(&leveled.groups)));
 
-    // 4. The figures of the levels.
+    // 4. The metrics of the levels.
     let coverage = coverages(&extents.iter().collect::<Vec<_>>());
     let figures = figures.into_iter().zip(options.ratios.as_slice()).zip(coverage).enumerate();
     let levels =
@@ -298,7 +303,7 @@ fn collapse(
     Ok((all.summary(parts)?, all.parts))
 }
 
-/// Returns a sentence on the levels that were not reached, which are the coarsest ones.
+/// Returns a warning about the levels that were not reached. These are always the coarsest ones.
 fn warn(levels: &[CollapsedLevel], collapses: &Collapses, options: &Options) -> Option<String> {
     let first = levels.iter().position(|level| !level.is_reached())?;
     let last = levels.len() - 1;

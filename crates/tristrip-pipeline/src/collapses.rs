@@ -1,4 +1,4 @@
-//! What the collapses of a whole model reached.
+//! The results of the collapses of a whole model.
 
 use serde::Serialize;
 use tristrip::simplify::Stopped;
@@ -42,7 +42,7 @@ pub struct Collapses {
     pub vertices_kept: Option<KeptVertices>,
 }
 
-/// The numbers of vertices by the reason for which a simplification kept them, each counted once.
+/// The number of vertices by the reason why a simplification kept them. Each vertex counts once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -68,7 +68,7 @@ impl From<Stopped> for KeptVertices {
     }
 }
 
-/// Returns a distance in percent of a model's diagonal.
+/// Returns a distance in percent of the diagonal of a model.
 pub(crate) fn percent_of(distance: f64, diagonal: f64) -> f64 {
     if diagonal > 0.0 { rounded(100.0 * distance / diagonal) } else { 0.0 }
 }

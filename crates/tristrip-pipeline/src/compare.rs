@@ -1,4 +1,4 @@
-//! All methods on the same model side by side, each result proven.
+//! Compares all methods on one model. Each result is proven.
 
 use serde::Serialize;
 use tristrip::stripify::{
@@ -18,11 +18,12 @@ use crate::prepared::{PreparedModel, Survey};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Options {
-    /// The options that all methods share, such as the seed. The method is not used.
+    /// The options that all methods share, such as the seed. Their method is ignored.
     pub stripify: StripifyOptions,
-    /// The effort of the methods that search, instead of their defaults; `best` also runs at its default effort.
+    /// The effort of all methods that search, or `None` for their defaults; `best` also runs at its
+    /// default effort.
     pub effort: Option<Effort>,
-    /// Whether every variant of a method is compared, instead of one or a few of each family.
+    /// Whether every variant of a method is compared, instead of one or a few per family.
     pub every_variant: bool,
 }
 
@@ -38,14 +39,15 @@ impl Options {
         with_every_variant(every_variant: bool);
     }
 
-    /// Returns the options of each row: `best` at its default effort, then all methods at the effort.
+    /// Returns the options of each row: `best` at its default effort, then all methods at the
+    /// requested effort.
     ///
     /// ```
     /// use tristrip::Effort;
     /// use tristrip_pipeline::compare::Options;
     /// let every = Options::default().with_every_variant(true);
     /// let other = every.with_effort(Effort::new(3));
-    /// // `best` has a second row at an effort other than its default.
+    /// // `best` gets a second row if the effort is not its default.
     /// assert_eq!((every.methods().len(), other.methods().len()), (45, 46));
     /// ```
     pub fn methods(&self) -> Vec<StripifyOptions> {
@@ -88,7 +90,7 @@ pub struct Row {
     pub proven: bool,
     /// The times of the method in seconds.
     pub seconds: MethodSeconds,
-    /// The metrics of a proven result.
+    /// The metrics of a proven result; `None` if there is none.
     #[serde(flatten)]
     pub metrics: Option<StripMetrics>,
     /// Why the search ended before its effort was spent; `None` if it was not stopped.
@@ -97,8 +99,8 @@ pub struct Row {
     pub error: Option<String>,
 }
 
-/// The times of a method, in seconds; `None` for what was not measured. The pipeline reads no clock:
-/// the caller fills them in.
+/// The times of a method, in seconds; `None` for times that were not measured. The pipeline does
+/// not read the clock: the caller fills them in.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MethodSeconds {
@@ -108,8 +110,8 @@ pub struct MethodSeconds {
     pub verify: Option<f64>,
 }
 
-/// Builds strips by all methods, proves and measures them. A method without a proven result has a row that says why. Each method starts
-/// with [`Stage::Stripify`].
+/// Builds strips by all methods, then measures and proves them. The row of a method without a
+/// proven result has an error message. Each method starts with [`Stage::Stripify`].
 ///
 /// # Errors
 /// The observer cancelled.
@@ -136,7 +138,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     Ok(Outcome { mesh, parts: prepared.parts().len(), notes, methods })
 }
 
-/// Runs one method; its row has metrics only if the result is proven.
+/// Runs one method. Its row has metrics only if the result is proven.
 fn row(
     prepared: &PreparedModel<'_>,
     options: &StripifyOptions,
@@ -160,7 +162,8 @@ fn row(
     Ok(Row { method, proven: metrics.is_some(), seconds, metrics, stopped, error })
 }
 
-/// The variant of `eta` that is compared: with the default length it takes a quarter of an hour for a million triangles.
+/// The variant of `eta` in the comparison. With the default tunnel length, `eta` takes 15 minutes
+/// for a million triangles.
 const ETA_TO_COMPARE: Method = Method::Eta {
     tunnels: TunnelOptions::ETA.with_length(49),
     acceptance: Acceptance::DepthFirst,

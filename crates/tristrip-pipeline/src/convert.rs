@@ -1,4 +1,4 @@
-//! Conversion between formats and strip layouts, without new strips.
+//! Conversion between formats and strip layouts. No new strips are built.
 
 use serde::Serialize;
 use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips};
@@ -10,26 +10,28 @@ use crate::observer::{Observer, Stage, begin};
 use crate::parts::meshes;
 use crate::prepared::PreparedModel;
 
-/// How a model is converted.
+/// Options for converting a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Options {
     /// The format of the file.
     pub format: Format,
-    /// The layout of all parts as strips in their stored order; `None` to keep faces as faces and strips as strips.
+    /// The layout of all parts as strips in their stored order; `None` to keep faces as faces and
+    /// strips as strips.
     pub layout: Option<Layout>,
     /// Whether the bytes are read back and proven.
     pub verify: bool,
 }
 
 impl Options {
-    /// Chooses a format; faces stay faces, strips stay strips where the format has them.
+    /// Creates options for a format. Faces stay faces, and strips stay strips if the format
+    /// supports strips.
     pub fn new(format: Format) -> Self {
         Self { format, layout: None, verify: true }
     }
 
     tristrip::setters! {
-        /// Draws all parts as strips in their stored order, in a layout.
+        /// Sets the layout in which all parts are drawn as strips, in their stored order.
         with_layout(layout: Layout) as Some;
 
         /// Sets whether the bytes are read back and proven.
@@ -109,7 +111,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     })
 }
 
-/// Returns the strips of each part in their stored order; `None` for a part that the options draw as faces.
+/// Returns the strips of each part in their stored order; `None` for a part that is drawn as faces.
 fn strips_as_stored(
     model: &Model,
     options: Options,

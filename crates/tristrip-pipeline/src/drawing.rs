@@ -1,11 +1,14 @@
-//! How each part of a model is drawn in a file: by the fewest indices, to make no file larger.
+//! Chooses how a file draws each part: whichever takes the fewest indices. A result is never larger
+//! than its source.
 //!
-//! Strips pay for themselves only where triangles share edges: a strip of one triangle takes four indices with its restart, and six where it
-//! is joined by degenerate triangles, but three in a list. A flat-shaded model, in which every edge is a seam, is smaller as a list.
+//! Strips are shorter than a list only if triangles share edges. A strip of one triangle takes four
+//! indices with its restart, or six if degenerate triangles join it. In a list it takes three. A
+//! flat-shaded model, in which every edge is a seam, is smaller as a list.
 //!
 //! # Algorithm
-//! Per part, the fewest indices win: the strips found, in the layout of the file; the strips that the source stores, in the same layout; or
-//! the faces, as a list, if the options allow it. Between equal numbers the first of these wins.
+//! Each part is drawn by the candidate with the fewest indices: the strips of the method, in the
+//! layout of the file; the strips stored in the source, in the same layout; or the faces as a list,
+//! if the options allow it. In a tie, the first candidate wins.
 //!
 //! # Complexity
 //! Linear time; 4 bytes per vertex while the vertex cache of a part is simulated.
@@ -22,10 +25,10 @@ use crate::metrics::rounded;
 use crate::parts::map;
 use crate::text::counted;
 
-/// The vertex cache of the report.
+/// The vertex cache that reports use.
 const CACHE: VertexCache = VertexCache::fifo(16);
 
-/// What a part is drawn as.
+/// How a part is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DrawnAs {
@@ -37,15 +40,15 @@ pub enum DrawnAs {
     List,
 }
 
-/// The indices of a model, and their vertex-cache misses, summed over its parts.
+/// The index count and vertex-cache misses of a model, summed over its parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct IndexCost {
-    /// The indices, restarts and degenerate triangles included. Polygons count as fans.
+    /// The number of indices, including restarts and degenerate triangles. Polygons count as fans.
     pub indices: usize,
-    /// Real triangles.
+    /// The number of triangles, without degenerate ones.
     pub triangles: usize,
-    /// Misses of a FIFO vertex cache of 16 entries; each part starts with an empty cache.
+    /// The misses of a FIFO vertex cache of 16 entries, empty at the start of each part.
     pub misses: usize,
 }
 
@@ -62,7 +65,8 @@ impl IndexCost {
         Self { indices: list.len(), triangles: used.triangles, misses: used.misses }
     }
 
-    /// Returns the cost of strips that were measured, with the same vertex cache.
+    /// Returns the cost of strips from their metrics, which were measured with the same vertex
+    /// cache.
     fn of_found(figures: &PartMetrics, layout: Layout) -> Self {
         let PartMetrics { metrics, fifo_16 } = figures;
         let indices = index_count(metrics, layout);
@@ -94,7 +98,7 @@ impl std::iter::Sum for IndexCost {
     }
 }
 
-/// What a file draws, and its size; the keys are those of the JSON report.
+/// The index statistics and the size of a file; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -110,13 +114,13 @@ pub struct FileCost {
 }
 
 impl FileCost {
-    /// Reports a cost and a size.
+    /// Combines a cost and a file size.
     pub(crate) fn of(cost: &IndexCost, bytes: Option<u64>) -> Self {
         Self { indices: cost.indices, acmr_fifo_16: rounded(cost.acmr()), bytes }
     }
 }
 
-/// The numbers of parts by what they are drawn as; the keys are those of the JSON report.
+/// The number of parts per kind of drawing; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -130,7 +134,7 @@ pub struct DrawnParts {
 }
 
 impl DrawnParts {
-    /// Returns a note for each kind of parts that are not drawn as the strips found.
+    /// Returns a note per kind of parts that are not drawn as the strips of the method.
     pub(crate) fn notes(&self) -> Vec<String> {
         let stored =
             format!("{} drawn as the strips of the input: fewer indices", counted(self.stored, "part"));
@@ -143,13 +147,13 @@ impl DrawnParts {
     }
 }
 
-/// How a model is drawn in a file, and what that costs.
+/// The drawings of a model in a file, and their cost.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Drawn<'a> {
-    /// How a writer draws each part, in their order.
+    /// The drawing of each part, in order, for the writer.
     pub drawings: Vec<Drawing<'a>>,
-    /// What each part is drawn as, in their order.
+    /// How each part is drawn, in order.
     pub drawn_as: Vec<DrawnAs>,
     /// The cost of the source as it was read.
     pub before: IndexCost,
@@ -158,7 +162,7 @@ pub struct Drawn<'a> {
 }
 
 impl Drawn<'_> {
-    /// Counts the parts by what they are drawn as.
+    /// Counts the parts per kind of drawing.
     pub(crate) fn parts(&self) -> DrawnParts {
         let count = |kind| self.drawn_as.iter().filter(|&&one| one == kind).count();
         DrawnParts {
@@ -169,14 +173,15 @@ impl Drawn<'_> {
     }
 }
 
-/// Chooses how each part is drawn. With `keep_found`, the strips found are drawn whatever their number of indices.
+/// Chooses how each part is drawn. With `keep_found`, the strips of the method are drawn even if
+/// they take more indices.
 pub(crate) fn choose<'a>(
     model: &'a Model,
     (strips, figures): (&'a [Strips], &[PartMetrics]),
     options: encode::Options,
     keep_found: bool,
 ) -> Drawn<'a> {
-    // OBJ has no strips: the triangles are written in strip order.
+    // OBJ has no strips. Its triangles are written in strip order.
     let layout = if options.format == Format::Obj { Layout::List } else { options.layout };
     let keep_found = keep_found || layout == Layout::List;
     let all: Vec<_> = model.parts.iter().zip(strips).zip(figures).collect();

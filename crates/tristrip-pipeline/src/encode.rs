@@ -1,4 +1,4 @@
-//! Files in memory: a model is laid out, read back and proven before its bytes are returned.
+//! Encoding to memory: a model is encoded, read back and proven before its bytes are returned.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -22,37 +22,39 @@ pub struct Options {
     pub format: Format,
     /// The layout of strips in its index buffers.
     pub layout: Layout,
-    /// Whether [`strip::Outcome::encode`](crate::strip::Outcome::encode) may draw a part as a list where that takes fewer indices than strips.
+    /// Whether [`strip::Outcome::encode`](crate::strip::Outcome::encode) may draw a part as a list
+    /// if that takes fewer indices than strips.
     pub list: bool,
-    /// Whether vertices are numbered in the order in which the drawings first use them.
+    /// Whether vertices are reordered by first use in the drawings.
     pub reorder: bool,
-    /// How a GLB is packed into fewer bytes: data that is stored twice once, animations without needless keyframes; `None` for not at all.
+    /// How a GLB is packed: duplicate data is stored once, redundant keyframes are removed, and
+    /// values are rounded as given. `None` disables this.
     pub pack: Option<Rounding>,
     /// Whether the bytes are read back and proven.
     pub verify: bool,
 }
 
 impl Options {
-    /// Chooses a format, with the layout that every reader of it draws, or a list for a part where that takes fewer indices; proven, with
-    /// the vertices in their order.
+    /// Creates options for a format: the layout that every reader of the format supports, or a list
+    /// per part if that takes fewer indices. Bytes are proven, and vertices keep their order.
     pub fn new(format: Format) -> Self {
         Self { format, layout: default_layout(format), list: true, reorder: false, pack: None, verify: true }
     }
 
-    /// Sets the layout of strips; no part is drawn as a list instead.
+    /// Sets the layout of strips. Parts are then never drawn as lists instead.
     #[must_use]
     pub fn with_layout(self, layout: Layout) -> Self {
         Self { layout, list: false, ..self }
     }
 
     tristrip::setters! {
-        /// Sets whether a part may be drawn as a list where that takes fewer indices than strips.
+        /// Sets whether a part may be drawn as a list if that takes fewer indices than strips.
         with_list(list: bool);
 
-        /// Sets whether vertices are numbered in the order in which the drawings first use them.
+        /// Sets whether vertices are reordered by first use in the drawings.
         with_reorder(reorder: bool);
 
-        /// Sets how a GLB is packed into fewer bytes.
+        /// Sets how a GLB is packed.
         with_pack(pack: Option<Rounding>);
 
         /// Sets whether the bytes are read back and proven.
@@ -60,7 +62,8 @@ impl Options {
     }
 }
 
-/// Returns the layout of strips that readers of a format draw: degenerate for GLB, restart for PLY, a list for OBJ, which has no strips.
+/// Returns the strip layout that readers of a format support: degenerate for GLB, restart for PLY,
+/// and a list for OBJ, which has no strips.
 ///
 /// ```
 /// use tristrip::Layout;
@@ -79,18 +82,19 @@ pub fn default_layout(format: Format) -> Layout {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Outcome {
-    /// The file.
+    /// The encoded bytes.
     pub bytes: Vec<u8>,
-    /// The number of faces that the bytes are proven to draw; `None` if the proof was not requested.
+    /// The number of faces that the bytes are proven to draw; `None` if the proof was not
+    /// requested.
     pub faces: Option<usize>,
-    /// The new order of the vertices, if it was requested.
+    /// The new vertex order, if reordering was requested.
     pub groups: Option<Vec<VertexGroup>>,
-    /// Notes on vertices that kept their order or were kept although unused, on viewers that cannot draw the file, and on what the
-    /// format cannot store.
+    /// Notes on vertices that were not reordered or were kept although unused, on viewers that
+    /// cannot draw the file, and on data that the format cannot store.
     pub notes: Vec<String>,
-    /// What a viewer of the file does not see although the model has it.
+    /// Warnings about data of the model that viewers of the file do not show.
     pub warnings: Vec<String>,
-    /// The files that an OBJ refers to, to be written into its folder.
+    /// The files that an OBJ refers to. They belong in its directory.
     pub files: Vec<SideFile>,
 }
 
@@ -100,8 +104,8 @@ impl Outcome {
         self.notes.iter().chain(&self.warnings).cloned().collect()
     }
 
-    /// Separates a GLB into a `.gltf` and its buffer, of this file name, and proves that they hold the same meshes as the GLB, if that
-    /// was proven.
+    /// Splits a GLB into a `.gltf` document and a buffer with this file name. If the GLB was
+    /// proven, proves that both hold the same meshes.
     ///
     /// # Errors
     /// The file is not a GLB, or the separate files are not proven.
@@ -129,10 +133,11 @@ impl Outcome {
     }
 }
 
-/// Encodes a model as a file with one drawing for each part, and proves that the bytes draw the model.
+/// Encodes a model with one drawing per part, and proves that the bytes draw the model.
 ///
 /// # Errors
-/// The drawings do not fit the model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+/// The drawings do not fit the model, the format cannot store it, the bytes are not proven, or the
+/// observer cancelled.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read};
@@ -175,7 +180,7 @@ pub fn run(
     let mut faces = None;
     if options.verify {
         begin(observer, Stage::ReadBack)?;
-        // The model that is read back shares the bytes, and is dropped with the proof.
+        // The model that is read back shares the bytes. It is dropped after the proof.
         let shared = Arc::new(bytes);
         faces = Some(prove(model, &shared, format)?);
         bytes = Arc::unwrap_or_clone(shared);
@@ -185,7 +190,7 @@ pub fn run(
     Ok(Outcome { bytes, faces, groups: reordered.map(|moved| moved.groups), notes, warnings, files })
 }
 
-/// The note on a GLB with restarts.
+/// The note for a GLB with restart indices.
 const RESTART_NOTE: &str = "restarts in a GLB need the draft extension KHR_mesh_primitive_restart: viewers that ignore it, such as three.js, \
                             draw this file wrong; every viewer draws layout degenerate";
 
@@ -195,7 +200,7 @@ fn has_restarts(drawings: &[Drawing<'_>], options: Options) -> bool {
     options.format == Format::Glb && options.layout == Layout::Restart && drawings.iter().any(several)
 }
 
-/// Numbers the vertices in the order of their first use.
+/// Reorders the vertices by first use.
 fn reorder(
     model: &Model,
     drawings: &[Drawing<'_>],
@@ -206,7 +211,7 @@ fn reorder(
     Ok(tristrip_io::reorder(model, drawings, options.format, options.layout)?)
 }
 
-/// Returns a note per reason for which parts kept their vertex order.
+/// Returns a note per reason why parts kept their vertex order.
 pub(crate) fn kept_groups(groups: &[VertexGroup]) -> Vec<String> {
     let mut by_reason: BTreeMap<&str, usize> = BTreeMap::new();
     for group in groups {
@@ -214,11 +219,11 @@ pub(crate) fn kept_groups(groups: &[VertexGroup]) -> Vec<String> {
             *by_reason.entry(why).or_default() += group.parts.len();
         }
     }
-    let note = |(why, parts)| format!("vertices not re-ordered in {}: {why}", counted(parts, "part"));
+    let note = |(why, parts)| format!("vertices not reordered in {}: {why}", counted(parts, "part"));
     by_reason.into_iter().map(note).collect()
 }
 
-/// Returns a note per reason for which a scene keeps unused vertices.
+/// Returns a note per reason why a scene keeps unused vertices.
 pub(crate) fn kept_vertices(redrawn: &Redrawn) -> Vec<String> {
     let mut by_reason: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     for group in &redrawn.kept_groups {
@@ -241,7 +246,8 @@ fn prove(source: &Model, bytes: &Arc<Vec<u8>>, format: Format) -> Result<usize, 
     }
 }
 
-/// Serializes whether a result is proven: `null` means that the proof was not requested, since an unproven result is an error.
+/// Serializes whether a result is proven. `false` becomes `null`: the proof was not requested,
+/// because an unproven result is an error.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
 pub(crate) fn true_or_null<S: Serializer>(proven: &bool, serializer: S) -> Result<S::Ok, S::Error> {
     proven.then_some(true).serialize(serializer)

@@ -1,4 +1,4 @@
-//! The errors of the pipeline, by who can act on them.
+//! The errors of the pipeline, grouped by who can act on them.
 
 use serde::Serialize;
 
@@ -19,15 +19,15 @@ pub enum Error {
     #[error("not proven: {why}")]
     #[non_exhaustive]
     Unproven {
-        /// The first difference from what was expected.
+        /// The first difference from the expected result.
         why: String,
-        /// The metrics of the unproven result, for a report; `None` where it was not measured.
+        /// The metrics of the unproven result, for a report; `None` if it was not measured.
         metrics: Option<Box<UnprovenMetrics>>,
     },
     /// The requested level of detail does not exist.
     #[error("level: found {found}, expected at most {last}")]
     Level {
-        /// The level requested.
+        /// The requested level.
         found: usize,
         /// The highest level, which is the number of collapses.
         last: usize,
@@ -42,19 +42,19 @@ pub enum Error {
 #[serde(untagged)]
 #[non_exhaustive]
 pub enum UnprovenMetrics {
-    /// Those of strips.
+    /// The metrics of strips.
     Strips(StripMetrics),
-    /// Those of a simplification.
+    /// The results of a simplification.
     Simplified(Collapses),
 }
 
 impl Error {
-    /// Returns the error of a result that is not proven, without metrics.
+    /// Returns the error for a result that is not proven, without metrics.
     pub fn unproven(why: impl Into<String>) -> Self {
         Self::Unproven { why: why.into(), metrics: None }
     }
 
-    /// Adds the metrics of the result to [`Error::Unproven`]; other errors stay as they are.
+    /// Adds the metrics of the result to [`Error::Unproven`]. Other errors are returned unchanged.
     pub(crate) fn with_metrics(self, measured: impl FnOnce() -> UnprovenMetrics) -> Self {
         match self {
             Self::Unproven { why, metrics: None } => {

@@ -1,4 +1,4 @@
-//! Measures a model: the library's metrics of strips and meshes, summed over its parts.
+//! Measures a whole model: the metrics of strips and meshes, summed over its parts.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use crate::metrics::{StripMetrics, rounded};
 use crate::parts::{PreparedPart, check_vertices, map};
 use crate::text::counted;
 
-/// The figures of a part that decide how it is drawn.
+/// The metrics that decide how a part is drawn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PartMetrics {
     pub(crate) metrics: Metrics,
@@ -21,10 +21,11 @@ pub(crate) struct PartMetrics {
 }
 
 impl StripMetrics {
-    /// Measures the strips of all parts, drawn one part after the other; each part with its number of vertices.
+    /// Measures the strips of all parts, drawn one part after the other. Each item has the strips
+    /// of a part and its number of vertices.
     ///
     /// # Errors
-    /// Strips name a vertex that their part does not have.
+    /// Strips refer to a vertex that their part does not have.
     ///
     /// ```
     /// use tristrip::{StripifyOptions, Strips};
@@ -38,7 +39,7 @@ impl StripMetrics {
         Ok(Self::with_parts(parts, options)?.0)
     }
 
-    /// Measures strips as [`StripMetrics::of`] does; returns the metrics of each part, too.
+    /// Measures strips like [`StripMetrics::of`], and also returns the metrics of each part.
     pub(crate) fn with_parts(
         parts: &[(&Strips, usize)],
         options: &StripifyOptions,
@@ -121,7 +122,8 @@ pub struct MeshProperties {
 }
 
 impl MeshProperties {
-    /// Sums the counts of all parts. Vertices that several parts share are counted once; edges and components do not cross parts.
+    /// Sums the counts of all parts. Vertices that several parts share are counted once; edges and
+    /// components do not cross parts.
     pub(crate) fn of(parts: &[PreparedPart<'_>]) -> Self {
         let reports = map(parts, |part| MeshReport::of(part.mesh, &part.surface, &part.graph));
         let mut sum = Self::default();
@@ -145,7 +147,7 @@ impl MeshProperties {
 }
 
 impl MeshProperties {
-    /// Returns a note on each kind of faces or vertices that were dropped, changed or unusual.
+    /// Returns a note per kind of faces or vertices that were dropped, changed or unusual.
     pub(crate) fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         let mut add = |n: usize, noun: &str, rest: &str| {
@@ -163,7 +165,8 @@ impl MeshProperties {
     }
 }
 
-/// Counts the vertices of all parts, and those that no part uses. Vertices that parts share are counted once.
+/// Returns the number of vertices of all parts, and of those that no part uses. Vertices that parts
+/// share are counted once.
 fn count_vertices(parts: &[PreparedPart<'_>], reports: &[MeshReport]) -> (usize, usize) {
     let mut by_positions: HashMap<*const [f32; 3], Vec<usize>> = HashMap::new();
     for (number, part) in parts.iter().enumerate() {
@@ -177,7 +180,7 @@ fn count_vertices(parts: &[PreparedPart<'_>], reports: &[MeshReport]) -> (usize,
     (vertices, by_positions.values().map(unused).sum())
 }
 
-/// Counts the vertices that none of several meshes over the same vertices uses.
+/// Counts the vertices that are unused by all of several meshes over the same vertices.
 fn unused_by_all<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> usize {
     let mut used = Vec::new();
     for mesh in meshes {

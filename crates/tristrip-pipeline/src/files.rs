@@ -1,9 +1,13 @@
-//! Files of results: what a result takes from the folder of its source, and the files that are written, with those that belong beside them.
+//! Files of results: reads what a result needs from the directory of its source, and writes the
+//! result with its companion files.
 //!
 //! ```text
-//! source ─ materials of an OBJ, images of a .gltf ─▶ model ─▶ … ─▶ encoded ─▶ file │ .gltf and .bin │ OBJ, libraries and images
+//! source ─ materials of an OBJ, images of a .gltf ─▶ model ─▶ … ─▶ encoded ─┬▶ one file
+//!                                                                           ├▶ .gltf and .bin
+//!                                                                           └▶ OBJ, libraries, images
 //! ```
-//! A file is written under a temporary name and then renamed: a failure leaves the old one unchanged.
+//! A file is written under a temporary name and then renamed. If writing fails, the old file stays
+//! unchanged.
 
 use std::fs;
 use std::io::{Error as SystemError, ErrorKind};
@@ -15,19 +19,19 @@ use tristrip_io::{EmbeddedImages, Error as FileError, Format, Model, SideFile};
 use crate::encode::{self, default_layout};
 use crate::error::Error;
 
-/// The formats that can be written.
+/// The formats that the pipeline can write.
 pub const WRITTEN_FORMATS: [Format; 4] = [Format::Glb, Format::Gltf, Format::Ply, Format::Obj];
 
 /// The destination of a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Target<'a> {
-    /// The file; `None` for bytes in memory or a stream.
+    /// The path; `None` for bytes in memory or a stream.
     pub path: Option<&'a Path>,
-    /// The format; GLB also for a `.gltf`, which is one in two files.
+    /// The format. For a `.gltf` this is GLB, which is then split into two files.
     pub format: Format,
-    /// Whether the result is a `.gltf`, with its buffer in a file beside it.
+    /// Whether the result is a `.gltf` with its buffer in a separate file.
     pub separate: bool,
-    /// Whether the folder of the file is created if it does not exist.
+    /// Whether a missing directory of the file is created.
     pub creates_folder: bool,
 }
 
@@ -35,18 +39,18 @@ pub struct Target<'a> {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct WrittenFiles {
-    /// The size of the result in bytes, without the materials and images beside an OBJ.
+    /// The size of the result in bytes, without the materials and images of an OBJ.
     pub bytes: usize,
-    /// The material libraries and images that were written beside an OBJ.
+    /// The material libraries and images that were written for an OBJ.
     pub beside: Vec<PathBuf>,
-    /// Files that were not replaced, in words.
+    /// A warning per file that was not replaced.
     pub warnings: Vec<String>,
 }
 
-/// Returns the format of a file to write: the one asked for, or that of the extension.
+/// Returns the format of a file to write: the requested format, or the format of the extension.
 ///
 /// # Errors
-/// The format is not known or cannot be written; the message names the file.
+/// The format is unknown or cannot be written. The message has the file name.
 ///
 /// ```
 /// use std::path::Path;
@@ -73,7 +77,7 @@ pub fn format_to_write(path: &Path, format: Option<Format>) -> Result<Format, St
     Ok(format)
 }
 
-/// Returns the layout asked for, or the default of a format.
+/// Returns the requested layout, or the default layout of a format.
 ///
 /// # Errors
 /// The format has no strips.
@@ -95,14 +99,15 @@ pub fn layout_to_write(format: Format, layout: Option<Layout>) -> Result<Layout,
 }
 
 impl<'a> Target<'a> {
-    /// Chooses a file in a format that can be written, or bytes in memory.
+    /// Creates a target for a file in a format that can be written, or for bytes in memory.
     pub fn new(path: Option<&'a Path>, format: Format) -> Self {
         let separate = format == Format::Gltf;
         let format = if separate { Format::Glb } else { format };
         Self { path, format, separate, creates_folder: false }
     }
 
-    /// Returns whether the material libraries of an OBJ are read for this result, or written beside it.
+    /// Returns whether this result needs the material libraries of an OBJ, either to embed or to
+    /// copy them.
     pub fn takes_materials(&self, model: &Model) -> bool {
         match self.format {
             Format::Obj => self.path.is_some(),
@@ -111,17 +116,18 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Returns whether the images that a source has in separate files are taken into this result: they stay where they are for a `.gltf` in the
-    /// folder of the source.
+    /// Returns whether this result embeds or copies the images that its source has in separate
+    /// files. A `.gltf` in the directory of the source refers to them instead.
     pub fn takes_images(&self, source: Option<&Path>) -> bool {
         self.format == Format::Glb && !(self.separate && same_folder(source, self.path))
     }
 
-    /// Takes what this result needs from the folder of its source into the model: the materials of an OBJ and its libraries, the images of
-    /// a glTF in separate files. An OBJ gets those of a glTF as a library. Returns what became of the images.
+    /// Loads data that this result needs from the directory of its source into the model: the
+    /// materials of an OBJ and its libraries, and the images of a glTF in separate files. For an
+    /// OBJ result, the materials of a glTF become a library. Returns which images were embedded.
     ///
     /// # Errors
-    /// The lists of images of a document are not valid.
+    /// The image lists of a document are invalid.
     ///
     /// ```
     /// use std::path::Path;
@@ -144,11 +150,12 @@ impl<'a> Target<'a> {
         Ok(EmbeddedImages::default())
     }
 
-    /// Writes a result and the files that belong beside it. Files beside an OBJ that have other content stay, with a warning, unless they are named
-    /// after it.
+    /// Writes a result and its companion files. Existing companion files of an OBJ with other
+    /// content are kept, with a warning, unless they are named after the OBJ.
     ///
     /// # Errors
-    /// The target has no file, a file cannot be written, or the separate files of a `.gltf` are not proven.
+    /// The target has no path, a file cannot be written, or the separate files of a `.gltf` are not
+    /// proven.
     ///
     /// ```
     /// use tristrip_io::{Drawing, Format, read};
@@ -162,7 +169,7 @@ impl<'a> Target<'a> {
     /// ```
     pub fn write(&self, encoded: &encode::Outcome) -> Result<WrittenFiles, Error> {
         let Some(path) = self.path else {
-            return Err(FileError::Unsupported("a result without a file cannot be written".into()).into());
+            return Err(FileError::Unsupported("found no path, expected the path of a file".into()).into());
         };
         if !self.separate {
             self.write_bytes(path, &encoded.bytes)?;
@@ -175,7 +182,7 @@ impl<'a> Target<'a> {
             return Err(system(path, SystemError::new(ErrorKind::InvalidInput, message)));
         };
         let files = encoded.separate(name)?;
-        // The buffer first: a document is never without it.
+        // Write the buffer first: a document must never be without it.
         if !files.buffer.is_empty() {
             self.write_bytes(&buffer_path, &files.buffer)?;
         }
@@ -183,20 +190,20 @@ impl<'a> Target<'a> {
         Ok(WrittenFiles { bytes: files.json.len() + files.buffer.len(), ..WrittenFiles::default() })
     }
 
-    /// Writes the bytes of a single file.
+    /// Writes the bytes of one file.
     ///
     /// # Errors
-    /// The file or its folder cannot be written.
+    /// The file or its directory cannot be written.
     pub fn write_bytes(&self, path: &Path, bytes: &[u8]) -> Result<(), Error> {
         if let Some(folder) = path.parent().filter(|folder| self.creates_folder && !folder.exists()) {
-            // Create only the folder itself: a missing parent is more likely a typing error.
+            // Create only the directory itself: a missing parent is more likely a typing error.
             fs::create_dir(folder).map_err(|error| system(folder, error))?;
         }
         Ok(tristrip_io::replace_file(path, bytes)?)
     }
 }
 
-/// Returns the name of the file of a level beside another one: with the number of the level before the extension.
+/// Returns the file name of a level: the path with the level number before its extension.
 ///
 /// ```
 /// use std::path::Path;
@@ -212,7 +219,7 @@ pub fn path_of_level(path: &Path, level: usize) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Writes the material libraries and images of an OBJ into its folder.
+/// Writes the material libraries and images of an OBJ into its directory.
 fn write_side_files(
     path: &Path,
     files: &[SideFile],
@@ -240,7 +247,7 @@ fn write_side_files(
     Ok(written)
 }
 
-/// Returns whether two files are in one folder, links followed.
+/// Returns whether two files are in the same directory, after following links.
 fn same_folder(a: Option<&Path>, b: Option<&Path>) -> bool {
     let folder = |path: Option<&Path>| match path?.parent()? {
         here if here.as_os_str().is_empty() => Path::new(".").canonicalize().ok(),

@@ -1,11 +1,11 @@
-//! The goals of a simplification, also as typed.
+//! Simplification goals, and their text syntax.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::Serialize;
 
-/// A ratio from 0 to 1, of triangles or collapses: `0.05` or `5%`.
+/// A ratio of triangles or collapses, from 0 to 1. Its text is `0.05` or `5%`.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Ratio(f64);
@@ -14,7 +14,7 @@ impl Ratio {
     /// The ratio 0.
     pub const ZERO: Self = Self(0.0);
 
-    /// Returns a ratio from 0 to 1; `None` for any other number.
+    /// Returns a ratio from 0 to 1, or `None` if the number is out of range or NaN.
     ///
     /// ```
     /// use tristrip_pipeline::Ratio;
@@ -53,17 +53,17 @@ impl FromStr for Ratio {
     }
 }
 
-/// A distance as typed: `0.01` in mesh units, or `0.1%` of the diagonal of the bounding box.
+/// A distance. Its text is `0.01` in mesh units, or `0.1%` of the diagonal of the bounding box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Deviation {
-    /// In mesh units.
+    /// A distance in mesh units.
     Units(f64),
-    /// In percent of the diagonal of the bounding box.
+    /// A distance in percent of the diagonal of the bounding box.
     Percent(f64),
 }
 
 impl Default for Deviation {
-    /// Returns 1 % of the diagonal: a viewer who sees the whole model hardly sees a surface move by that.
+    /// Returns 1 % of the diagonal. In a view of the whole model, this change is hardly visible.
     fn default() -> Self {
         Self::Percent(1.0)
     }
@@ -79,7 +79,7 @@ impl fmt::Display for Deviation {
 }
 
 impl Deviation {
-    /// Returns the distance in mesh units, for a model whose bounding box has this diagonal.
+    /// Returns the distance in mesh units, given the diagonal of the bounding box.
     pub fn units(self, diagonal: f64) -> f32 {
         (match self {
             Self::Units(units) => units,
@@ -103,7 +103,8 @@ impl FromStr for Deviation {
     }
 }
 
-/// The number of triangles to keep of a whole model. Its parts share them: each keeps as many as its shape needs.
+/// The number of triangles to keep of a whole model. The parts share this budget by cost: each
+/// keeps the triangles that its shape needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Amount {
     /// A ratio of all triangles.
@@ -113,7 +114,7 @@ pub enum Amount {
 }
 
 impl Amount {
-    /// Returns the number of triangles to keep of this many.
+    /// Returns the number of triangles to keep out of `triangles`.
     ///
     /// ```
     /// use tristrip_pipeline::Amount;
@@ -127,7 +128,8 @@ impl Amount {
     }
 }
 
-/// The goal of a simplification: whichever is reached first ends it. By default as few triangles as an error of 1 % of the diagonal allows.
+/// The goal of a simplification. It stops at whichever limit it reaches first. The default is the
+/// minimum number of triangles within an error of 1 % of the diagonal.
 ///
 /// ```
 /// use tristrip_pipeline::{Amount, Deviation, Goal};
@@ -138,7 +140,7 @@ impl Amount {
 pub struct Goal {
     /// The number of triangles to keep.
     pub amount: Option<Amount>,
-    /// The maximum error of a collapse; [`Deviation::Percent`] of 100 allows any.
+    /// The maximum error of a collapse. [`Deviation::Percent`] of 100 means no limit.
     pub deviation: Deviation,
 }
 

@@ -1,4 +1,4 @@
-//! What the stream of a progressive GLB holds, and what its bits are spent on.
+//! The contents of a progressive GLB stream, and its size per kind of data.
 
 use serde::Serialize;
 use tristrip::stream::{Decoder, StreamCosts, StreamPart, chunks};
@@ -9,7 +9,7 @@ use crate::metrics::rounded;
 use crate::observer::{Observer, Stage, begin};
 use crate::unpack::early_end;
 
-/// What a stream holds; the keys are those of the JSON report.
+/// The contents of a stream; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -74,7 +74,8 @@ pub struct Chunk {
     pub surface_error: f32,
 }
 
-/// Decodes a stream. A stream that is cut off or damaged is decoded up to there, and [`Outcome::problem`] says so.
+/// Decodes a stream. A truncated or damaged stream is decoded up to that point, and
+/// [`Outcome::problem`] has the reason.
 ///
 /// # Errors
 /// The observer cancelled.
@@ -136,7 +137,8 @@ fn per_vertex(bits: f64, vertices: usize) -> f64 {
     rounded(bits / vertices.max(1) as f64)
 }
 
-/// Returns what the bits before the chunks, and those of the decoded bytes of chunks, are spent on.
+/// Returns the bits per component: those before the chunks, and those in the decoded part of the
+/// chunks.
 fn components(
     costs: StreamCosts,
     base_bytes: usize,

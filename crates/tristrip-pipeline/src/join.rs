@@ -1,4 +1,4 @@
-//! Joins the parts of a model to one mesh.
+//! Joins the parts of a model into one mesh.
 
 use std::collections::HashMap;
 
@@ -14,12 +14,12 @@ use crate::error::Error;
 pub struct Joined {
     /// The mesh.
     pub mesh: Mesh,
-    /// The notes of the model, and on what the mesh does not have.
+    /// The notes of the model, and notes on data that was dropped.
     pub notes: Vec<String>,
 }
 
-/// Joins the parts of a model, where their coordinates are: nodes do not place them. The vertices of parts that share them occur once. Attributes
-/// stay that all parts have, of the same type.
+/// Joins the parts of a model in their own coordinates; node transforms are not applied. Vertices
+/// that parts share are stored once. An attribute is kept if all parts have it with the same type.
 ///
 /// # Errors
 /// There are too many vertices or corners for 32-bit ids.
@@ -63,9 +63,9 @@ fn join_parts(parts: &[Part], notes: &mut Vec<String>) -> Result<Mesh, Error> {
 
 /// The vertices of all parts, one block after the other.
 struct Blocks {
-    /// The parts whose vertices the blocks are.
+    /// The part that each block of vertices comes from.
     owners: Vec<usize>,
-    /// For each part the number of vertices before its own.
+    /// For each part, the number of vertices before its own block.
     bases: Vec<u32>,
 }
 
@@ -113,7 +113,8 @@ fn faces(parts: &[Part], bases: &[u32]) -> Result<Faces, Error> {
     Ok(Faces::from_offsets(offsets, corners)?)
 }
 
-/// Returns the values of all blocks for an attribute of the first one, if all have it, of the same type.
+/// Returns the values of all blocks for an attribute of the first block; `None` unless all blocks
+/// have it with the same type.
 fn joined(attribute: &Attribute, owners: &[&Mesh]) -> Option<Attribute> {
     let mut all = attribute.clone();
     for mesh in owners.iter().skip(1) {
@@ -122,7 +123,7 @@ fn joined(attribute: &Attribute, owners: &[&Mesh]) -> Option<Attribute> {
     Some(all)
 }
 
-/// Returns a note on the attributes that some blocks have and the joined mesh has not.
+/// Returns a note on the attributes that some blocks have and the joined mesh lacks.
 fn dropped(owners: &[&Mesh], mesh: &Mesh) -> Option<String> {
     let mut names = Vec::new();
     for attribute in owners.iter().flat_map(|mesh| mesh.attributes()) {
@@ -131,8 +132,9 @@ fn dropped(owners: &[&Mesh], mesh: &Mesh) -> Option<String> {
             names.push(&attribute.name);
         }
     }
-    (!names.is_empty())
-        .then(|| format!("attributes dropped, which not all parts have in one type: {}", names.join(", ")))
+    (!names.is_empty()).then(|| {
+        format!("attributes dropped that not all parts have with the same type: {}", names.join(", "))
+    })
 }
 
 #[cfg(test)]
@@ -169,7 +171,7 @@ mod tests {
         let both = AttributeData::U8(vec![2, 2, 2, 2, 3, 3, 3, 3]);
         assert_eq!(mesh.attributes(), [attribute("b", both)]);
         let expected =
-            ["parts joined into one: 3", "attributes dropped, which not all parts have in one type: a"];
+            ["parts joined into one: 3", "attributes dropped that not all parts have with the same type: a"];
         assert_eq!(notes, expected);
     }
 

@@ -1,8 +1,10 @@
 //! Levels of detail of a whole model, drawn with the strips of its full mesh.
 //!
 //! ```text
-//! Model ─ strips of the full mesh ─ their triangles ─ simplify ─▶ collapses of each part ─ one order over all parts
-//!                  └──────── vertices renamed for a level ─ filter ─▶ display strips ─ proof ─ encode ─ read back, proof
+//! Model ─ strips of the full mesh ─ their triangles ─ simplify ─▶ collapses in one order
+//!                  │
+//!                  └ vertices renamed for a level ─ filter ─▶ display strips ─ proof
+//!                                                                   └ encode ─ read back, proof
 //! ```
 
 mod cursor;
@@ -41,18 +43,19 @@ pub use options::Options;
 pub use part::LevelPart;
 pub use view::DisplayedView;
 
-/// The levels of detail of a model, from the base mesh at level 0 to the full mesh at [`ModelLevels::collapse_count`].
+/// The levels of detail of a model, from the base mesh at level 0 to the full mesh at
+/// [`ModelLevels::collapse_count`].
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct ModelLevels {
-    /// The parts in their order.
+    /// The parts, in the order of the model.
     pub parts: Vec<LevelPart>,
-    /// The collapses of all parts in one order.
+    /// The collapses of all parts, merged into one order.
     pub order: Arc<LevelOrder>,
     /// The collapses to the base mesh.
     pub collapses: Collapses,
-    /// Notes on locked vertices, and on parts that stopped before the base mesh. [`run`] moves them to
-    /// [`Outcome::notes`].
+    /// Notes on locked vertices, and on parts that stopped before the base mesh. [`run`] moves them
+    /// to [`Outcome::notes`].
     pub notes: Vec<String>,
     options: Options,
 }
@@ -91,7 +94,7 @@ pub struct Outcome {
     pub notes: Vec<String>,
 }
 
-/// A level as it is drawn.
+/// The display strips of a level, with their metrics.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct DisplayedLevel {
@@ -99,13 +102,14 @@ pub struct DisplayedLevel {
     pub level: usize,
     /// The level of each part.
     pub of_parts: Vec<usize>,
-    /// The display strips of each part, over the vertices of its collapses; see [`LevelPart::outward`].
+    /// The display strips of each part, over the vertices of its collapses; see
+    /// [`LevelPart::outward`].
     pub strips: Vec<Strips>,
     /// The metrics of the display strips.
     pub metrics: StripMetrics,
-    /// The greatest error of the collapses of the level, in mesh units.
+    /// The maximum error of the collapses of the level, in mesh units.
     pub surface_error: f32,
-    /// The same in percent of the diagonal of the model.
+    /// `surface_error` in percent of the diagonal of the model.
     pub surface_error_percent: f64,
     /// Whether the display strips are proven to draw exactly the triangles of the level.
     pub proven: bool,
@@ -114,7 +118,8 @@ pub struct DisplayedLevel {
 /// Builds the levels of detail of a model.
 ///
 /// # Errors
-/// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
+/// A part is too large, an option has an invalid value, the strips are not proven, or the observer
+/// cancelled.
 ///
 /// ```
 /// use tristrip::lod::RepairOptions;
@@ -162,10 +167,13 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
 }
 
 impl ModelLevels {
-    /// Builds levels of detail from strips of the full mesh, which are those of a prepared model by the method of the options. Of the observer only [`Observer::simplifies`] is called.
+    /// Builds levels of detail from strips of the full mesh. The strips must come from a prepared
+    /// model and the method of the options. Only [`Observer::simplifies`] of the observer is
+    /// called.
     ///
     /// # Errors
-    /// The strips do not fit the model, it is too large, or the observer ended the collapses.
+    /// The strips do not match the model, the model is too large, or the observer stopped the
+    /// collapses.
     ///
     /// ```
     /// use tristrip_pipeline::{levels::ModelLevels, PreparedModel, levels};
@@ -205,7 +213,7 @@ impl ModelLevels {
         let (collapses, done) = (all.summary(&parts)?, all.parts);
         let mut notes = place_notes(prepared, skipped);
         notes.extend(locked_note(collapses.locked_vertices));
-        // No mesh collapses to nothing: that is as far as possible.
+        // No mesh can collapse to nothing, so goal 0 means as far as possible.
         let stopped = stopped.filter(|_| goal > 0);
         notes.extend(stopped.map(|stopped| format!("target {}, {stopped}", count(goal))));
         let order = Arc::new(LevelOrder::new(&done));
@@ -225,29 +233,29 @@ impl ModelLevels {
     /// Returns the number of triangles of a level.
     ///
     /// # Errors
-    /// [`Error::Level`]: there is no such level.
+    /// [`Error::Level`]: the level does not exist.
     pub fn triangle_count(&self, level: usize) -> Result<usize, Error> {
         let of_parts = self.order.of_parts(level)?;
         let of_part = |(part, level): (&LevelPart, usize)| part.sequence().triangle_count(level);
         Ok(self.parts.iter().zip(of_parts).map(of_part).sum::<Result<usize, _>>()?)
     }
 
-    /// Returns the level that a goal selects.
+    /// Returns the level that meets a goal.
     ///
     /// # Errors
-    /// A level by number is higher than that of the full mesh, or an error or a number of pixels is negative or not a number.
+    /// A level number exceeds that of the full mesh, or an error or pixel count is negative or NaN.
     ///
     /// ```
     /// use tristrip::lod::View;
     /// use tristrip_io::{Format, read};
     /// use tristrip_pipeline::{Deviation, levels::LevelGoal};
-    /// // A pyramid of height 1 over a square: without its top, the error is 1.
+    /// // A pyramid of height 1 over a square. Without its apex, the error is 1.
     /// let model = read(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", Format::Obj)?;
     /// let levels = tristrip_pipeline::levels::run(&model, &Default::default(), &())?.model;
     /// let triangles = |goal: LevelGoal| levels.level_of(goal).and_then(|level| levels.triangle_count(level));
     /// assert_eq!(triangles(LevelGoal::Error(Deviation::Units(0.1)))?, 4);
     /// assert_eq!(triangles(LevelGoal::Triangles(3))?, 2);
-    /// // From far away all of it covers less than a pixel, and the coarsest level is one triangle.
+    /// // From far away the model covers less than a pixel. The coarsest level is one triangle.
     /// let view = View::of_camera(1e6, View::FIELD_OF_VIEW, View::ROWS)?;
     /// assert_eq!(triangles(LevelGoal::Pixels(1.0, view))?, 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -261,7 +269,7 @@ impl ModelLevels {
         }
     }
 
-    /// Returns the finest level with at most this number of triangles; 0 if there is none.
+    /// Returns the finest level with at most this number of triangles, or 0 if there is none.
     ///
     /// # Errors
     /// The levels are inconsistent; no input is known that causes this.
@@ -285,7 +293,7 @@ impl ModelLevels {
     /// Returns the coarsest level with at most this surface error, in mesh units.
     ///
     /// # Errors
-    /// The error is negative or not a number.
+    /// The error is negative or NaN.
     pub(crate) fn level_of_error(&self, error: f32) -> Result<usize, Error> {
         if error.is_nan() || error < 0.0 {
             let (name, found, expected) = ("error", error.to_string(), "0 or more");
@@ -305,10 +313,11 @@ impl ModelLevels {
         Ok(0)
     }
 
-    /// Builds the display strips of a level, measures and proves them. The stages are reported to the observer.
+    /// Builds, measures and proves the display strips of a level. The observer is notified of each
+    /// stage.
     ///
     /// # Errors
-    /// There is no such level, the display strips are not proven, or the observer cancelled.
+    /// The level does not exist, the display strips are not proven, or the observer cancelled.
     pub fn display(
         &self,
         level: usize,
@@ -323,10 +332,11 @@ impl ModelLevels {
         self.displayed(level, of_parts, strips, observer)
     }
 
-    /// Draws a level with the strips that a level model has at it.
+    /// Draws a level with the strips that a level model has at this level.
     ///
     /// # Errors
-    /// There is no such level, a part is too large for the model, the strips are not proven, or the observer cancelled.
+    /// The level does not exist, a part is too large for the model, the strips are not proven, or
+    /// the observer cancelled.
     ///
     /// ```
     /// use tristrip::lod::ModelKind;
@@ -356,10 +366,10 @@ impl ModelLevels {
         self.displayed(level, of_parts, strips, observer)
     }
 
-    /// Returns a level model of each part at the full mesh, which move together.
+    /// Returns cursors over level models of all parts, at the full mesh. The cursors move together.
     ///
     /// # Errors
-    /// A part is too large for the kind of model.
+    /// A part is too large for this kind of model.
     ///
     /// ```
     /// use tristrip::lod::ModelKind;
@@ -372,10 +382,11 @@ impl ModelLevels {
         self.cursor_of(|strips, sequence| kind.build(strips, sequence))
     }
 
-    /// Returns level models that a function builds from the strips and the collapses of each part, at the full mesh.
+    /// Returns cursors, at the full mesh, over level models that `build` creates from the strips
+    /// and collapses of each part.
     ///
     /// # Errors
-    /// The function fails.
+    /// `build` fails.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -430,10 +441,12 @@ impl ModelLevels {
         })
     }
 
-    /// Builds the display strips of the view of a camera, measures and proves them. The stages are reported to the observer.
+    /// Builds, measures and proves the display strips for the view of a camera. The observer is
+    /// notified of each stage.
     ///
     /// # Errors
-    /// The levels are of another model, a position is not finite, the strips are not proven, or the observer cancelled.
+    /// The levels belong to another model, a position is not finite, the strips are not proven, or
+    /// the observer cancelled.
     ///
     /// ```
     /// use tristrip::lod::{Camera, ViewCriteria};
@@ -470,7 +483,7 @@ mod tests {
 
     #[test]
     fn parts_move_together() {
-        // Two tents of four triangles, of different heights, in one file as two materials.
+        // Two pyramids of four triangles and different heights, in one file as two materials.
         let tent = |z: u32| format!("v 0 0 {z}\nv 2 0 {z}\nv 2 2 {z}\nv 0 2 {z}\nv 1 1 {z}.{z}\n");
         let faces = |m: u32, v: u32| {
             let c = v + 4;

@@ -1,16 +1,17 @@
-//! What happens to a whole model, from the parts that a reader returned to the bytes that a writer stores: strips, simplification,
-//! levels of detail, bounds, analysis and conversion, each with its proof.
+//! Whole-model operations: strips, simplification, level-of-detail chains, progressive streams,
+//! lower bounds, analysis and conversion. Results are proven unless an option disables it.
 //!
 //! ```text
 //! Model ─▶ PreparedModel ─▶ strips of each part ─ proof ─▶ encode ─ read back, proof ─▶ bytes
-//!   │            └▶ bounds, figures of the mesh     │
-//!   ├▶ chain: collapses ─ levels asked for, vertices in the order of removal ─▶ one scene, or a file per level, proven
-//!   ├▶ simplify: parts that share borders together ─▶ smaller model
+//!   │            └▶ bounds, metrics of the mesh     │
+//!   ├▶ chain: collapses ─ levels, vertices in removal order ─▶ one scene, or a file per level
+//!   ├▶ simplify: collapses, across borders between parts ─▶ smaller model
 //!   └▶ levels: strips ─ collapses of all parts in one order ─▶ display strips of any level, proven
 //! ```
-//! The functions take a model in memory and return owned results. Except for `Target`, which exists under the feature `fs`, they read no files, no clock and no terminal: an [`Observer`] learns
-//! of every stage, may measure its time, and may stop a search or cancel. All parts are processed in parallel, on the threads of the
-//! current `rayon` pool; the results are the same for any number of threads.
+//! The functions take a model in memory and return owned results. They do not access files, the
+//! clock or the terminal, except for `Target`, which needs the feature `fs`. An [`Observer`] is
+//! notified of every stage: it can measure time, stop a search, or cancel. All parts are processed
+//! in parallel in the current `rayon` pool. Results are the same for any number of threads.
 //!
 //! ```
 //! use tristrip_io::{Format, read};

@@ -1,4 +1,4 @@
-//! Methods with their parameters: parsed from text, in reports, tables and charts, and in help.
+//! Methods with their parameters: parsing, and names for reports, tables, charts and help.
 
 mod help;
 mod parameters;
@@ -13,7 +13,7 @@ pub use help::method_help;
 use parameters::{Value, parameters_of};
 pub use parameters::{parse_method, with_method_parameter};
 
-/// A method and its parameters. The JSON report has the method, and a key for each parameter.
+/// A method and its parameters. The JSON report has the method, and one key per parameter.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MethodDescription {
     method: &'static str,
@@ -39,7 +39,7 @@ impl Serialize for MethodDescription {
 }
 
 impl MethodDescription {
-    /// Names a method and those of its options that apply to it.
+    /// Describes a method and those of its options that apply to it.
     pub fn of(options: &StripifyOptions) -> Self {
         let method = options.method;
         let default = StripifyOptions::default().with_method(default_of(method));
@@ -76,7 +76,8 @@ impl MethodDescription {
         self.parameters.iter().find(|parameter| parameter.name == name).map(|parameter| &parameter.value)
     }
 
-    /// Returns the method and the parameters that differ from its defaults, as [`parse_method`] reads them.
+    /// Returns the method and the parameters that differ from its defaults, in the syntax of
+    /// [`parse_method`].
     ///
     /// ```
     /// use tristrip_pipeline::{MethodDescription, parse_method};
@@ -91,7 +92,8 @@ impl MethodDescription {
         if set.is_empty() { self.method.into() } else { format!("{}:{}", self.method, set.join(",")) }
     }
 
-    /// Describes the method and its parameters without the seed: `method best, cost restart, effort 2`.
+    /// Describes the method and its parameters without the seed:
+    /// `method best, cost restart, effort 2`.
     pub fn description(&self) -> String {
         let parameters = self.parameters.iter().filter(|parameter| parameter.name != "seed");
         let parameters =
@@ -118,7 +120,7 @@ mod tests {
         assert_eq!(MethodDescription::of(&stripe).description(), description);
     }
 
-    /// Every value of every parameter of every method means the same in the text of its label and in its report.
+    /// Every parameter value of every method is the same in its text, its label and its report.
     #[test]
     fn labels_and_reports_have_the_values_that_were_parsed() {
         for method in Method::ALL {

@@ -1,6 +1,8 @@
-//! Progress and cancellation: what a caller learns while a model is processed. Results are in the outcome of the operation.
+//! Progress and cancellation while a model is processed. Results are in the outcome of each
+//! operation.
 //!
-//! The pipeline reads no clock. A caller that reports times measures them: a stage ends when the next one starts, or with the operation.
+//! The pipeline does not read the clock. A caller that reports times measures them itself: a stage
+//! ends when the next one starts, or with the operation.
 
 use std::fmt;
 
@@ -14,7 +16,8 @@ use crate::error::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Stage {
-    /// The caller reads the model. The pipeline reads and writes no files, so it never starts this stage nor [`Stage::Write`].
+    /// The caller reads the model. The pipeline reads and writes no files, so it never starts this
+    /// stage or [`Stage::Write`].
     Load,
     /// Chunks of a stream are decoded.
     Decode,
@@ -42,9 +45,9 @@ pub enum Stage {
     Compare,
     /// Strips of a level of detail are filtered.
     Filter,
-    /// Vertices are numbered in the order of their first use.
+    /// Vertices are reordered.
     Reorder,
-    /// Bytes are laid out.
+    /// The file is encoded.
     Encode,
     /// The bytes are read back and proven.
     ReadBack,
@@ -74,13 +77,13 @@ impl fmt::Display for Stage {
     }
 }
 
-/// Why a search was stopped before its end.
+/// Why a search stopped early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum SearchStop {
-    /// A time budget ended.
+    /// The time budget was used up.
     Budget,
     /// The user interrupted.
     Interrupt,
@@ -100,9 +103,10 @@ impl SearchStop {
     }
 }
 
-/// Watches the searches of all parts of a model, which may run at the same time. Dropped when they end.
+/// Watches the searches of all parts of a model, which may run concurrently. It is dropped when
+/// they end.
 pub trait Search: Watch {
-    /// Returns why the searches were stopped, if they were.
+    /// Returns why the searches were stopped; `None` if they were not.
     fn stopped(&self) -> Option<SearchStop>;
 }
 
@@ -113,19 +117,20 @@ impl Search for () {
     }
 }
 
-/// How far a model is simplified.
+/// The progress of a simplification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SimplifyProgress {
-    /// The triangles of the model.
+    /// The number of triangles of the model.
     pub before: usize,
-    /// Those that are left.
+    /// The number of remaining triangles.
     pub left: usize,
-    /// The number at which it ends; 0 without one.
+    /// The number of triangles at which it stops; 0 without a limit.
     pub goal: usize,
 }
 
-/// Learns which stage starts, watches searches and simplifications, and may cancel. All methods have defaults, which do nothing.
+/// Receives stages and progress, and can stop or cancel an operation. All methods have defaults,
+/// which do nothing.
 ///
 /// ```
 /// use std::sync::Mutex;
@@ -151,15 +156,18 @@ pub trait Observer: Sync {
     /// Called when a stage starts, on the thread that called the pipeline.
     fn stage(&self, _stage: Stage) {}
 
-    /// Returns the watch of the searches that begin now, with the options of their method.
+    /// Returns a watch for the searches that start now. The options are those of their method.
     fn search(&self, _options: &StripifyOptions) -> Box<dyn Search + '_> {
         Box::new(())
     }
 
-    /// Receives how far [`Stage::Simplify`] is, on any thread, about after each sixteenth of the triangles, and returns whether it goes on. Otherwise it
-    /// ends with the collapses that are done. They are the result of a simplification, without the stages that have not begun: it asks again before
-    /// and in the fit, and before the comparison. An observer that also cancels gets [`Error::Cancelled`] instead, as do levels and chains, for
-    /// which these collapses are not enough.
+    /// Receives the progress of [`Stage::Simplify`], from any thread, about every 1/16 of the
+    /// triangles. Return `false` to stop with the collapses so far.
+    ///
+    /// The result is then a valid simplification, without the stages that have not started. This
+    /// method is called again before and during the fit, and before the comparison. If the observer
+    /// also cancels, the operation returns [`Error::Cancelled`] instead. Levels and chains always
+    /// return this error, because they need all collapses.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -183,7 +191,8 @@ pub trait Observer: Sync {
         !self.is_cancelled()
     }
 
-    /// Returns whether to cancel. Asked at the beginning of each stage, and by `pack` before each mesh, on any thread; the stage then returns [`Error::Cancelled`].
+    /// Returns whether to cancel. Called at the start of each stage, and by `pack` before each
+    /// mesh, from any thread. The operation then returns [`Error::Cancelled`].
     fn is_cancelled(&self) -> bool {
         false
     }

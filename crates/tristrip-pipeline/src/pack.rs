@@ -1,19 +1,27 @@
-//! A model as a progressive GLB: base meshes that every viewer draws, and a stream that refines them to the full meshes.
+//! Packs a model as a progressive GLB: base meshes that every viewer draws, and a stream that
+//! refines them to the full meshes.
 //!
 //! ```text
-//! Model ─ scene ─▶ parts ─ groups ─▶ one mesh per group ─ stream_of_mesh ─▶ base triangles ─▶ GLB
-//!                                                                      └──▶ chunks, the largest error first ──▶ behind it
+//! Model ─ scene ─▶ parts ─ groups ─▶ one mesh per group ─ stream_of_mesh ─┬▶ base triangles ─▶ GLB
+//!                                                                         └▶ chunks, appended to it,
+//!                                                                            the largest error first
 //! ```
 //!
 //! # Algorithm
-//! 1. A model that is not from glTF gets a scene in memory; a scene keeps everything else: nodes, materials, textures, skins, animations.
-//! 2. Parts with the same places in the scene and the same attributes form a group: they are one mesh of the stream, in which each vertex has the number of its part. So the
-//!    borders between them are seams, which open at no level. Vertices that touch another group, or a part that
-//!    stays whole, stay in the base mesh, with all bits of their positions.
-//! 3. Parts with morph targets or values that are not read stay whole; so do all parts of a group whose stream would not make the file smaller.
-//! 4. Errors count alike everywhere, or by how large they look from a position ([`Options::with_eye`]): what is far away or faces away is refined later.
-//! 5. What is drawn before the first chunk is the base mesh of the stream, or a simplification of its own where that is large beside the chunks.
-//! 6. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
+//! 1. A model that is not glTF gets a scene in memory. A scene keeps everything else: nodes,
+//!    materials, textures, skins and animations.
+//! 2. Parts with the same node transforms and the same attributes form a group. A group is one mesh
+//!    of the stream, and each vertex has the index of its part. The borders between these parts are
+//!    then seams, which open at no level. Vertices that touch another group, or an unrefined part,
+//!    stay in the base mesh with all bits of their positions.
+//! 3. Parts with morph targets or unread attributes are not refined. Neither are the parts of a
+//!    group whose stream would not make the file smaller.
+//! 4. Errors are weighted uniformly, or by their apparent size from a viewpoint
+//!    ([`Options::with_eye`]). Distant and back-facing parts are then refined later.
+//! 5. The base mesh of the stream is drawn before the first chunk. If it is large compared with the
+//!    chunks, a separate simplification is drawn instead.
+//! 6. Chunks of several meshes are interleaved. The next chunk is always one of the mesh with the
+//!    largest error in the scene.
 //!
 //! # Complexity
 //! That of `tristrip::stream::encode` for each group.
@@ -46,19 +54,21 @@ use crate::places::Places;
 use crate::stream::{StreamedMesh, drawn_triangles, stream_with, used_vertices};
 use crate::text::counted;
 
-/// The share of a stream that what is drawn before it may take, and the triangles that it may have in any case.
+/// Limits for the triangles that are drawn before the first chunk: their maximum size in percent of
+/// the stream, and a number of triangles that is always allowed.
 const BASE_PERCENT: usize = 2;
 const MIN_BASE_TRIANGLES: usize = 256;
-/// The triangles of a mesh up to which such a simplification measures distances.
+/// The maximum number of triangles of a mesh for which that simplification measures distances.
 const MAX_BY_DISTANCE: usize = 200_000;
 
-/// How a model is packed.
+/// Options for packing a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
     /// How meshes are encoded.
     pub stream: StreamOptions,
-    /// The position in the scene from which errors are seen: they count by the distance from it, and half where the surface faces away. `None` for everywhere alike.
+    /// The viewpoint, in scene coordinates, that weights errors: by distance, and by half on back
+    /// faces. `None` for uniform weights.
     pub eye: Option<[f32; 3]>,
     /// Whether the bytes are read back and proven.
     pub verify: bool,
@@ -75,7 +85,7 @@ impl Options {
         /// Sets how meshes are encoded.
         with_stream(stream: StreamOptions);
 
-        /// Sets the position in the scene from which errors are seen.
+        /// Sets the viewpoint that weights errors, in scene coordinates.
         with_eye(eye: Option<[f32; 3]>);
 
         /// Sets whether the bytes are read back and proven.
@@ -124,7 +134,7 @@ pub struct Outcome {
     pub notes: Vec<String>,
 }
 
-/// Serializes whether a number is known: `true` or `null`.
+/// Serializes whether a number is present, as `true` or `null`.
 #[expect(clippy::ref_option, reason = "the signature that serde calls")]
 fn is_some_or_null<S: Serializer>(number: &Option<usize>, serializer: S) -> Result<S::Ok, S::Error> {
     number.map(|_| true).serialize(serializer)
@@ -173,9 +183,9 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     for (group, streamed) in groups.iter().zip(streamed) {
         match streamed {
             Ok((streamed, coarse)) => assembly.add(group, streamed, &coarse)?,
-            // Values that cannot be encoded, such as normals that are not numbers.
+            // Values that cannot be encoded, such as normals that are NaN.
             Err(Error::Input(error @ tristrip::Error::Parameter { .. })) => {
-                assembly.notes.push(format!("{} whole: {error}", counted(group.parts.len(), "part")));
+                assembly.notes.push(format!("{} not refined: {error}", counted(group.parts.len(), "part")));
             }
             Err(error) => return Err(error),
         }
@@ -191,7 +201,7 @@ fn stream_of_group(
     options: &Options,
 ) -> Result<StreamedMesh, Error> {
     let stream = group.bounds.map_or(options.stream, |bounds| options.stream.with_bounds(bounds));
-    // What is near the eye needs more bits than the mean error of a level is worth.
+    // Vertices near the eye need more bits than the mean error of a level justifies.
     let stream = stream.with_exact_positions(locked.contains(&true) || options.eye.is_some());
     let mut simplify = SimplifyOptions::default().with_locked(locked.to_vec());
     if let Some(eye) = options.eye {
@@ -200,19 +210,21 @@ fn stream_of_group(
     stream_with(&group.mesh, &simplify, 0, &stream)
 }
 
-/// What the file will have.
+/// The contents of the file.
 struct Assembly<'a> {
     model: &'a Model,
-    /// For each part the triangles that are drawn before the first chunk, and how it is refined, if it is.
+    /// For each part, the triangles that are drawn before the first chunk, and its refinement, if
+    /// it has one.
     drawn: Vec<Vec<u32>>,
     sources: Vec<Option<StreamedPart>>,
     queues: Vec<Queue>,
-    /// What a reader has to find of the parts that are refined; `None` if nothing is proven.
+    /// The expected mesh of each refined part, for the proof; `None` if nothing is proven.
     expected: Option<HashMap<usize, Mesh>>,
-    /// Parts whose stream would not be smaller, and triangles within one position.
+    /// The number of parts whose stream would not be smaller, and of triangles with two corners at
+    /// one position.
     larger: usize,
     dropped: usize,
-    /// The counts of the parts that are refined.
+    /// The counts of the refined parts.
     triangles: usize,
     vertices: usize,
     position_error: f64,
@@ -237,7 +249,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds a group with its stream and the triangles that are drawn before it, unless the file would not be smaller for it.
+    /// Adds a group with its stream and the triangles that are drawn before it, unless the stream
+    /// would not make the file smaller.
     fn add(&mut self, group: &Group, streamed: StreamedMesh, coarse: &[u32]) -> Result<(), Error> {
         if !pays(group, &streamed, coarse) {
             self.larger += group.parts.len();
@@ -260,15 +273,15 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Writes the file, and proves it.
+    /// Writes the file and proves it.
     fn finish(mut self, losses: Vec<String>, observer: &dyn Observer) -> Result<Outcome, Error> {
         let mut note = |count: usize, noun: &str, what: &str| {
             if count > 0 {
                 self.notes.push(format!("{} {what}", counted(count, noun)));
             }
         };
-        note(self.larger, "part", "whole: streams would not be smaller");
-        note(self.dropped, "triangle", "within one position dropped");
+        note(self.larger, "part", "not refined: streams would not be smaller");
+        note(self.dropped, "triangle", "with two corners at one position dropped");
         if self.queues.is_empty() {
             self.notes.push("no stream: the file is a plain GLB".into());
         }
@@ -316,7 +329,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Returns strips of each part of a model, where they take fewer indices than its faces.
+/// Returns strips of each part that is drawn with fewer indices as strips than as faces.
 fn shorter_strips(model: &Model) -> Result<Vec<Option<Strips>>, Error> {
     let found = map(&model.parts, |part| {
         let strips = stripify(&part.mesh, &StripifyOptions::default())?;
@@ -326,26 +339,27 @@ fn shorter_strips(model: &Model) -> Result<Vec<Option<Strips>>, Error> {
     found.into_iter().collect()
 }
 
-/// Returns the triangles that are drawn before the first chunk: those of the base mesh, or where these would take more than a small share of the file, those of a simplification of its own: streams
-/// cannot undo all collapses, but nothing has to undo these.
+/// Returns the triangles that are drawn before the first chunk. These are the base mesh of the
+/// stream or, if it takes more than a small share of the file, a separate simplification. Streams
+/// cannot undo every collapse, but this simplification does not have to be undone.
 fn drawn_base(group: &Group, streamed: &StreamedMesh, locked: &[bool]) -> Result<Vec<u32>, Error> {
     let base = &streamed.stream.base;
     let chunk_bytes: usize = streamed.stream.chunks.iter().map(|chunk| chunk.bytes.len()).sum();
-    // About a vertex for two triangles, and three bytes of strips for each.
+    // About one vertex per two triangles, and three bytes of strips per triangle.
     let most = chunk_bytes * BASE_PERCENT / 100 / (group.vertex_bytes() / 2 + 3);
     let most = most.max(MIN_BASE_TRIANGLES);
     if base.len() / 3 <= most {
         return Ok(base.clone());
     }
     let (triangles, _) = drawn_triangles(&group.mesh);
-    // By planes alone it takes a third of the time.
+    // Planes alone take a third of the time.
     let price = if triangles.len() / 3 > MAX_BY_DISTANCE { Price::Planes } else { Price::Distance };
     let options = SimplifyOptions::default().with_triangles(most).with_locked(locked.to_vec());
     let coarse = simplify_triangles(&group.mesh, triangles, &options.with_price(price))?;
     Ok(coarse.sequence.drawn(0)?.into_flattened())
 }
 
-/// Returns whether a stream takes fewer bytes than what it leaves out of the file.
+/// Returns whether a stream takes fewer bytes than the data that it replaces.
 fn pays(group: &Group, streamed: &StreamedMesh, coarse: &[u32]) -> bool {
     let vertices = streamed.vertices.saturating_sub(used_vertices(coarse));
     let triangles = streamed.triangles.saturating_sub(coarse.len() / 3);
@@ -354,7 +368,8 @@ fn pays(group: &Group, streamed: &StreamedMesh, coarse: &[u32]) -> bool {
     streamed.stream.chunks.iter().map(|chunk| chunk.bytes.len()).sum::<usize>() < left_out
 }
 
-/// Reads the base meshes back, and proves that they are what is to be drawn before the first chunk.
+/// Reads the base meshes back, and proves that they draw exactly the triangles meant for the time
+/// before the first chunk.
 fn prove_base(coarse: &Model, bytes: &Arc<Vec<u8>>) -> Result<(), Error> {
     let again = read_base(bytes).map_err(unproven)?;
     match verify_models(&meshes(coarse), &meshes(&again))? {
@@ -363,7 +378,8 @@ fn prove_base(coarse: &Model, bytes: &Arc<Vec<u8>>) -> Result<(), Error> {
     }
 }
 
-/// Reads the full meshes back, and proves that each part has exactly the triangles of the model, at the positions that the stream keeps of them.
+/// Reads the full meshes back, and proves that each part has exactly the triangles of the model, at
+/// the positions that the stream stores.
 fn prove(model: &Model, bytes: &Arc<Vec<u8>>, expected: &HashMap<usize, Mesh>) -> Result<usize, Error> {
     let again = tristrip_io::read_shared(bytes, Format::Glb).map_err(unproven)?;
     if again.parts.len() != model.parts.len() {

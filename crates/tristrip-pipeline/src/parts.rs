@@ -6,7 +6,7 @@ use tristrip_io::Model;
 
 use crate::error::Error;
 
-/// Calls `work` for each item in parallel; the results are in the order of the items.
+/// Calls `work` for each item in parallel. Results are in the order of the items.
 pub(crate) fn map<'a, T: Sync, R: Send>(items: &'a [T], work: impl Fn(&'a T) -> R + Sync + Send) -> Vec<R> {
     items.par_iter().map(work).collect()
 }
@@ -28,13 +28,15 @@ pub fn meshes(model: &Model) -> Vec<&Mesh> {
 pub struct PreparedPart<'a> {
     /// The mesh as it was read.
     pub mesh: &'a Mesh,
-    /// Its faces without degenerate ones, concave polygons cut, and vertices welded if requested.
+    /// The prepared faces: without degenerate ones, with concave polygons triangulated, and with
+    /// vertices welded if requested.
     pub surface: PreparedFaces<'a>,
-    /// The prepared faces, joined across shared edges.
+    /// The dual graph of the prepared faces.
     pub graph: DualGraph,
 }
 
-/// Checks that strips name only vertices of their parts; each part with its number of vertices.
+/// Checks that strips refer only to vertices of their parts. Each item has the strips of a part and
+/// its number of vertices.
 pub(crate) fn check_vertices(parts: &[(&Strips, usize)]) -> Result<(), Error> {
     for (number, (strips, vertex_count)) in parts.iter().enumerate() {
         if let Some(found) = strips.vertices().iter().find(|&&vertex| vertex as usize >= *vertex_count) {

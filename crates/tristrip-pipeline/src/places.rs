@@ -1,7 +1,8 @@
-//! Where a model shows its parts: the transforms of the nodes that place them.
+//! The instances of the parts of a model: the transforms of the nodes that place them in the scene.
 //!
-//! Parts that the same nodes place, such as the primitives of one glTF mesh, share a list of places, and can be compared in their own coordinates.
-//! All parts of a file without nodes are in one place. A part that no node shows is where its coordinates are.
+//! Parts that the same nodes place, such as the primitives of one glTF mesh, share a list of
+//! transforms. They can be compared in their own coordinates. All parts of a file without nodes
+//! have the identity transform. So has a part that no node shows.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,14 +10,16 @@ use std::sync::Arc;
 use tristrip::lod::{Camera, ViewCriteria};
 use tristrip_io::Model;
 
-/// The largest magnitude of a number of a transform: products with positions stay far from the limits of a float.
+/// The maximum magnitude of a value of a transform. It keeps products with positions far from the
+/// limits of a float.
 const MAX_COORDINATE: f64 = 1e30;
-/// Scales that differ by less are the same: a rotation has a scale of 1 except for rounding.
+/// The tolerance for equal scales: rounding changes the scale 1 of a rotation.
 pub(crate) const SAME_SCALE: f64 = 1e-6;
-/// How far a transform may be from one that keeps angles, relative to the square of its scale.
+/// The maximum deviation of a transform from one that preserves angles, relative to the square of
+/// its scale.
 const SIMILAR: f64 = 1e-4;
 
-/// The rows of an affine transform from a part to the scene: a linear map, and a translation.
+/// An affine transform from a part to the scene, by rows: a linear map and a translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place([[f64; 4]; 3]);
 
@@ -24,25 +27,27 @@ impl Place {
     pub(crate) const IDENTITY: Self =
         Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
 
-    /// Takes a transform; one whose numbers are too large counts as none. Adding 0.0 turns −0.0 into 0.0.
+    /// Creates a transform, or the identity if a value is too large. Adding 0.0 turns −0.0 into
+    /// 0.0.
     pub(crate) fn new(rows: [[f64; 4]; 3]) -> Self {
         let usable = rows.as_flattened().iter().all(|x| x.abs() <= MAX_COORDINATE);
         if usable { Self(rows.map(|row| row.map(|x| x + 0.0))) } else { Self::IDENTITY }
     }
 
-    /// Returns a position in the scene.
+    /// Returns a transformed position.
     pub(crate) fn at(&self, p: [f32; 3]) -> [f64; 3] {
         let p = p.map(f64::from);
         self.0.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3])
     }
 
-    /// Returns a position under the linear map alone.
+    /// Returns a position under the linear map, without the translation.
     pub(crate) fn turned(&self, p: [f32; 3]) -> [f64; 3] {
         let p = p.map(f64::from);
         self.0.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2])
     }
 
-    /// Returns the largest sum of the magnitudes that are added for a coordinate in the scene, to which rounding is proportional.
+    /// Returns the maximum sum of magnitudes that are added for a scene coordinate. The rounding
+    /// error is proportional to it.
     pub(crate) fn magnitude(&self, p: [f32; 3]) -> f64 {
         let p = p.map(|x| f64::from(x).abs());
         let sums =
@@ -50,15 +55,16 @@ impl Place {
         sums.into_iter().fold(0.0, f64::max)
     }
 
-    /// Checks whether lengths and directions stay as they are.
+    /// Checks whether the transform is a translation.
     pub(crate) fn only_moves(&self) -> bool {
         self.0.map(|row| [row[0], row[1], row[2]]) == Self::IDENTITY.0.map(|row| [row[0], row[1], row[2]])
     }
 
-    /// Returns the factor by which the place lengthens the distances of the most stretched direction: the largest singular value of the linear map.
+    /// Returns the scale along the most stretched direction: the largest singular value of the
+    /// linear map.
     ///
-    /// The eigenvalues of the symmetric matrix are the roots of its characteristic polynomial, in trigonometric form (Smith: *Eigenvalues of a
-    /// Symmetric 3 × 3 Matrix*, 1961).
+    /// The eigenvalues of the symmetric matrix are the roots of its characteristic polynomial, in
+    /// trigonometric form (Smith: *Eigenvalues of a Symmetric 3 × 3 Matrix*, 1961).
     pub(crate) fn scale(&self) -> f64 {
         if self.only_moves() {
             return 1.0;
@@ -81,10 +87,11 @@ impl Place {
         (mean + 2.0 * p * libm::cos(angle)).max(0.0).sqrt()
     }
 
-    /// Returns a camera of the scene and its criteria in the coordinates of the part; `None` if angles do not stay as they are, or numbers become
-    /// too large.
+    /// Returns a camera of the scene and its criteria in the coordinates of the part; `None` if the
+    /// transform does not preserve angles, or values become too large.
     ///
-    /// An error in the units of the part covers as many pixels there: lengths and distances change by the same factor.
+    /// An error in part units covers the same number of pixels, because all lengths and distances
+    /// change by the same factor.
     pub(crate) fn inward(&self, camera: &Camera, criteria: &ViewCriteria) -> Option<(Camera, ViewCriteria)> {
         if *self == Self::IDENTITY {
             return Some((*camera, *criteria));
@@ -103,7 +110,8 @@ impl Place {
         let point = |p: [f32; 3]| turned([0, 1, 2].map(|k| f64::from(p[k]) - m[k][3]));
         let [columns, rows] = camera.image();
         let inward = Camera::new(point(camera.eye()), point(camera.look_at())).ok()?;
-        // That of the image: the axis that is up along the view would be another one here.
+        // The up direction of the image: the up axis of the view direction would differ in part
+        // coordinates.
         let [right, up, _] = camera.axes();
         let inward = inward.with_up(turned(up)).ok()?;
         let inward =
@@ -129,24 +137,24 @@ impl Place {
     }
 }
 
-/// The places of all parts of a model.
+/// The transforms of all parts of a model.
 #[derive(Debug, Clone)]
 pub(crate) struct Places {
-    /// The lists of places, no two alike and none empty.
+    /// The distinct, non-empty lists of transforms.
     pub(crate) lists: Vec<Arc<[Place]>>,
-    /// The list of each part.
+    /// The index of the list of each part.
     pub(crate) of_part: Vec<usize>,
-    /// Why the nodes of the model could not be followed, if they could not.
+    /// Why the nodes of the model could not be evaluated; `None` if they could.
     pub(crate) problem: Option<String>,
 }
 
 impl Places {
-    /// Puts all parts into one place.
+    /// Gives all parts the identity transform.
     pub(crate) fn one(part_count: usize) -> Self {
         Self { lists: vec![Arc::new([Place::IDENTITY])], of_part: vec![0; part_count], problem: None }
     }
 
-    /// Returns the places where the nodes of a model's scene show its parts.
+    /// Returns the transforms with which the nodes of a model's scene show its parts.
     pub(crate) fn of(model: &Model) -> Self {
         let part_count = model.parts.len();
         let Some(scene) = &model.scene else { return Self::one(part_count) };
@@ -154,7 +162,7 @@ impl Places {
             Ok(placements) => placements,
             Err(error) => return Self { problem: Some(error.to_string()), ..Self::one(part_count) },
         };
-        // 1. The places of each range of parts; ranges do not overlap.
+        // 1. The transforms of each range of parts. Ranges do not overlap.
         let mut ranges = HashMap::new();
         let mut found: Vec<(std::ops::Range<usize>, Vec<Place>)> = Vec::new();
         for placement in placements {
@@ -164,7 +172,7 @@ impl Places {
             }
             found[range].1.push(Place::new(placement.transform));
         }
-        // 2. Equal lists once.
+        // 2. Merge equal lists.
         let mut lists: Vec<Arc<[Place]>> = vec![Arc::new([Place::IDENTITY])];
         let mut known = HashMap::from([(vec![Place::IDENTITY.bits()], 0)]);
         let mut of_part = vec![0; part_count];
@@ -180,11 +188,11 @@ impl Places {
         Self { lists, of_part, problem: None }
     }
 
-    /// Returns a note if the nodes could not be followed.
+    /// Returns a note if the nodes could not be evaluated.
     pub(crate) fn note(&self) -> Option<String> {
         let problem = self.problem.as_ref()?;
         Some(format!(
-            "the nodes of the scene cannot be followed, parts compared in their own coordinates: {problem}"
+            "the nodes of the scene cannot be evaluated, parts are compared in their own coordinates: {problem}"
         ))
     }
 }
@@ -203,7 +211,7 @@ mod tests {
         near(of([[0.0, -10.0, 0.0], [10.0, 0.0, 0.0], [0.0, 0.0, 10.0]]), 10.0);
         near(of([[0.6, -1.6, 0.0], [0.8, 1.2, 0.0], [0.0, 0.0, 0.5]]), 2.0);
         near(of([[0.0; 3]; 3]), 0.0);
-        // A shear; the golden ratio is its largest singular value.
+        // A shear. The golden ratio is its largest singular value.
         near(of([[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), f64::midpoint(1.0, 5.0_f64.sqrt()));
         near(of([[1e31, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), 1.0);
     }
@@ -211,7 +219,7 @@ mod tests {
     #[test]
     fn a_camera_is_seen_from_a_turned_and_scaled_part() {
         let camera = Camera::new([7.0, 2.0, 0.0], [7.0, 0.0, 0.0]).unwrap().with_up([1.0, 0.0, 0.0]).unwrap();
-        // Twice as large, turned by a quarter around z, and moved along x.
+        // Scale by 2, rotate by 90° about z, and translate along x.
         let place = Place::new([[0.0, -2.0, 0.0, 7.0], [2.0, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);
         let criteria = ViewCriteria::default().with_light([0.0, 3.0, 0.0]);
         let (inward, lit) = place.inward(&camera, &criteria).unwrap();
@@ -221,7 +229,7 @@ mod tests {
             ([1.0, 0.0, 0.0], [0.0; 3], [0.0, -0.5, 0.0])
         );
         assert_eq!(Place::IDENTITY.inward(&camera, &criteria), Some((camera, criteria)));
-        // The attention stays at the same place of the part in a mirrored one.
+        // In a mirrored part, the attention stays at the same position.
         let left = Foveation::new(1.0).unwrap().with_attention([0.25, 0.125]).unwrap();
         let criteria = criteria.with_foveation(left);
         let attention = |place: &Place| {

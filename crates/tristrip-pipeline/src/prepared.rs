@@ -1,6 +1,8 @@
-//! A model prepared for strips: the faces and the dual graph of each part. Methods, bounds and measurements share them.
+//! A model prepared for strips: the faces and the dual graph of each part. Methods, bounds and
+//! measurements share them.
 //!
-//! Each stage processes all parts in parallel; the results are in the order of the parts for any number of threads.
+//! Each stage processes all parts in parallel. Results are in the order of the parts for any number
+//! of threads.
 
 use tristrip::stripify::Watch;
 use tristrip::text::counted;
@@ -15,7 +17,8 @@ use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::parts::{PreparedPart, map, meshes};
 use crate::places::Places;
 
-/// The prepared parts of a model, in their order. The memory is that of the prepared faces and the dual graphs.
+/// The prepared parts of a model, in their order. Its memory is that of the prepared faces and the
+/// dual graphs.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions};
@@ -36,12 +39,13 @@ pub struct PreparedModel<'a> {
 }
 
 impl<'a> PreparedModel<'a> {
-    /// Prepares the faces and builds the dual graph of each part. With `weld`, vertices with the same bits in all attributes are one.
+    /// Prepares the faces and builds the dual graph of each part. `weld` merges vertices with the
+    /// same bits in all attributes.
     pub fn new(model: &'a Model, weld: bool) -> Self {
         Self { places: Places::of(model), ..Self::of_meshes(&meshes(model), weld) }
     }
 
-    /// Prepares some of the meshes of a model, where their coordinates are.
+    /// Prepares meshes of a model in their own coordinates.
     pub(crate) fn of_meshes(meshes: &[&'a Mesh], weld: bool) -> Self {
         let parts = map(meshes, |&mesh| {
             let surface = PreparedFaces::new(mesh, weld);
@@ -56,7 +60,7 @@ impl<'a> PreparedModel<'a> {
         &self.parts
     }
 
-    /// Returns where the model shows its parts.
+    /// Returns the transforms with which the model shows its parts.
     pub(crate) fn places(&self) -> &Places {
         &self.places
     }
@@ -66,7 +70,8 @@ impl<'a> PreparedModel<'a> {
         MeshProperties::of(&self.parts)
     }
 
-    /// Builds the strips of each part, over its vertices. Searches report their progress to the watch; they are welded as the model was prepared.
+    /// Builds the strips of each part, over its vertices. Searches report their progress to the
+    /// watch. Vertices are welded if the model was prepared so.
     ///
     /// # Errors
     /// A part is too large, or an option has an invalid value.
@@ -94,12 +99,12 @@ impl<'a> PreparedModel<'a> {
     /// Measures the strips of all parts.
     ///
     /// # Errors
-    /// Strips name a vertex that their part does not have.
+    /// Strips refer to a vertex that their part does not have.
     pub fn metrics(&self, strips: &[Strips], options: &StripifyOptions) -> Result<StripMetrics, Error> {
         Ok(self.metrics_with_parts(strips, options)?.0)
     }
 
-    /// Measures strips as [`PreparedModel::metrics`] does; returns the metrics of each part, too.
+    /// Measures strips like [`PreparedModel::metrics`], and also returns the metrics of each part.
     pub(crate) fn metrics_with_parts(
         &self,
         strips: &[Strips],
@@ -112,7 +117,7 @@ impl<'a> PreparedModel<'a> {
     /// Proves that the strips of each part draw its mesh, and that welded vertices are equal.
     ///
     /// # Errors
-    /// [`Error::Unproven`], with the number of the part if there are several.
+    /// [`Error::Unproven`], with the index of the part if there are several.
     pub fn prove(&self, strips: &[Strips]) -> Result<(), Error> {
         if strips.len() != self.parts.len() {
             let (found, expected) = (strips.len(), self.parts.len());
@@ -137,22 +142,24 @@ fn prove_part(part: &PreparedPart<'_>, strips: &Strips) -> Result<(), String> {
     verify(part.mesh, strips).map(drop).map_err(|why| why.to_string())
 }
 
-/// A prepared model with the report on its mesh: the first stages of every function of this crate that builds or bounds strips.
+/// A prepared model with the report on its mesh: the first stages of every function of this crate
+/// that builds or bounds strips.
 #[derive(Debug)]
 #[non_exhaustive]
 pub(crate) struct Survey<'a> {
     /// The prepared model.
     pub prepared: PreparedModel<'a>,
-    /// The options, adapted to the model: it is not welded if vertices may differ in values that were not read.
+    /// The options, adapted to the model: welding is disabled if vertices may differ in values that
+    /// were not read.
     pub options: StripifyOptions,
     /// The counts of the mesh.
     pub mesh: MeshProperties,
-    /// Notes of the reader, and on what was dropped, changed or unusual.
+    /// Notes of the reader, and notes on data that was dropped, changed or unusual.
     pub notes: Vec<String>,
 }
 
 impl<'a> Survey<'a> {
-    /// Prepares a model for a method, and reports each stage to an observer.
+    /// Prepares a model for a method, and notifies the observer of each stage.
     ///
     /// # Errors
     /// The observer cancelled.
@@ -172,7 +179,8 @@ impl<'a> Survey<'a> {
     }
 }
 
-/// Returns the options adapted to a model: welding is disabled, with a note, if vertices may differ in values that were not read.
+/// Returns the options adapted to a model. Welding is disabled, with a note, if vertices may differ
+/// in values that were not read.
 fn fitted(options: StripifyOptions, model: &Model, notes: &mut Vec<String>) -> StripifyOptions {
     if options.weld && tristrip_io::gltf::has_unread_vertex_values(model) {
         let why = "vertices may differ in morph targets or in attributes that were not decoded";

@@ -1,7 +1,8 @@
-//! Simplification of a whole model: the collapses proven, the vertices that become unused dropped.
+//! Simplification of a whole model. The collapses are proven, and unused vertices are dropped.
 //!
-//! Parts that the same nodes place and that share positions, such as the materials of one mesh, are simplified as one surface: both sides of their
-//! border collapse together. Vertices that touch parts in other places of the scene stay. Errors and the bounding box are those in the scene.
+//! Parts that the same nodes place and that share positions, such as the materials of one mesh, are
+//! simplified as one surface: both sides of their border collapse together. Vertices that touch
+//! parts placed by other nodes are kept. Errors and the bounding box are in scene coordinates.
 
 mod fit;
 mod groups;
@@ -39,29 +40,30 @@ pub(crate) use order::PartCollapses;
 pub(crate) use parts::{Compact, Part, UsedVertices, diagonal};
 pub(crate) use warning::warning;
 
-/// The number of points at which the result is compared with the original, in each direction.
+/// The number of points for comparing the result with the original, in each direction.
 const POINTS: usize = 5_000;
 
-/// How a model is simplified.
+/// Options for simplifying a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
     /// The number of triangles to keep, and the maximum error.
     pub goal: Goal,
-    /// What collapses may do, and what they cost.
+    /// The constraints on collapses, and their cost function.
     pub rules: CollapseRules,
     /// Whether normals are kept or rebuilt.
     pub normals: Normals,
-    /// What is rounded when a GLB is packed into few bytes; by default weights of joints to 16 bits.
+    /// What is rounded when a GLB is packed. The default rounds joint weights to 16 bits.
     pub rounding: Rounding,
-    /// Whether the vertices that are left are moved closer to the original surface: see [`Options::with_fit`].
+    /// Whether the remaining vertices are moved closer to the original surface; see
+    /// [`Options::with_fit`].
     pub fit: bool,
-    /// Whether the result is compared with the original, which takes as long as the collapses.
+    /// Whether the result is compared with the original. This takes as long as the collapses.
     pub measure: bool,
     /// Whether the collapses, and the bytes of a file, are proven.
     pub verify: bool,
-    /// The format in which the result will be written. A scene that is written as GLB keeps the unused vertices that other parts of it
-    /// may refer to by number.
+    /// The format that the result will be written in. A scene written as GLB keeps unused vertices
+    /// that other parts of it may refer to by index.
     pub format: Format,
 }
 
@@ -85,18 +87,22 @@ impl Options {
         /// Sets the number of triangles to keep, and the maximum error.
         with_goal(goal: Goal);
 
-        /// Sets what collapses may do, and what they cost.
+        /// Sets the constraints on collapses, and their cost function.
         with_rules(rules: CollapseRules);
 
         /// Sets whether normals are kept or rebuilt.
         with_normals(normals: Normals);
 
-        /// Sets what is rounded when a GLB is packed into few bytes.
+        /// Sets what is rounded when a GLB is packed.
         with_rounding(rounding: Rounding);
 
-        /// Sets whether the vertices that are left are moved closer to the original surface, which lowers the mean distance by a third or more where
-        /// it is curved. They are no vertices of the source any more: levels of detail cannot share them. Vertices at borders stay, those that
-        /// touch parts in other places of the scene, and those of parts whose positions a GLB cannot change, which a note names.
+        /// Sets whether the remaining vertices are moved closer to the original surface. On curved
+        /// surfaces, this reduces the mean distance by a third or more. The moved vertices are no
+        /// longer vertices of the source, so levels of detail cannot share them.
+        ///
+        /// Some vertices do not move: those at borders, those that touch parts placed by other
+        /// nodes, and those of parts whose positions a GLB cannot change. A note names the reasons
+        /// for the latter.
         ///
         /// ```
         /// use tristrip_io::{Format, read};
@@ -115,7 +121,7 @@ impl Options {
         /// Sets whether the collapses are proven.
         with_verify(verify: bool);
 
-        /// Sets the format in which the result will be written.
+        /// Sets the format that the result will be written in.
         with_format(format: Format);
     }
 }
@@ -160,17 +166,19 @@ pub struct Outcome {
     /// The counts of the source mesh.
     #[serde(skip)]
     pub mesh: MeshProperties,
-    /// Whether the observer ended it: with fewer collapses than requested, or without the fit or the comparison. See [`Observer::simplifies`].
+    /// Whether the observer stopped the simplification. It then has fewer collapses than requested,
+    /// or no fit or comparison. See [`Observer::simplifies`].
     #[serde(skip)]
     pub interrupted: bool,
     #[serde(skip)]
     rounding: Rounding,
-    /// The vertices of each part that were added for new normals and positions.
+    /// For each part, the vertices that were added for new normals and positions.
     #[serde(skip)]
     copies: Vec<Option<Copies>>,
 }
 
-/// How far a simplified surface is from the original, rounded to six decimals; the keys are those of the JSON report.
+/// How far a simplified surface is from the original, rounded to six decimals; the keys are those
+/// of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -225,7 +233,7 @@ impl Deviations {
     }
 }
 
-/// Serializes deviations, with `null` for all keys where nothing was measured.
+/// Serializes deviations, or `null` for every key if they were not measured.
 #[expect(clippy::ref_option, reason = "the signature that serde calls")]
 fn deviations_or_nulls<S: Serializer>(found: &Option<Deviations>, serializer: S) -> Result<S::Ok, S::Error> {
     if let Some(found) = found {
@@ -238,7 +246,7 @@ fn deviations_or_nulls<S: Serializer>(found: &Option<Deviations>, serializer: S)
     map.end()
 }
 
-/// Describes what [`deviations_or_nulls`] writes: every key may be `null`.
+/// Describes the output of [`deviations_or_nulls`]: every key may be `null`.
 #[cfg(feature = "schema")]
 fn deviations_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let mut schema = <Deviations as schemars::JsonSchema>::json_schema(generator);
@@ -250,16 +258,17 @@ fn deviations_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Sch
     schema
 }
 
-/// Simplifies a model by half-edge collapses, the cheapest first. Borders between the parts of a mesh collapse on both sides. Vertices that
-/// touch parts in other places of the scene are kept.
+/// Simplifies a model by half-edge collapses, cheapest first. Borders between the parts of a mesh
+/// collapse on both sides. Vertices that touch parts placed by other nodes are kept.
 ///
 /// # Errors
-/// The maximum error is negative or not a number, a part is too large, the collapses are not proven, or the observer cancelled.
+/// The maximum error is negative or NaN, a part is too large, the collapses are not proven, or the
+/// observer cancelled.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
 /// use tristrip_pipeline::{Amount, Deviation, Goal, simplify};
-/// // A flat fan of four triangles around a vertex, which one collapse removes.
+/// // A flat fan of four triangles around a vertex. One collapse removes the vertex.
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let goal = Goal { amount: Some(Amount::Triangles(2)), deviation: Deviation::Percent(1.0) };
@@ -276,11 +285,12 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     simplify_to(model, options, goal, observer)
 }
 
-/// Simplifies each part to a number of triangles of its own, instead of the amount of the goal. Parts of a mesh that share positions are simplified
-/// to the sum of theirs. This compares with the result of another program.
+/// Simplifies each part to its own number of triangles, instead of the amount of the goal. Parts of
+/// a mesh that share positions are simplified to the sum of their numbers. Use this for comparisons
+/// with the result of another program.
 ///
 /// # Errors
-/// There is not one number per part, or those of [`run`].
+/// `triangles` does not have one number per part, or [`run`] would fail.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -306,7 +316,7 @@ pub fn run_parts(
     simplify_to(model, options, |_| TriangleGoal::OfParts(triangles), observer)
 }
 
-/// Simplifies a model to the goal for its number of triangles.
+/// Simplifies a model to a goal for its number of triangles.
 fn simplify_to<'a>(
     model: &Model,
     options: &Options,
@@ -343,7 +353,7 @@ fn simplify_to<'a>(
         interrupted = ended(interrupted, observer, progress)?;
     }
 
-    // 4. The vertices that are left, closer to the original.
+    // 4. Move the remaining vertices closer to the original.
     let (mut fitted, mut moved_positions) = (vec![None; parts.len()], None);
     if options.fit && !interrupted {
         begin(observer, Stage::Fit)?;
@@ -355,7 +365,7 @@ fn simplify_to<'a>(
         interrupted = ended(interrupted, observer, progress)?;
     }
 
-    // 5. The model without the vertices that became unused.
+    // 5. The model without unused vertices.
     begin(observer, Stage::Rebuild)?;
     let rebuilt = normals.rebuild(&parts, &done, &fitted)?;
     let base = |(part, done): (&Part<'_>, &PartCollapses)| {
@@ -366,7 +376,7 @@ fn simplify_to<'a>(
     let triangles = parts.iter().zip(&done).map(base).collect::<Result<_, Error>>()?;
     let (redrawn, copies) = redraw(model, &parts, &rebuilt, triangles, options.format)?;
 
-    // 6. How far the result is from the original.
+    // 6. The distance between the result and the original.
     let mut measured = None;
     if options.measure && !interrupted {
         begin(observer, Stage::Compare)?;
@@ -395,20 +405,21 @@ fn simplify_to<'a>(
     })
 }
 
-/// Returns whether an observer has ended a simplification, or ends it now.
+/// Returns whether an observer has stopped a simplification, or stops it now.
 ///
 /// # Errors
-/// It cancels.
+/// The observer cancelled.
 fn ended(interrupted: bool, observer: &dyn Observer, progress: SimplifyProgress) -> Result<bool, Error> {
     let interrupted = interrupted || !observer.simplifies(progress);
     if interrupted && observer.is_cancelled() { Err(Error::Cancelled) } else { Ok(interrupted) }
 }
 
 impl Outcome {
-    /// Returns the vertex of the source model that each vertex of a part is, or is a copy of with another normal or position.
+    /// Returns the source vertex of each vertex of a part. A vertex with a new normal or position
+    /// is a copy of its source vertex.
     ///
     /// # Errors
-    /// There is no such part.
+    /// The part does not exist.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -431,8 +442,8 @@ impl Outcome {
         Ok(vertices)
     }
 
-    /// Encodes the simplified model as a triangle list, and proves the bytes if requested. A scene that was simplified for a GLB keeps its
-    /// unused vertices in other formats, too.
+    /// Encodes the simplified model as triangle lists, and proves the bytes if requested. A scene
+    /// that was simplified for GLB keeps its unused vertices in other formats, too.
     ///
     /// # Errors
     /// The format cannot store the model, the bytes are not proven, or the observer cancelled.
@@ -467,7 +478,8 @@ pub(crate) fn prove(
     })
 }
 
-/// Returns the triangles of all parts, polygons as fans around their first corner, and the number of places that were not compared.
+/// Returns the triangles of all parts, with polygons as fans around their first corner, and the
+/// number of instances that were not compared.
 pub(crate) fn fans<'a>(
     prepared: &PreparedModel<'a>,
     rules: CollapseRules,
@@ -477,7 +489,8 @@ pub(crate) fn fans<'a>(
     Ok(Part::of_all(meshes.zip(triangles).collect(), prepared.places(), rules.weld_distance)?)
 }
 
-/// Returns the width and height of the texture of each part's base colour at the first texture coordinates, where they are known.
+/// Returns the width and height of each part's base colour texture, if it uses the first texture
+/// coordinates and its size is known.
 fn texture_sizes(model: &Model) -> Vec<Option<[u32; 2]>> {
     if let (None, Some(materials)) = (&model.scene, &model.materials) {
         return model.parts.iter().map(|part| materials.image_size(part.material.as_deref()?)).collect();
@@ -491,7 +504,7 @@ fn texture_sizes(model: &Model) -> Vec<Option<[u32; 2]>> {
     (0..model.parts.len()).map(size).collect()
 }
 
-/// Measures how far the parts are from what they were.
+/// Measures the distance between the parts and their originals.
 fn change(
     parts: &[Part<'_>],
     done: &[PartCollapses],
@@ -523,16 +536,14 @@ fn change(
     surface_change(&surfaces, POINTS)
 }
 
-/// Returns notes on nodes that could not be followed, and on places that were not compared.
+/// Returns notes on nodes that could not be evaluated, and on instances that were not compared.
 pub(crate) fn place_notes(prepared: &PreparedModel<'_>, skipped: usize) -> Vec<String> {
-    let not_compared = "not compared with other parts, gaps may open there";
-    let skipped = (skipped > 0).then(|| format!("{} of a part {not_compared}", counted(skipped, "copy")));
+    let not_compared = "not compared with other parts: gaps may open there";
+    let skipped = (skipped > 0).then(|| format!("{} {not_compared}", counted(skipped, "instance")));
     prepared.places().note().into_iter().chain(skipped).collect()
 }
 
-/// Returns a note on the locked vertices, if there are any.
+/// Returns a note on the locked vertices; `None` if there are none.
 pub(crate) fn locked_note(locked: usize) -> Option<String> {
-    (locked > 0).then(|| {
-        format!("locked {} that touch parts in other places of the scene", counted(locked, "vertex"))
-    })
+    (locked > 0).then(|| format!("locked {} that touch parts of other nodes", counted(locked, "vertex")))
 }

@@ -1,10 +1,11 @@
-//! A mesh as a stream: what the encoder of chunks needs, found for any mesh.
+//! A mesh as a stream: the input of the chunk encoder, for any mesh.
 //!
 //! # Algorithm
-//! 1. Equal vertices are welded. Polygons become triangles, and triangles that draw nothing are left out: those with two corners in one position.
-//! 2. The collapses are found in batches. Where a surface touches itself or attributes differ, some cannot be undone by a stream: their vertices are locked, and
-//!    the collapses are found again, a few times.
-//! 3. What still cannot be undone stays in the base mesh.
+//! 1. Weld equal vertices. Triangulate polygons, and drop triangles that draw nothing: those with
+//!    two corners at one position.
+//! 2. Find the collapses in batches. Where a surface touches itself or attributes differ, a stream
+//!    cannot undo some collapses. Lock their vertices and search again, a few times.
+//! 3. Keep the remaining such collapses in the base mesh.
 
 use tristrip::Mesh;
 use tristrip::PreparedFaces;
@@ -13,31 +14,32 @@ use tristrip::stream::{EncodedStream, StreamOptions, encode, unsplittable};
 
 use crate::error::Error;
 
-/// How often collapses are found. The models need up to five times.
+/// The maximum number of searches for collapses. The test models need up to five.
 const MAX_SEARCHES: usize = 8;
 
-/// A mesh as a stream, and what was found on the way.
+/// A mesh as a stream, with counts.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct StreamedMesh {
     /// The chunks.
     pub stream: EncodedStream,
-    /// The triangles of the full mesh.
+    /// The number of triangles of the full mesh.
     pub triangles: usize,
-    /// The vertices that they use, equal ones once.
+    /// The number of used vertices, after welding.
     pub vertices: usize,
-    /// Triangles that were left out, since two of their corners are in one position.
+    /// The number of dropped triangles, which have two corners at one position.
     pub dropped_triangles: usize,
-    /// The batches of collapses.
+    /// The number of batches of collapses.
     pub batches: usize,
-    /// Vertices that were locked: since their collapses could not be undone, or since they touch other meshes.
+    /// The number of locked vertices: their collapses could not be undone, or they touch other
+    /// meshes.
     pub locked_vertices: usize,
 }
 
-/// Encodes a mesh as the mesh of this number in a stream.
+/// Encodes a mesh as the mesh with index `number` of a stream.
 ///
 /// # Errors
-/// The mesh is too large, or a value of an attribute cannot be encoded.
+/// The mesh is too large, or an attribute value cannot be encoded.
 ///
 /// ```
 /// use tristrip::stream::{Decoder, StreamLimits, StreamOptions};
@@ -55,7 +57,8 @@ pub fn stream_of_mesh(mesh: &Mesh, number: u32, options: &StreamOptions) -> Resu
     stream_with(mesh, &SimplifyOptions::default(), number, options)
 }
 
-/// Does the same with options for the collapses: vertices that stay in the base mesh, and by how much errors count.
+/// Encodes a mesh like [`stream_of_mesh`], with collapse options: the vertices that stay in the
+/// base mesh, and the weights of errors.
 pub(crate) fn stream_with(
     mesh: &Mesh,
     simplify: &SimplifyOptions,
@@ -74,11 +77,12 @@ pub(crate) fn stream_with(
     })
 }
 
-/// Returns the triangles of a mesh over welded vertices, and how many draw nothing.
+/// Returns the triangles of a mesh over welded vertices, and the number of dropped triangles that
+/// draw nothing.
 pub(crate) fn drawn_triangles(mesh: &Mesh) -> (Vec<u32>, usize) {
     let prepared = PreparedFaces::new(mesh, true);
     let all = prepared.faces().fans();
-    // −0 and 0 are one position.
+    // −0 and 0 are the same position.
     let place = |v: u32| mesh.positions()[v as usize].map(|x| (x + 0.0).to_bits());
     let draws = |t: &&[u32]| {
         let [a, b, c] = [t[0], t[1], t[2]].map(place);
@@ -97,7 +101,7 @@ pub(crate) fn used_vertices(triangles: &[u32]) -> usize {
     used.len()
 }
 
-/// Finds collapses that a stream can undo, and the vertices that were locked for that.
+/// Finds collapses that a stream can undo, and returns the vertices that had to be locked.
 fn splittable_batches(
     mesh: &Mesh,
     triangles: &[u32],
@@ -126,7 +130,8 @@ mod tests {
     use tristrip::stream::{Decoder, StreamLimits};
     use tristrip::{Attribute, AttributeData, Faces};
 
-    /// A grid over which a texture is laid in stripes: the vertices between two of them have two texture coordinates.
+    /// A grid with a striped texture: the vertices between two stripes have two texture
+    /// coordinates.
     fn striped(n: u32) -> Mesh {
         let (mut positions, mut texture, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
         for y in 0..n {
@@ -137,7 +142,7 @@ mod tests {
                     texture.extend([u as f32 + (x / 4 * 100) as f32, v as f32]);
                 }
                 triangles.extend([0, 1, 2, 0, 2, 3].map(|i| first + i));
-                // One that draws nothing.
+                // A triangle that draws nothing.
                 triangles.extend([first, first + 1, first]);
             }
         }
@@ -156,7 +161,7 @@ mod tests {
         let mut decoder = Decoder::new(StreamLimits::default());
         decoder.update(&streamed.stream.bytes()).unwrap();
         let full = decoder.part(0).unwrap();
-        // 17 columns of 17 vertices, and three columns twice.
+        // 17 columns of 17 vertices, and three duplicated columns.
         assert_eq!((full.triangle_count(), full.vertex_count()), (512, 20 * 17));
         let again = full.mesh().unwrap();
         let uv = &again.attributes()[0];
@@ -168,7 +173,7 @@ mod tests {
 
     #[test]
     fn triangles_within_one_position_are_left_out() {
-        // Two vertices of one position with different shades, and a triangle between them.
+        // Two vertices at one position with different shades, and a triangle between them.
         let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -0.0, 0.0]];
         let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 0, 3, 1]).unwrap()).unwrap();
         let data = AttributeData::U8(vec![1, 2, 3, 4]);

@@ -1,4 +1,4 @@
-//! Strips of a whole model: built, measured, compared with their lower bounds and proven.
+//! Strips of a whole model: built, measured, compared with their lower bounds, and proven.
 
 use serde::Serialize;
 use tristrip::text::counted;
@@ -15,7 +15,7 @@ use crate::metrics::StripMetrics;
 use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::prepared::Survey;
 
-/// How strips are built. The default is [`Method::Best`], proven.
+/// Options for building strips. The default is [`Method::Best`], proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
@@ -76,7 +76,7 @@ pub struct Outcome {
     /// Remarks on what was read, dropped, changed or unusual, and on a search that was stopped, in
     /// words.
     pub notes: Vec<String>,
-    /// The metrics of each part.
+    /// The metrics that decide how each part is drawn.
     #[serde(skip)]
     of_parts: Vec<PartMetrics>,
 }
@@ -86,10 +86,11 @@ pub struct Outcome {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct File {
-    /// The bytes of the file. Its notes begin with those on parts that are not drawn as the strips found.
+    /// The bytes of the file. Its notes begin with those on parts that are not drawn as the strips
+    /// of the method.
     #[serde(skip)]
     pub encoded: encode::Outcome,
-    /// The numbers of parts by what they are drawn as.
+    /// The number of parts per kind of drawing.
     pub drawn: DrawnParts,
     /// The source as it was read. The caller knows its size.
     pub before: FileCost,
@@ -98,10 +99,12 @@ pub struct File {
 }
 
 impl Outcome {
-    /// Encodes the model as a file that draws each part as [`Outcome::draw`] chooses, and proves it.
+    /// Encodes the model as a file, with the drawings that [`Outcome::draw`] chooses, and proves
+    /// it.
     ///
     /// # Errors
-    /// The strips are not those of the model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    /// The strips do not belong to the model, the format cannot store it, the bytes are not proven,
+    /// or the observer cancelled.
     pub fn encode(
         &self,
         model: &Model,
@@ -120,8 +123,9 @@ impl Outcome {
         })
     }
 
-    /// Chooses how each part is drawn, by the fewest indices: as the strips found, as the strips that the
-    /// source stores, or as a list. The strips of [`Method::Cache`], which optimizes misses and not indices, are always drawn.
+    /// Chooses how each part is drawn, by the fewest indices: as the strips of the method, as the
+    /// strips that the source stores, or as a list. Strips of [`Method::Cache`] are always drawn,
+    /// because they optimize misses and not indices.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -142,10 +146,11 @@ impl Outcome {
     }
 }
 
-/// Builds the strips of a model, measures and proves them.
+/// Builds, measures and proves the strips of a model.
 ///
 /// # Errors
-/// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
+/// A part is too large, an option has an invalid value, the strips are not proven, or the observer
+/// cancelled.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions};
@@ -164,10 +169,12 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     measured(survey, strips, stopped, options.verify, observer)
 }
 
-/// Measures and proves strips of a model that were found before, one item per part; `options` and `stopped` are those of their search.
+/// Measures and proves existing strips of a model, one item per part. `options` and `stopped`
+/// belong to the search that built them.
 ///
 /// # Errors
-/// The number of items is not that of the parts, the strips are not proven, or the observer cancelled.
+/// The number of items differs from the number of parts, the strips are not proven, or the observer
+/// cancelled.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -177,7 +184,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
 /// let found = strip::run(&model, &options, &())?;
 /// let again = strip::of_strips(&model, found.strips.clone(), None, &options, &())?;
 /// assert_eq!(again.metrics, found.metrics);
-/// // Half of the square: the error has the metrics of what was found.
+/// // Strips for half of the square: the error has their metrics.
 /// let mut half = tristrip::Strips::default();
 /// half.push(&[0, 1, 2]);
 /// let half = strip::of_strips(&model, vec![half], None, &options, &());
@@ -241,7 +248,7 @@ fn measured(
     Ok(outcome)
 }
 
-/// Returns whether the options ask for a search that takes longer than the bound of its result.
+/// Returns whether the options select a search that takes longer than the bound of its result.
 fn is_long_search(options: &StripifyOptions) -> bool {
     match options.method {
         Method::Best => options.effort_or_default() > StripifyOptions::default().effort_or_default(),

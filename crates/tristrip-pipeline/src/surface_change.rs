@@ -1,17 +1,20 @@
-//! How far a simplified surface is from the original, as a viewer sees it: distances, normals and texture coordinates.
+//! The visible difference between a simplified surface and its original: distances, normals and
+//! texture coordinates.
 //!
 //! # Algorithm
-//! Points are spread over each surface in proportion to its area, by a seeded generator. For each the nearest point of the other surface is
-//! searched in a tree of bounding boxes; distances are taken in both directions. The vertices that a simplification removed are the likeliest to
-//! be far away, so that they are searched, too, for the largest distance. Normals and texture coordinates are interpolated at
-//! both points and compared, from the original to the simplified surface.
+//! Sample points on each surface in proportion to area, with a seeded generator. For each point,
+//! search the nearest point of the other surface in a tree of bounding boxes, in both directions.
+//! Removed vertices are the most likely to be far away, so they are also searched for the maximum
+//! distance. Normals and texture coordinates are interpolated at both points and compared, from the
+//! original to the simplified surface.
 //!
 //! # References
 //! Cignoni, Rocchini, Scopigno: *Metro: Measuring Error on Simplified Surfaces*, 1998.
 //!
 //! # Complexity
-//! O((n + p) log n) time for n triangles and p points where triangles are of similar size, as on scans and models. Where the boxes of many
-//! overlap, a search visits them all: fewer points are compared then, so that the boxes visited stay within a bound ([`MAX_VISITS`]).
+//! O((n + p) log n) time for n triangles of similar size and p points, as on scans and models.
+//! Where many boxes overlap, a search visits them all. Fewer points are compared then, to limit the
+//! number of visited boxes ([`MAX_VISITS`]).
 
 mod side;
 
@@ -23,37 +26,40 @@ use crate::parts::map;
 use side::Attributes;
 pub(crate) use side::{Facet, Side, dot, sub};
 
-/// The number of boxes of triangles that the searches on one surface may visit, by estimate.
+/// The maximum number of triangle boxes that the searches on one surface visit, by estimate.
 pub(crate) const MAX_VISITS: f64 = 2e7;
-/// The boxes that a search visits at least, by estimate.
+/// The minimum number of boxes that a search visits, by estimate.
 const MIN_VISITS: f64 = 100.0;
 
 /// A surface before and after a change: triangles over the vertices of one mesh.
 #[derive(Debug, Clone, Copy)]
 pub struct ChangedSurface<'a> {
-    /// The vertices, with their attributes.
+    /// The vertices with their attributes.
     pub mesh: &'a Mesh,
-    /// Three vertices per triangle of the original.
+    /// The corners of the original, three vertices per triangle.
     pub before: &'a [u32],
-    /// Three vertices per triangle of the result.
+    /// The corners of the result, three vertices per triangle.
     pub after: &'a [u32],
-    /// The width and height in texels of the texture at `TEXCOORD_0`, if it is known.
+    /// The width and height of the texture at `TEXCOORD_0`, in texels; `None` if they are unknown.
     pub texels: Option<[u32; 2]>,
 }
 
-/// How far the surfaces are apart, in the unit of the positions.
+/// The difference between the surfaces, in the unit of the positions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct SurfaceChange {
-    /// The largest distance found.
+    /// The maximum distance found.
     pub largest: f64,
     /// The root mean square of the distances in both directions.
     pub rms: f64,
-    /// The root mean square of the angles between normals, in degrees: those of the vertices, or of the triangles where vertices have none.
+    /// The root mean square of the angles between normals, in degrees. The normals are those of the
+    /// vertices, or of the triangles if vertices have none.
     pub normal_degrees: f64,
-    /// The root mean square of the distances between texture coordinates (`TEXCOORD_0`), where 1 is the size of the texture; `None` without any.
+    /// The root mean square of the distances between texture coordinates (`TEXCOORD_0`), relative
+    /// to the size of the texture; `None` if there are none.
     pub uv: Option<f64>,
-    /// The same in texels, over the surfaces whose textures have a known size; `None` without any.
+    /// The root mean square of these distances in texels, over the surfaces whose texture size is
+    /// known; `None` if there are none.
     pub uv_texels: Option<f64>,
 }
 
@@ -73,9 +79,10 @@ struct Sums {
     texel_count: usize,
 }
 
-/// Measures how far surfaces are from what they were, with about `points` points on all of them in each direction.
+/// Measures the difference of surfaces from their originals, with about `points` points in each
+/// direction in total.
 ///
-/// A surface of which nothing is left is as far away as the diagonal of its bounding box is long.
+/// If nothing is left of a surface, its distance is the diagonal of its bounding box.
 ///
 /// # Errors
 /// The number of indices is not a multiple of three, or an index is out of range.
@@ -168,7 +175,7 @@ fn compare(surface: &ChangedSurface<'_>, sides: &[Side; 2], points: [f64; 2], se
             }
         });
     }
-    // The vertices that are no longer drawn, evenly spaced where there are more than points.
+    // The vertices that are no longer drawn, evenly selected if there are more of them than points.
     let mut is_drawn = vec![false; surface.mesh.vertex_count()];
     surface.after.iter().for_each(|&v| is_drawn[v as usize] = true);
     let mut removed: Vec<u32> = surface.before.iter().copied().filter(|&v| !is_drawn[v as usize]).collect();
@@ -184,7 +191,7 @@ fn compare(surface: &ChangedSurface<'_>, sides: &[Side; 2], points: [f64; 2], se
     sums
 }
 
-/// Returns the number of points to search where so many boxes contain each.
+/// Returns the number of points that can be searched, given the number of boxes that contain each.
 fn affordable(points: f64, crowd: f64) -> f64 {
     points.min(MAX_VISITS / (MIN_VISITS + crowd))
 }
@@ -222,7 +229,7 @@ mod tests {
         // Only v differs, by half of the texture.
         let wide = surface_change(&[ChangedSurface { texels: Some([1024, 64]), ..surface }], 1000).unwrap();
         assert!((wide.uv_texels.unwrap() - 32.0).abs() < 1e-4 && change.uv_texels.is_none(), "{wide:?}");
-        // A second surface that did not change has half of the area.
+        // An unchanged second surface with half of the area.
         let same = ChangedSurface { after: &[0, 1, 2, 0, 2, 3], ..surface };
         let both = surface_change(&[surface, same], 4000).unwrap();
         assert!((both.rms - 2.0_f64.sqrt()).abs() < 0.01 && (both.largest - 2.0).abs() < 1e-9, "{both:?}");
@@ -260,7 +267,7 @@ mod tests {
         let side = Side::new(&mesh, &triangles).unwrap();
         let crowd = side.crowd(&side.tree());
         assert!((300.0..2000.0).contains(&crowd), "{crowd}");
-        // A million such triangles are searched for a few points, an ordinary surface for all.
+        // A million such triangles allow few points, an ordinary surface allows all.
         assert!(affordable(5000.0, 500.0 * crowd) < 150.0 && affordable(5000.0, 10.0) >= 5000.0);
         let surface = ChangedSurface { mesh: &mesh, before: &triangles, after: &triangles, texels: None };
         assert!(surface_change(&[surface], 500).unwrap().largest < 1e-6);

@@ -25,7 +25,7 @@ pub fn grouped(digits: &str) -> String {
     out
 }
 
-/// Formats a count with thousands separators and its noun, in the plural unless the count is one.
+/// Formats a count with thousands separators and its noun, in the plural unless the count is 1.
 ///
 /// ```
 /// use tristrip_pipeline::text::counted;

@@ -1,8 +1,10 @@
-//! A level of a progressive GLB.
+//! Decodes a level of a progressive GLB.
 //!
 //! # Algorithm
-//! Chunks are decoded one by one until the goal is reached. The level is then within the last chunk: the collapses of its mesh are made again down to it. So a level is
-//! exact, although only whole chunks are decoded. Levels of several meshes are counted together, in the order of the chunks.
+//! Chunks are decoded one by one until the goal is reached. The level may then lie within the last
+//! chunk: its mesh is collapsed again down to the level. A level is therefore exact, although only
+//! whole chunks are decoded. The levels of several meshes are counted together, in the order of the
+//! chunks.
 //!
 //! # Complexity
 //! That of the decoder for the chunks up to the goal.
@@ -20,14 +22,15 @@ use crate::error::Error;
 use crate::levels::Level;
 use crate::observer::{Observer, Stage, begin};
 
-/// What selects a level of a stream.
+/// A criterion that selects a level of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StreamGoal {
-    /// The level itself: the collapses undone in all meshes.
+    /// An explicit level: the number of collapses undone in all meshes.
     Level(Level),
-    /// The finest level with at most this number of triangles in the refined meshes; the base meshes if they have more.
+    /// The finest level with at most this number of triangles in the refined meshes, or the base
+    /// meshes if they have more.
     Triangles(usize),
-    /// What the first bytes of the file hold.
+    /// The level that the first bytes of the file contain.
     Bytes(usize),
 }
 
@@ -37,22 +40,22 @@ impl Default for StreamGoal {
     }
 }
 
-/// What is decoded. The default is the full meshes.
+/// Options for decoding. By default the full meshes are decoded.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Options {
-    /// What selects the level.
+    /// The criterion that selects the level.
     pub goal: StreamGoal,
-    /// The directory of the files that the document refers to; `None` if they are not read.
+    /// The directory of external files of the document; `None` if they are not read.
     pub base_dir: Option<PathBuf>,
 }
 
 impl Options {
     tristrip::setters! {
-        /// Sets what selects the level.
+        /// Sets the criterion that selects the level.
         with_goal(goal: StreamGoal);
 
-        /// Sets the directory of the files that the document refers to.
+        /// Sets the directory of external files of the document.
         with_base_dir(base_dir: Option<PathBuf>);
     }
 }
@@ -91,10 +94,12 @@ pub struct Outcome {
     pub notes: Vec<String>,
 }
 
-/// Decodes a level. A file that is cut off or damaged gives what is before the end or the damage, and [`Outcome::problem`] says so.
+/// Decodes a level. A truncated or damaged file is decoded up to that point, and
+/// [`Outcome::problem`] has the reason.
 ///
 /// # Errors
-/// The level does not exist, the base meshes are missing, the document is not valid, or the observer cancelled.
+/// The level does not exist, the base meshes are missing, the document is invalid, or the observer
+/// cancelled.
 ///
 /// ```
 /// use tristrip_io::gltf::ProgressiveGlb;
@@ -130,7 +135,7 @@ pub fn run(glb: &ProgressiveGlb, options: &Options, observer: &dyn Observer) -> 
             break;
         }
         if let Err(fault) = decoder.update(chunk.bytes) {
-            problem = Some(format!("{fault}; what came before it is used"));
+            problem = Some(format!("{fault}; the data before it is used"));
             break;
         }
         let stream = chunk.stream as usize;
@@ -173,7 +178,8 @@ pub fn run(glb: &ProgressiveGlb, options: &Options, observer: &dyn Observer) -> 
     })
 }
 
-/// Says why a stream ends before all its bytes are decoded, if it does: a head that is none, or the end of the file.
+/// Returns why a stream ends before all its bytes are decoded, if it does: an invalid chunk header,
+/// or the end of the file.
 pub(crate) fn early_end(glb: &ProgressiveGlb, decoder: &mut Decoder) -> Option<String> {
     let used = decoder.offset() as usize;
     if let Err(fault) = decoder.update(&glb.chunks()[used..]) {
@@ -184,14 +190,14 @@ pub(crate) fn early_end(glb: &ProgressiveGlb, decoder: &mut Decoder) -> Option<S
         .then(|| format!("the file ends within its stream: {used} of {all} bytes of chunks are complete"))
 }
 
-/// A goal, and the level that it asks for once that is known.
+/// A goal, and its level once it is known.
 struct GoalProgress {
     goal: StreamGoal,
     target: Option<usize>,
 }
 
 impl GoalProgress {
-    /// Returns whether the goal lies within or before what is decoded, all base meshes among it.
+    /// Returns whether the decoded chunks, including all base meshes, reach the goal.
     fn is_reached(&mut self, decoder: &Decoder) -> Result<bool, Error> {
         let level: usize = decoder.parts().map(StreamPart::level).sum();
         match self.goal {
@@ -208,7 +214,7 @@ impl GoalProgress {
     }
 }
 
-/// What is decoded when the goal is reached.
+/// The state of the decoder when the goal is reached.
 struct Reached<'a> {
     decoder: &'a Decoder,
     streams: &'a BTreeSet<usize>,
@@ -216,7 +222,8 @@ struct Reached<'a> {
 }
 
 impl Reached<'_> {
-    /// Returns the meshes of the level that the goal asks for, and the level; `last` is the mesh whose chunk passed the goal.
+    /// Returns the meshes of the selected level, and the level. `last` is the mesh whose chunk
+    /// passed the goal.
     fn meshes(&self, goal: StreamGoal, last: Option<usize>) -> Result<(StreamMeshes, usize), Error> {
         let mut level: usize = self.decoder.parts().map(StreamPart::level).sum();
         let triangles: usize = self.decoder.parts().map(StreamPart::triangle_count).sum();

@@ -1,4 +1,4 @@
-//! The proof that one model draws exactly the faces of another.
+//! Proves that one model draws exactly the faces of another.
 
 use serde::Serialize;
 use tristrip::verify::{Difference, verify_models};
@@ -51,8 +51,9 @@ pub struct FoundDifference {
     pub text: String,
 }
 
-/// Compares a result with its source: every face of the source is drawn exactly once, with its original winding. Vertices are compared by
-/// the bits of their positions; other attributes are not compared.
+/// Compares a result with its source: every face of the source is drawn exactly once, with its
+/// original winding. Vertices are compared by the bits of their positions; other attributes are not
+/// compared.
 ///
 /// # Errors
 /// The models together are too large for 32-bit ids, or the observer cancelled.

@@ -1,11 +1,12 @@
-//! A model of which each view has its own detail: one mesh, the strips of its full level, and collapses level by level.
+//! A view-dependent LOD model: one mesh, the strips of its full level, and collapses in levels.
 //!
 //! # Algorithm
-//! The parts become one mesh. Its strips are built and proven, and the triangles that they draw are collapsed by a merge tree, so that few collapses need each
-//! other (`tristrip::lod::SkipStrips`).
+//! The parts are joined into one mesh. Its strips are built and proven. The triangles that they
+//! draw are collapsed by a merge tree, which keeps dependencies between collapses short
+//! (`tristrip::lod::SkipStrips`).
 //!
 //! # Complexity
-//! That of the method of strips, and O(n log n) for the collapses of n vertices.
+//! The method that builds the strips, plus O(n log n) for the collapses of n vertices.
 
 use std::sync::Arc;
 
@@ -26,13 +27,13 @@ use crate::method::MethodDescription;
 use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::prepared::Survey;
 
-/// How a model of views is built.
+/// Options for building a view-dependent LOD model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
-    /// The method of the strips of the full mesh, and its options.
+    /// The method that builds the strips of the full mesh, with its options.
     pub stripify: StripifyOptions,
-    /// The order in which the collapses of a level are chosen.
+    /// The criterion that orders the collapses of a level.
     pub order: MergeOrder,
     /// Whether the strips are proven to draw exactly the faces of the mesh.
     pub verify: bool,
@@ -46,10 +47,10 @@ impl Default for Options {
 
 impl Options {
     tristrip::setters! {
-        /// Sets the method of the strips, and its options.
+        /// Sets the method that builds the strips, with its options.
         with_stripify(stripify: StripifyOptions);
 
-        /// Sets the order in which the collapses of a level are chosen.
+        /// Sets the criterion that orders the collapses of a level.
         with_order(order: MergeOrder);
 
         /// Sets whether the strips are proven.
@@ -57,7 +58,7 @@ impl Options {
     }
 }
 
-/// What a vertex tree is built from.
+/// The data from which a vertex tree is built.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct ViewModel {
@@ -65,11 +66,11 @@ pub struct ViewModel {
     pub mesh: Mesh,
     /// Its strips.
     pub strips: Strips,
-    /// The collapses of the triangles of the strips, in their order.
+    /// The collapses of the triangles of the strips, in order.
     pub sequence: Arc<CollapseSequence>,
 }
 
-/// A model of views that was built; the keys are those of the JSON report.
+/// The result of building a view-dependent LOD model; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -111,7 +112,7 @@ pub struct Outcome {
     pub notes: Vec<String>,
 }
 
-/// A `.tlod` file, which was read back and compared; the keys are those of the JSON report.
+/// A `.tlod` file that was read back and compared; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -127,10 +128,12 @@ pub struct File {
     pub file_bytes: usize,
 }
 
-/// Builds the model of views of all parts together, where their coordinates are: nodes do not place them.
+/// Builds one view-dependent LOD model of all parts, in their own coordinates; node transforms are
+/// not applied.
 ///
 /// # Errors
-/// There are too many vertices, an option has an invalid value, the strips are not proven, or the observer cancelled.
+/// There are too many vertices, an option has an invalid value, the strips are not proven, or the
+/// observer cancelled.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -189,7 +192,7 @@ impl ViewModel {
         self.sequence.triangles().len() / 3
     }
 
-    /// Builds the vertex tree, of which views are.
+    /// Builds the vertex tree, from which views are created.
     ///
     /// # Errors
     /// A position is not finite.
@@ -200,7 +203,7 @@ impl ViewModel {
     /// Encodes the model as `.tlod`, reads the bytes back, and compares.
     ///
     /// # Errors
-    /// The strips do not draw exactly the faces of the mesh, or the bytes hold another model.
+    /// The strips do not draw exactly the faces of the mesh, or the bytes contain another model.
     pub fn encode(&self) -> Result<File, Error> {
         let (mesh, strips) = (self.mesh.clone(), self.strips.clone());
         let model = TlodModel::new(mesh, strips, CollapseSequence::clone(&self.sequence))
@@ -208,9 +211,9 @@ impl ViewModel {
         let bytes = encoded(&model)?;
         let again = tlod::read(&bytes[..], &TlodLimits::default())
             .map_err(|error| Error::unproven(format!("the file, read back: {error}")))?;
-        // Bytes are compared, not models: a value that is not a number differs from itself.
+        // Compare bytes, not models: a NaN differs from itself.
         if encoded(&again)? != bytes {
-            return Err(Error::unproven("the file, read back, is another model"));
+            return Err(Error::unproven("the file, read back, differs from the model"));
         }
         let height = SkipStrips::of_levels(&again.strips, &again.sequence)?.height();
         Ok(File { height, file_bytes: bytes.len(), bytes })
@@ -223,7 +226,8 @@ fn encoded(model: &TlodModel) -> Result<Vec<u8>, Error> {
     Ok(bytes)
 }
 
-/// Proves that strips draw exactly the triangles of a view, with their winding; returns their number.
+/// Proves that strips draw exactly the triangles of a view, with their winding. Returns the number
+/// of triangles.
 ///
 /// # Errors
 /// [`Error::Unproven`]: they do not.

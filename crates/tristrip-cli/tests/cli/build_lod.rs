@@ -95,7 +95,7 @@ fn the_parts_of_a_scene_become_one_mesh() {
     for note in [
         "not written: nodes with a transform: 4",
         "parts joined into one: 4",
-        "attributes dropped, which not all parts have in one type: TEXCOORD_0",
+        "attributes dropped that not all parts have with the same type: TEXCOORD_0",
     ] {
         assert!(notes.contains(note), "{notes}");
     }

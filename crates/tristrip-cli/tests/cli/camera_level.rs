@@ -47,11 +47,15 @@ fn a_camera_draws_one_view() {
     }
     let few = close(&["--triangles", "1k"]);
     assert!((900..=1000).contains(&number(&few["triangles"])), "{}", few["triangles"]);
-    assert!(!few["notes"].to_string().contains("asked for"), "{}", few["notes"]);
+    assert!(!few["notes"].to_string().contains("requested"), "{}", few["notes"]);
     let aside = close(&["--foveation", "0.5", "--attention", "0,1"]);
     assert_ne!(aside["triangles"], close(&["--foveation", "0.5"])["triangles"]);
     let none = close(&["--triangles", "0"]);
-    assert!(none["notes"].to_string().contains("0 triangles asked for: the view has"), "{}", none["notes"]);
+    assert!(
+        none["notes"].to_string().contains("requested 0 triangles, but the view has"),
+        "{}",
+        none["notes"]
+    );
 }
 
 /// The parts of a model share the triangles of a view.

@@ -220,5 +220,5 @@ fn wrong_inputs_and_usage_are_refused() {
     tristrip().args(["unpack", "--level", "1", "--bytes", "1"]).arg(&obj).assert().code(2);
     // A square has nothing to refine.
     let out = dir.path().join("out.glb");
-    pack(&["-o", out.to_str().unwrap()]).success().stderr(contains("1 part whole"));
+    pack(&["-o", out.to_str().unwrap()]).success().stderr(contains("1 part not refined"));
 }

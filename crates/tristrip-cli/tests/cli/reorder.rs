@@ -271,10 +271,10 @@ fn parts_that_keep_their_order_are_reported() {
     let report = reordered(&source, &target, "degenerate");
     let why = "points or lines use the same vertices";
     assert_eq!(report["vertex_order"][0]["kept"], why);
-    assert!(report["notes"].to_string().contains(&format!("vertices not re-ordered in 1 part: {why}")));
+    assert!(report["notes"].to_string().contains(&format!("vertices not reordered in 1 part: {why}")));
     assert_eq!(numbers(&report["vertex_order"][0]["new_to_old"]), [0, 1, 2]);
     tristrip().arg("verify").arg(&source).arg(&target).assert().success();
-    // PLY has no points, so the vertices can be re-ordered.
+    // PLY has no points, so the vertices can be reordered.
     let report = reordered(&source, &dir.path().join("a.ply"), "restart");
     assert_eq!(report["vertex_order"][0]["kept"], Value::Null);
 }

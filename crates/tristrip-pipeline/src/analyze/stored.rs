@@ -1,7 +1,7 @@
 //! The statistics of a part of a file as stored.
 //!
-//! Restarts separate strips. A repeated vertex inside joins two strips by degenerate triangles: they are counted as two strips, but
-//! simulated as stored. Polygons are drawn as triangle fans.
+//! Restarts separate strips. A repeated vertex in a strip marks a join by degenerate triangles.
+//! Joined strips are counted as two, but simulated as stored. Polygons are drawn as triangle fans.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -41,8 +41,8 @@ impl DrawMode {
     }
 }
 
-/// The index statistics of a part, or the sum over all parts; the keys are those of the JSON report. Those of strips are `None` if there are
-/// none.
+/// The index statistics of a part, or the sum over all parts; the keys are those of the JSON
+/// report. Strip statistics are `None` if there are no strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -126,7 +126,7 @@ impl LengthBin {
     }
 }
 
-/// A part, with what is computed once for all vertex caches.
+/// A part with the data that all vertex caches share.
 #[derive(Debug)]
 pub(crate) struct MeasuredPart<'a> {
     part: &'a Part,
@@ -187,7 +187,8 @@ impl<'a> MeasuredPart<'a> {
         self.part.stored.as_ref().map_or(&*self.list, |stored| stored.runs.vertices())
     }
 
-    /// Simulates each vertex cache. If caches are flushed between strips, the degenerate triangles that join strips are not sent.
+    /// Simulates each vertex cache. With a flush between strips, the degenerate triangles that join
+    /// strips are skipped.
     pub(super) fn simulate(
         &self,
         caches: &[VertexCache],

@@ -7,7 +7,7 @@ use tristrip::vertex_cache::VertexCache;
 /// The maximum length of a list.
 const MAX_LENGTH: usize = 1024;
 
-/// Vertex caches in the order given, without repetitions.
+/// Vertex caches in the given order, without repeats.
 ///
 /// ```
 /// use tristrip::vertex_cache::VertexCache;
@@ -19,7 +19,7 @@ const MAX_LENGTH: usize = 1024;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VertexCacheList(pub Vec<VertexCache>);
 
-/// The sizes of real graphics processors, and those used in studies of strips.
+/// Cache sizes of real GPUs, and those used in the literature on strips.
 impl Default for VertexCacheList {
     fn default() -> Self {
         let fifo = [8, 16, 24, 32, 64].map(VertexCache::fifo);
@@ -48,7 +48,9 @@ impl std::str::FromStr for VertexCacheList {
                     list.push(cache);
                 }
                 if list.len() > MAX_LENGTH {
-                    return Err(format!("more than {MAX_LENGTH} vertex caches"));
+                    return Err(format!(
+                        "found more than {MAX_LENGTH} vertex caches, expected at most {MAX_LENGTH}"
+                    ));
                 }
             }
         }
@@ -107,6 +109,9 @@ mod tests {
             let error = invalid.parse::<VertexCacheList>().unwrap_err();
             assert!(error.contains("expected KIND:N or KIND:N..M"), "{invalid}: {error}");
         }
-        assert_eq!("fifo:1..65536".parse::<VertexCacheList>(), Err("more than 1024 vertex caches".into()));
+        assert_eq!(
+            "fifo:1..65536".parse::<VertexCacheList>(),
+            Err("found more than 1024 vertex caches, expected at most 1024".into())
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! The levels of a chain: which level of the collapses of each part is drawn, and the vertices in the order of their removal.
+//! The levels of a chain: the collapse level of each part, and the vertices in reverse order of
+//! removal.
 
 use tristrip::CollapseSequence;
 use tristrip_io::PartLevel;
@@ -11,24 +12,24 @@ use crate::simplify::{LevelOrder, Part, PartCollapses};
 
 /// A level of all parts.
 pub(super) struct CollapsedLevel {
-    /// The number of triangles requested.
+    /// The requested number of triangles.
     pub(super) target_triangles: usize,
     /// The number of triangles drawn.
     pub(super) triangles: usize,
-    /// The level of the collapses of each part.
+    /// The collapse level of each part.
     at: Vec<usize>,
-    /// What is drawn of each part, over its vertices in the model.
+    /// The triangles and new vertices of each part, over its vertices in the model.
     pub(super) parts: Vec<PartLevel>,
 }
 
 impl CollapsedLevel {
-    /// Returns whether there are at most as many triangles as requested.
+    /// Returns whether the level has at most the requested number of triangles.
     pub(super) fn is_reached(&self) -> bool {
         self.triangles <= self.target_triangles
     }
 }
 
-/// Returns the levels, the finest first. Every level undoes collapses of the next coarser one.
+/// Returns the levels, the finest first. Each level undoes collapses of the next coarser level.
 pub(super) fn levels(
     parts: &[Part<'_>],
     done: &[PartCollapses],
@@ -55,7 +56,8 @@ pub(super) fn levels(
     Ok(levels)
 }
 
-/// Returns what a level draws of a part, and the vertices that it adds to the next coarser level.
+/// Returns the triangles of a part at a level, and the vertices that it adds to the next coarser
+/// level.
 fn part_level(
     part: &Part<'_>,
     sequence: &CollapseSequence,
@@ -64,7 +66,7 @@ fn part_level(
 ) -> Result<PartLevel, Error> {
     let mut triangles = sequence.drawn(level)?.into_flattened();
     let mut added = Vec::new();
-    // The split of a level adds the vertices that the collapse to it removed.
+    // Undoing a collapse adds the vertex that it removed.
     for undone in coarser.unwrap_or(level)..level {
         added.extend(sequence.collapse(undone)?.renames.iter().map(|rename| rename.removed));
     }
@@ -73,7 +75,7 @@ fn part_level(
     Ok(PartLevel { triangles, added })
 }
 
-/// Returns the extent of a part and the errors of its levels.
+/// Returns the bounding box of a part and the errors of its levels.
 pub(super) fn extent(
     part: &Part<'_>,
     number: usize,

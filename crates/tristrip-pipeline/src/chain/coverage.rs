@@ -1,11 +1,15 @@
-//! Screen coverages: how large an object is on the screen when a coarser level of detail may replace a finer one.
+//! Screen coverages: the size on screen at which a coarser level of detail replaces a finer one.
 //!
 //! # Algorithm
-//! The coverage of an object is the area of its bounding sphere on the screen over the area of the screen. The sphere is that of the
-//! bounding box, of radius r. Where it is p pixels wide, an error e is p e / 2r pixels wide, hence one pixel at p = 2r / e, where the
-//! sphere covers π/4 p² of the pixels of the screen. A level is drawn from the coverage at which its error is one pixel on a screen of
-//! 1920 × 1080 pixels, or from [`STEP`] times the coverage at which the level before it begins if that is less: a level with as
-//! small an error as the one before it has a range of its own. The last level is drawn down to coverage 0.
+//! The coverage of an object is the screen area of its bounding sphere divided by the area of the
+//! screen. The sphere encloses the bounding box and has radius r. If it is p pixels wide, an error
+//! e covers p e / 2r pixels. The error is one pixel at p = 2r / e, where the sphere covers π/4 p²
+//! pixels.
+//!
+//! A level is drawn from the coverage at which its error is one pixel on a screen of 1920 × 1080
+//! pixels, but from at most [`STEP`] times the starting coverage of the level before it. This gives
+//! a level its own range even if its error equals that of the level before. The last level is drawn
+//! down to coverage 0.
 //!
 //! | error, in % of 2r | sphere, in pixels | coverage |
 //! |---|---|---|
@@ -18,19 +22,20 @@ use std::f64::consts::FRAC_PI_4;
 /// The number of pixels of the screen.
 const PIXELS: f64 = 1920.0 * 1080.0;
 
-/// The largest ratio of the coverages from which two consecutive levels are drawn.
+/// The maximum ratio between the starting coverages of consecutive levels.
 const STEP: f64 = 0.9;
 
-/// The extent and the errors of a part, over the vertices of its collapses.
+/// The bounding box and the level errors of a part, over the vertices of its collapses.
 #[derive(Debug, Clone)]
 pub(super) struct PartExtent {
     pub(super) lowest: [f64; 3],
     pub(super) highest: [f64; 3],
-    /// The greatest error of the collapses of each level, the finest first.
+    /// The maximum collapse error of each level, the finest first.
     pub(super) errors: Vec<f32>,
 }
 
-/// Returns for each level of some parts, the finest first, the coverage down to which it is drawn.
+/// Returns the minimum coverage of each level, the finest level first. The parts count as one
+/// object.
 pub(super) fn coverages(parts: &[&PartExtent]) -> Vec<f64> {
     let axes = [0, 1, 2].map(|axis| {
         let lowest = parts.iter().map(|part| part.lowest[axis]).fold(f64::INFINITY, f64::min);
@@ -65,7 +70,7 @@ mod tests {
         for (found, expected) in found.iter().zip([0.378, 0.0421, 0.00379, 0.0]) {
             assert!((found - expected).abs() < 0.001, "{found}, expected {expected}");
         }
-        // At that coverage, the sphere is a thousand pixels wide, and the error one of them.
+        // At that coverage the sphere is 1000 pixels wide, and the error is one pixel.
         let width = (found[0] * PIXELS / FRAC_PI_4).sqrt();
         assert!((width - 1000.0).abs() < 1e-6, "{width}");
     }

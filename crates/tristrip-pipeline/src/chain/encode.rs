@@ -1,7 +1,8 @@
-//! Files of a chain: one scene with all levels, or a file for each; drawn as strips or cache-ordered lists, and proven from the bytes.
+//! Files of a chain: one scene with all levels, or one file per level. Parts are drawn as strips or
+//! cache-ordered lists, and the bytes are proven.
 //!
-//! What is proven: the bytes are read back, and the meshes that each level draws are compared, by the bits of their positions, with the
-//! triangles that the collapses of the source leave at the level.
+//! The proof reads the bytes back. For each level it compares the drawn meshes, by the bits of
+//! their positions, with the triangles that the collapses of the source leave.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -23,18 +24,20 @@ use crate::text::counted;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct File {
-    /// The file.
+    /// The encoded file.
     pub encoded: encode::Outcome,
-    /// For each level, the finest first, the bytes of the indices and vertices that it uses.
+    /// The size in bytes of the indices and vertices that each level uses, the finest level first.
     pub level_bytes: Vec<usize>,
 }
 
 impl Chain {
-    /// Encodes all levels as one GLB: the nodes of a mesh name those of its lower levels with `MSFT_lod`. The bytes are proven, level by
-    /// level, if requested. The model is the one that the chain was built of.
+    /// Encodes all levels as one GLB. The nodes of a mesh refer to their lower levels by
+    /// `MSFT_lod`. If requested, the bytes are proven level by level. `model` must be the model
+    /// that the chain was built from.
     ///
     /// # Errors
-    /// The format is not GLB, the scene already has levels of detail, the bytes are not proven, or the observer cancelled.
+    /// The format is not GLB, the scene already has levels of detail, the bytes are not proven, or
+    /// the observer cancelled.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -54,8 +57,7 @@ impl Chain {
         observer: &dyn Observer,
     ) -> Result<File, Error> {
         if options.format != Format::Glb {
-            let message =
-                "several levels of detail in one file are written as GLB; others get a file per level";
+            let message = "only a GLB can have several levels of detail; write one file per level";
             return Err(tristrip_io::Error::Unsupported(message.into()).into());
         }
         self.check_format(*options)?;
@@ -67,7 +69,7 @@ impl Chain {
         let mut encoded = self.strip_and_encode(&scene.model, *options, observer)?;
         let (level_bytes, faces) = self.prove_scene(model, &scene, &mut encoded.bytes, *options, observer)?;
         encoded.faces = faces;
-        // A model without a scene became one, and may lose what glTF cannot hold.
+        // A model without a scene gets one here, and may lose data that glTF cannot store.
         let drawings = vec![tristrip_io::Drawing::Faces; model.parts.len()];
         encoded.notes.extend(tristrip_io::losses(&self.leveled.model, &drawings, options.format));
         if scene.nodes_without > 0 {
@@ -79,11 +81,12 @@ impl Chain {
         Ok(File { encoded, level_bytes })
     }
 
-    /// Encodes a level as a file of its own, over the vertices that it uses, and proves the bytes if requested. The model is the one that
-    /// the chain was built of.
+    /// Encodes one level as a file of its own, over the vertices that it uses, and proves the bytes
+    /// if requested. `model` must be the model that the chain was built from.
     ///
     /// # Errors
-    /// There is no such level, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    /// The level does not exist, the format cannot store it, the bytes are not proven, or the
+    /// observer cancelled.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -120,7 +123,7 @@ impl Chain {
         Ok(encoded)
     }
 
-    /// Checks that a file has the format that the vertices were numbered for.
+    /// Checks that a file has the format that the vertices were ordered for.
     fn check_format(&self, options: encode::Options) -> Result<(), Error> {
         let (found, expected) = (options.format, self.options.format);
         if found == expected {
@@ -131,7 +134,8 @@ impl Chain {
         Err(tristrip_io::Error::Unsupported(message).into())
     }
 
-    /// Finds the strips of a model, or its triangles in the order of a vertex cache, and encodes it without a proof of the bytes.
+    /// Builds strips, or a cache-ordered triangle list, and encodes the model. The bytes are not
+    /// proven here.
     fn strip_and_encode(
         &self,
         model: &Model,
@@ -156,7 +160,7 @@ impl Chain {
         Ok(encoded)
     }
 
-    /// Reads a scene back; returns the bytes that each level uses, and the number of faces proven.
+    /// Reads a scene back. Returns the bytes that each level uses, and the number of proven faces.
     fn prove_scene(
         &self,
         model: &Model,

@@ -1,14 +1,14 @@
-//! The levels of a chain as typed: `100%,50%,25%,10%`.
+//! The levels of a chain as text: `100%,50%,25%,10%`.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::goal::Ratio;
 
-/// The maximum number of levels: each adds nodes, meshes and indices to a scene.
+/// The maximum number of levels. Each level adds nodes, meshes and indices to a scene.
 const MAX_LEVELS: usize = 16;
 
-/// The ratios of triangles that the levels of a chain keep, the finest first, each less than the one before.
+/// The ratios of triangles that the levels of a chain keep, in strictly decreasing order.
 ///
 /// ```
 /// use tristrip_pipeline::chain::ChainRatios;
@@ -21,7 +21,7 @@ const MAX_LEVELS: usize = 16;
 pub struct ChainRatios(Vec<Ratio>);
 
 impl ChainRatios {
-    /// Returns the ratios, at least one.
+    /// Returns the ratios. There is at least one.
     pub fn as_slice(&self) -> &[Ratio] {
         &self.0
     }
@@ -32,7 +32,7 @@ impl ChainRatios {
     }
 }
 
-/// The full mesh, a half, a quarter and a tenth of it.
+/// The full mesh, a half, a quarter and a tenth.
 impl Default for ChainRatios {
     fn default() -> Self {
         Self([1.0, 0.5, 0.25, 0.1].into_iter().filter_map(Ratio::new).collect())

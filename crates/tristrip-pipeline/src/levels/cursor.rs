@@ -1,4 +1,5 @@
-//! A model at a level: a cursor of each part, which move together in the order of all collapses.
+//! A model at a level: one cursor per part. The cursors move together in the order of all
+//! collapses.
 
 use std::fmt;
 use std::sync::Arc;
@@ -36,7 +37,7 @@ pub struct ModelCursor {
 }
 
 impl ModelCursor {
-    /// Builds a level model of each part, and stands at the full mesh.
+    /// Builds a level model of each part, at the full mesh.
     pub(super) fn new(
         order: &Arc<LevelOrder>,
         parts: &[LevelPart],
@@ -53,10 +54,11 @@ impl ModelCursor {
         Ok(Self { order, models, level, levels, moved: Vec::new(), cursors })
     }
 
-    /// Returns another cursor over the same level models, at the full mesh: for another instance or view.
+    /// Returns another cursor over the same level models, at the full mesh, for another instance or
+    /// view.
     ///
     /// # Errors
-    /// None where this cursor was built.
+    /// Cannot fail if this cursor was built.
     ///
     /// ```
     /// use tristrip::lod::ModelKind;
@@ -78,10 +80,11 @@ impl ModelCursor {
         self.level
     }
 
-    /// Moves to a level of the model. It takes a step per collapse on the way, beside the moves of the parts.
+    /// Moves to a level of the model. The cost is one step per collapse in between, plus the moves
+    /// of the parts.
     ///
     /// # Errors
-    /// [`Error::Level`]: there is no such level; the cursor stays where it is.
+    /// [`Error::Level`]: the level does not exist. The cursor does not move.
     pub fn set_level(&mut self, level: usize) -> Result<(), Error> {
         let last = self.order.collapse_count();
         if level > last {
@@ -111,12 +114,12 @@ impl ModelCursor {
         Ok(())
     }
 
-    /// Returns the cursors of the parts in their order, for their strips.
+    /// Returns the cursors of the parts, in order, for access to their strips.
     pub fn of_parts_mut(&mut self) -> &mut [Box<dyn LevelCursor>] {
         &mut self.cursors
     }
 
-    /// Returns the memory of the level models in bytes, without that of the cursors.
+    /// Returns the memory of the level models in bytes, without the cursors.
     pub fn model_memory(&self) -> usize {
         self.models.iter().map(|model| model.memory()).sum()
     }

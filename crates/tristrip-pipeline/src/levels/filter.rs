@@ -1,11 +1,12 @@
-//! Filters: how the strips of a level become display strips.
+//! Filters that turn the strips of a level into display strips.
 
 use std::fmt;
 use std::str::FromStr;
 
 use tristrip::lod::Filter;
 
-/// A filter of display strips: one that scans each strip by itself, or a search that follows the collapses.
+/// A filter for display strips. It either scans each strip separately, or repairs paths as the
+/// level changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum DisplayFilter {
@@ -15,9 +16,11 @@ pub enum DisplayFilter {
     Stss,
     /// The degenerate-triangle-free scanner of Kim et al. 2005.
     Dtfs,
-    /// Valid triangles only, in the same order, at the least cost for this order.
+    /// Drops degenerate triangles and keeps the order of the others, at the minimum cost for this
+    /// order.
     Linked,
-    /// Keeps paths over the triangles of the level, and repairs them by a local search where collapses cut them.
+    /// Maintains paths over the triangles of the level, and repairs them by local search where
+    /// collapses break them.
     #[default]
     Repair,
 }
@@ -31,7 +34,7 @@ impl DisplayFilter {
         self.scanner().map_or("repair", Filter::name)
     }
 
-    /// Returns a line on the filter, as the help of the command has it.
+    /// Returns a one-line description, for the command's help.
     ///
     /// ```
     /// use tristrip_pipeline::levels::DisplayFilter;
@@ -42,7 +45,7 @@ impl DisplayFilter {
         self.scanner().map_or(repair, Filter::summary)
     }
 
-    /// Returns the filter that scans each strip by itself; `None` for the one that searches.
+    /// Returns the filter that scans each strip separately; `None` for [`DisplayFilter::Repair`].
     pub fn scanner(self) -> Option<Filter> {
         match self {
             Self::None => Some(Filter::None),

@@ -1,4 +1,4 @@
-//! A level of detail, given as a number or as a percentage of all levels, or by what it has to reach.
+//! Selects a level of detail: by its number, by a percentage of all levels, or by a goal.
 
 use std::str::FromStr;
 
@@ -7,10 +7,10 @@ use tristrip::lod::View;
 use crate::error::Error;
 use crate::goal::Deviation;
 
-/// A level of detail as typed: `120` or `40%`.
+/// A level of detail. Its text is `120` or `40%`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Level {
-    /// The number of collapses that are undone.
+    /// The number of undone collapses.
     Number(usize),
     /// A percentage of all collapses.
     Percent(f64),
@@ -51,12 +51,13 @@ impl FromStr for Level {
     }
 }
 
-/// What selects a level of a model.
+/// A criterion that selects a level of a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LevelGoal {
-    /// The level itself.
+    /// An explicit level.
     Level(Level),
-    /// The finest level with at most this number of triangles; the base mesh if it has more.
+    /// The finest level with at most this number of triangles, or the base mesh if all levels have
+    /// more.
     Triangles(usize),
     /// The coarsest level with at most this surface error.
     Error(Deviation),

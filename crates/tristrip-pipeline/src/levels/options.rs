@@ -1,19 +1,20 @@
-//! How levels of detail are built.
+//! Options for building levels of detail.
 
 use tristrip::StripifyOptions;
 use tristrip::simplify::Price;
 
 use crate::goal::Ratio;
 
-/// How levels of detail are built. The base mesh of the default is what the surface allows; everything is proven.
+/// Options for building levels of detail. By default the base mesh is as small as the surface
+/// allows, and everything is proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
-    /// The method of the strips of the full mesh, and its options.
+    /// The method that builds the strips of the full mesh, with its options.
     pub stripify: StripifyOptions,
     /// The ratio of triangles that the base mesh keeps.
     pub base: Ratio,
-    /// What a collapse costs.
+    /// The cost function of collapses.
     pub price: Price,
     /// Whether strips and levels are proven.
     pub verify: bool,
@@ -28,13 +29,13 @@ impl Default for Options {
 
 impl Options {
     tristrip::setters! {
-        /// Sets the method of the strips of the full mesh.
+        /// Sets the method that builds the strips of the full mesh.
         with_stripify(stripify: StripifyOptions);
 
         /// Sets the ratio of triangles that the base mesh keeps.
         with_base(base: Ratio);
 
-        /// Sets what a collapse costs.
+        /// Sets the cost function of collapses.
         with_price(price: Price);
 
         /// Sets whether strips and levels are proven.

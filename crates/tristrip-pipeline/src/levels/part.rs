@@ -1,4 +1,5 @@
-//! A part at any level: its strips with renamed vertices, filtered, and the proof that they draw exactly the triangles of the level.
+//! A part at any level: its strips with renamed vertices, filtered, and the proof that they draw
+//! exactly the triangles of the level.
 
 use std::sync::Arc;
 
@@ -13,8 +14,9 @@ use crate::parts::check_vertices;
 use crate::places::SAME_SCALE;
 use crate::simplify::UsedVertices;
 
-/// A part: the strips of its full mesh, and its collapses. Both are over the vertices that its triangles use if these are few of many,
-/// otherwise over the vertices of the part; [`LevelPart::outward`] converts.
+/// A part: the strips of its full mesh, and its collapses. If the part uses few of its vertices,
+/// both index only the used vertices; otherwise they index the vertices of the part.
+/// [`LevelPart::outward`] converts.
 #[derive(Debug, Clone)]
 pub struct LevelPart {
     used: UsedVertices,
@@ -51,10 +53,11 @@ impl LevelPart {
         self.vertex_count
     }
 
-    /// Returns for each vertex of the part the vertex by which it is drawn at a level: itself, if no collapse below removed it.
+    /// Returns, for each vertex of the part, the vertex that replaces it at a level. A vertex that
+    /// the level still has maps to itself.
     ///
     /// # Errors
-    /// [`Error::Level`]: there is no such level.
+    /// [`Error::Level`]: the level does not exist.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -79,7 +82,8 @@ impl LevelPart {
         Ok(all)
     }
 
-    /// Returns the index map at a level: the strips with renamed vertices, and [`RESTART`] between them.
+    /// Returns the index map at a level: the strips with renamed vertices, and [`RESTART`] between
+    /// them.
     ///
     /// # Errors
     /// [`Error::Level`]: the part does not have this level.
@@ -113,7 +117,7 @@ impl LevelPart {
     /// Returns strips over the part's own vertices in the model.
     ///
     /// # Errors
-    /// The strips name a vertex that the collapses do not have.
+    /// The strips refer to a vertex that the collapses do not have.
     pub fn outward(&self, strips: &Strips) -> Result<Strips, Error> {
         check_vertices(&[(strips, self.used.count().unwrap_or(self.vertex_count))])?;
         Ok(mapped(strips, |strip| self.used.outward(strip)))
@@ -131,7 +135,7 @@ impl LevelPart {
     /// Proves that display strips draw exactly the triangles of a level.
     ///
     /// # Errors
-    /// [`Error::Unproven`], or the part does not have this level.
+    /// The part does not have this level, or [`Error::Unproven`].
     pub fn prove(&self, level: usize, display: &Strips) -> Result<(), Error> {
         self.check(level)?;
         let expected = Faces::from_triangles(self.sequence.drawn(level)?.into_flattened())?;
@@ -140,11 +144,12 @@ impl LevelPart {
         Ok(())
     }
 
-    /// Returns a view of the part at its base mesh, or one of its full mesh. Its errors are in the units of its positions; those of the collapses are in
-    /// the scene, where the part has this scale.
+    /// Returns a view of the part at its base mesh, or at its full mesh if `is_full`. Errors of the
+    /// view are in the units of the positions. Errors of the collapses are in the scene, where the
+    /// part has this scale.
     ///
     /// # Errors
-    /// The positions are not those of the part, or one is not finite.
+    /// The positions do not belong to the part, or one is not finite.
     pub(super) fn view(&self, positions: &[[f32; 3]], is_full: bool, scale: f64) -> Result<SkipView, Error> {
         let positions = self.positions_of_collapses(positions)?;
         let scaled = if is_full || (scale - 1.0).abs() < SAME_SCALE {
@@ -154,14 +159,14 @@ impl LevelPart {
         };
         let sequence = scaled.as_ref().unwrap_or(&self.sequence);
         let model = Arc::new(SkipStrips::new(&self.strips, sequence, &positions[..])?);
-        // A file is written once: the filter that sends the least may take its time.
+        // Files are written once, so the filter with the fewest indices may take longer.
         Ok(if is_full { model.full_view() } else { model.view_by(Filter::Linked) })
     }
 
-    /// Returns the positions of the vertices of the collapses, out of those of the part.
+    /// Selects the positions of the vertices of the collapses from those of the part.
     ///
     /// # Errors
-    /// The positions are not those of the part.
+    /// The positions do not belong to the part.
     pub fn positions_of_collapses(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Error> {
         if positions.len() != self.vertex_count {
             let (found, expected) = (positions.len(), self.vertex_count);
@@ -175,7 +180,7 @@ impl LevelPart {
         Ok(vertices.iter().map(|&v| positions[v as usize]).collect())
     }
 
-    /// Returns triangles of the collapses, over the part's own vertices in the model.
+    /// Converts triangles of the collapses to the part's own vertices in the model.
     pub(super) fn outward_triangles(&self, triangles: Vec<[u32; 3]>) -> Vec<u32> {
         let mut corners = triangles.into_flattened();
         self.used.outward(&mut corners);
@@ -188,10 +193,12 @@ impl LevelPart {
     }
 }
 
-/// Returns strips that draw the same triangles without vertices that only degenerate triangles use, which the file does not have.
+/// Returns strips that draw the same triangles, without vertices that only degenerate triangles
+/// use. The file does not have those vertices.
 ///
-/// All such vertices become one that the triangles use. Equal vertices stay equal, so degenerate triangles stay degenerate; the others do not
-/// change. Without triangles there are no strips.
+/// All such vertices are replaced by one vertex of the triangles. Equal vertices stay equal, so
+/// degenerate triangles stay degenerate, and the other triangles do not change. Without triangles
+/// there are no strips.
 pub(super) fn without_unused(strips: &Strips, triangles: &[u32], vertex_count: usize) -> Strips {
     let Some(&any) = triangles.first() else { return Strips::default() };
     let mut is_used = vec![false; vertex_count];

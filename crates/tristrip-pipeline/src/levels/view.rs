@@ -1,8 +1,9 @@
-//! The view of a camera: each part with the detail that the camera sees of it, as Skip Strips have it.
+//! The view of a camera: each part is refined as Skip Strips refine it for this camera.
 //!
-//! The camera is in the coordinates of the scene. A part that one node places, turned and scaled evenly, is seen by the camera in its own coordinates.
-//! A part in several places would need the detail of each of them: it is drawn in full, and so is one that a node stretches. The parts share a budget of
-//! triangles.
+//! The camera is in scene coordinates. If one node places a part without shear or uneven scale, the
+//! camera is transformed into the coordinates of the part. A part with several instances would need
+//! a separate refinement per instance. It is drawn in full, and so is a part that its node
+//! stretches. The parts share one triangle budget.
 
 use tristrip::lod::{Camera, Hysteresis, SkipView, ViewCriteria};
 use tristrip::verify::verify_drawing;
@@ -17,31 +18,34 @@ use crate::parts::map;
 use crate::places::Places;
 use crate::text::{count, counted};
 
-/// A camera and its criteria in the coordinates of a part.
+/// A camera and its criteria, in the coordinates of a part.
 type Seen = (Camera, ViewCriteria);
 
-/// The range of allowed errors in pixels in which that of a budget is searched, and the steps of the search after powers of two.
+/// The limits of the search for the error in pixels that meets a budget, and the bisection steps
+/// after the doubling phase.
 const MIN_PIXELS: f32 = 1e-3;
 const MAX_PIXELS: f32 = 1e9;
 const HALVINGS: usize = 8;
 
-/// A view as it is drawn.
+/// The display strips of a view, with their metrics.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct DisplayedView {
-    /// The display strips of each part, over the vertices of its collapses; see [`LevelPart::outward`].
+    /// The display strips of each part, over the vertices of its collapses; see
+    /// [`LevelPart::outward`].
     pub strips: Vec<Strips>,
     /// The metrics of the display strips.
     pub metrics: StripMetrics,
     /// Whether the display strips are proven to draw exactly the triangles of the view.
     pub proven: bool,
-    /// Notes on parts that are drawn in full, and on borders between parts.
+    /// Notes on parts that are drawn in full, and on gaps between parts.
     pub notes: Vec<String>,
     /// The triangles of each part, over its vertices in the model.
     pub(super) triangles: Vec<Vec<u32>>,
 }
 
-/// Builds, measures and proves the display strips of the view of a camera, as [`ModelLevels::view`](super::ModelLevels::view) describes.
+/// Builds, measures and proves the display strips for the view of a camera; see
+/// [`ModelLevels::view`](super::ModelLevels::view).
 pub(super) fn displayed(
     parts: &[LevelPart],
     model: &Model,
@@ -67,12 +71,10 @@ pub(super) fn displayed(
     let full_count = cameras.iter().filter(|camera| camera.is_none()).count();
     if full_count > 0 {
         let counted = counted(full_count, "part");
-        notes.push(format!("{counted} drawn in full: in several places, or stretched by a node"));
+        notes.push(format!("{counted} drawn in full: they have several instances, or a node stretches them"));
     }
     if parts.len() > 1 {
-        notes.push(
-            "each part has detail of its own: borders between parts may open by the allowed error".into(),
-        );
+        notes.push("parts are refined separately: gaps up to the allowed error may open between them".into());
     }
     let pairs: Vec<_> = parts.iter().zip(&model.parts).zip(cameras.iter().zip(&scales)).collect();
     let views = map(&pairs, |((part, model), (camera, scale))| {
@@ -83,7 +85,11 @@ pub(super) fn displayed(
     if let Some(budget) = criteria.budget {
         let drawn: usize = views.iter().map(SkipView::triangle_count).sum();
         if drawn > budget {
-            notes.push(format!("{} asked for: the view has {}", counted(budget, "triangle"), count(drawn)));
+            notes.push(format!(
+                "requested {}, but the view has {}",
+                counted(budget, "triangle"),
+                count(drawn)
+            ));
         }
     }
     let strips: Vec<Strips> = views.iter().map(SkipView::display_strips).collect();
@@ -106,8 +112,8 @@ pub(super) fn displayed(
     Ok(DisplayedView { strips, metrics, proven: is_verified, notes, triangles })
 }
 
-/// Moves the views of all parts to what their cameras need. They share the budget: all may have the least error in pixels, above the one that is allowed,
-/// with which they keep it.
+/// Refines the views of all parts for their cameras. The budget is shared: all parts get the same
+/// error in pixels, the minimum above the allowed error that meets the budget.
 fn choose_detail(
     views: &mut [SkipView],
     cameras: &[Option<Seen>],
@@ -116,19 +122,19 @@ fn choose_detail(
     let Some(budget) = criteria.budget.filter(|_| views.len() > 1) else {
         return update_all(views, cameras, |criteria| *criteria).map(|_| ());
     };
-    // What was tried before must not matter.
+    // The result must not depend on earlier attempts.
     let any = Hysteresis::new(1.0)?;
     let mut drawn = |pixels: f32| {
         update_all(views, cameras, |criteria| {
             criteria.with_budget(usize::MAX).with_hysteresis(any).with_pixels(pixels)
         })
     };
-    // 1. A power of two of the allowed error that is enough, if one is.
+    // 1. Double the allowed error until the budget is met.
     let (mut low, mut high) = (criteria.pixels, criteria.pixels);
     while drawn(high)? > budget && high < MAX_PIXELS {
         (low, high) = (high, (2.0 * high).max(MIN_PIXELS));
     }
-    // 2. The least one between it and half of it.
+    // 2. Bisect between this error and the previous one.
     for _ in 0..HALVINGS {
         let middle = low + (high - low) / 2.0;
         if drawn(middle)? > budget { low = middle } else { high = middle }
@@ -136,7 +142,7 @@ fn choose_detail(
     drawn(high).map(|_| ())
 }
 
-/// Updates the views of all parts that have a camera; returns the triangles of all.
+/// Updates the views of all parts that have a camera. Returns the total number of triangles.
 fn update_all(
     views: &mut [SkipView],
     cameras: &[Option<Seen>],

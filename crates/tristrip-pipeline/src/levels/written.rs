@@ -1,4 +1,4 @@
-//! Levels and views as files.
+//! Encodes levels and views as files.
 
 use tristrip::Strips;
 use tristrip_io::{Drawing, Model};
@@ -10,10 +10,12 @@ use crate::error::Error;
 use crate::observer::Observer;
 
 impl ModelLevels {
-    /// Encodes a level of the model as a file that draws its display strips over the vertices that they use, and proves the bytes.
+    /// Encodes a level as a file that draws its display strips over the vertices that they use, and
+    /// proves the bytes.
     ///
     /// # Errors
-    /// The level is of another model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    /// The level belongs to another model, the format cannot store it, the bytes are not proven, or
+    /// the observer cancelled.
     pub fn encode(
         &self,
         model: &Model,
@@ -26,10 +28,11 @@ impl ModelLevels {
         self.encode_drawn(model, (&displayed.strips, triangles), *options, observer)
     }
 
-    /// Encodes a view of the model as [`ModelLevels::encode`] does a level.
+    /// Encodes a view of the model like [`ModelLevels::encode`].
     ///
     /// # Errors
-    /// The view is of another model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    /// The view belongs to another model, the format cannot store it, the bytes are not proven, or
+    /// the observer cancelled.
     pub fn encode_view(
         &self,
         model: &Model,
@@ -40,7 +43,8 @@ impl ModelLevels {
         self.encode_drawn(model, (&view.strips, view.triangles.clone()), *options, observer)
     }
 
-    /// Encodes display strips, over the vertices of the collapses, and the triangles that they draw, over those of the model.
+    /// Encodes display strips over the vertices of the collapses, and the triangles that they draw
+    /// over the vertices of the model.
     fn encode_drawn(
         &self,
         model: &Model,

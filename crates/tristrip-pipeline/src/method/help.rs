@@ -1,15 +1,15 @@
-//! The help of methods and their parameters, from the same table as the parser.
+//! The help of methods and their parameters, built from the same table as the parser.
 
 use tristrip::{Method, StripifyOptions};
 
 use super::parameters::{AcceptedValues, PARAMETERS, Parameter, parameters_of};
 
-/// The columns of the text.
+/// The width of the text.
 const WIDTH: usize = 100;
-/// The column of the text beside a name.
+/// The column at which descriptions begin.
 const INDENT: usize = 18;
 
-/// Returns the help of all methods and their parameters, in lines of up to 100 columns.
+/// Returns the help of all methods and their parameters, wrapped at 100 columns.
 ///
 /// ```
 /// let help = tristrip_pipeline::method_help();
@@ -53,7 +53,7 @@ pub fn method_help() -> String {
     text
 }
 
-/// Appends a name with a text beside it, in wrapped lines.
+/// Appends a name with a wrapped description next to it.
 fn entry(text: &mut String, indent: usize, name: &str, words: &str) {
     let mut line = format!("{:indent$}{name}", "");
     let mut column = INDENT.max(line.chars().count() + 1);
@@ -72,7 +72,7 @@ fn entry(text: &mut String, indent: usize, name: &str, words: &str) {
 }
 
 impl Parameter {
-    /// Returns the names of the values; nothing if they are not named.
+    /// Returns the names of the values, or nothing if the values have no names.
     #[cfg(test)]
     pub(crate) fn value_names(&self) -> Vec<&'static str> {
         match self.values {

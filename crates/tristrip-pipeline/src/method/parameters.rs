@@ -1,4 +1,5 @@
-//! Methods with parameters as text: `stripe-global:patches=full,cutoff=10`. One table gives the parser, the reports and the help.
+//! Methods with parameters as text: `stripe-global:patches=full,cutoff=10`. One table defines the
+//! parser, the reports and the help.
 
 use std::fmt;
 use std::str::FromStr;
@@ -28,7 +29,7 @@ impl fmt::Display for Value {
 
 /// A parameter of stripification methods.
 pub(crate) struct Parameter {
-    /// The name on the command line; reports have it with `_`.
+    /// The name on the command line. Reports use `_` instead of `-`.
     pub(crate) name: &'static str,
     /// What the parameter does, in sentences.
     pub(super) help: &'static str,
@@ -36,19 +37,19 @@ pub(crate) struct Parameter {
     pub(super) values: AcceptedValues,
     /// Returns the value; `None` if the method of the options does not have the parameter.
     pub(crate) get: fn(&StripifyOptions) -> Option<Value>,
-    /// Sets the value in options whose method has the parameter.
+    /// Sets the value. The method of the options must have the parameter.
     set: fn(StripifyOptions, &str) -> Result<StripifyOptions, Error>,
 }
 
 /// The values that a parameter accepts.
 pub(super) enum AcceptedValues {
-    /// Names, with a line of help each.
+    /// Named values, each with a line of help.
     Named(fn() -> Vec<(&'static str, &'static str)>),
-    /// Anything else, in words.
+    /// Any other values, described in words.
     Other(&'static str),
 }
 
-/// Returns the names and lines of help of an enumeration.
+/// Returns the names and help lines of an enumeration.
 macro_rules! named {
     ($type:ty) => {
         AcceptedValues::Named(|| <$type>::ALL.iter().map(|value| (value.name(), value.summary())).collect())
@@ -312,7 +313,7 @@ pub(crate) fn parameters_of(options: &StripifyOptions) -> Vec<(&'static Paramete
     PARAMETERS.iter().filter_map(|p| Some((p, (p.get)(options)?))).collect()
 }
 
-/// What is expected in place of an unknown parameter of each method.
+/// For each method, what is expected in place of an unknown parameter.
 static EXPECTED: LazyLock<Vec<String>> = LazyLock::new(|| {
     Method::ALL
         .iter()
@@ -329,8 +330,9 @@ static EXPECTED: LazyLock<Vec<String>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Parses a method with its parameters, such as `best`, `best:effort=5` or `stripe-global:patches=full,cutoff=10`. Parameters that are not
-/// named have the default of the method; `tristrip help methods` lists all.
+/// Parses a method with its parameters, such as `best`, `best:effort=5` or
+/// `stripe-global:patches=full,cutoff=10`. Omitted parameters have the defaults of the method;
+/// `tristrip help methods` lists all.
 ///
 /// # Errors
 /// The method is unknown, it does not have one of the parameters, or a value is invalid.
@@ -363,7 +365,8 @@ pub fn parse_method(text: &str) -> Result<StripifyOptions, Error> {
     Ok(options)
 }
 
-/// Sets a parameter of the method of the options by its name, with `-` or `_`, to a value as [`parse_method`] reads it.
+/// Sets a parameter of the options' method. The name may use `-` or `_`, and the value has the
+/// syntax of [`parse_method`].
 ///
 /// # Errors
 /// The method does not have the parameter, or the value is invalid.
@@ -384,7 +387,7 @@ pub fn with_method_parameter(
     set(options, &name.replace('_', "-"), value, &text)
 }
 
-/// Sets a parameter that was found in a text.
+/// Sets a parameter by its name, which `text` contains.
 fn set(options: StripifyOptions, name: &str, value: &str, text: &str) -> Result<StripifyOptions, Error> {
     let found = PARAMETERS.iter().find(|parameter| parameter.name == name);
     let Some(parameter) = found.filter(|parameter| (parameter.get)(&options).is_some()) else {

@@ -1,4 +1,4 @@
-//! The JSON Schema of a method in a report, from the same table as the parser.
+//! The JSON Schema of a method in a report, built from the same table as the parser.
 
 use std::borrow::Cow;
 
@@ -31,7 +31,8 @@ impl JsonSchema for MethodDescription {
     }
 }
 
-/// Describes a parameter: the first sentence of its help, its values, and the methods that have it.
+/// Builds the schema of a parameter: the first sentence of its help, its values, and the methods
+/// that have it.
 fn of_parameter(parameter: &Parameter) -> Schema {
     let value_of = |method: &Method| (parameter.get)(&StripifyOptions::default().with_method(*method));
     let methods = Method::ALL.iter().filter(|method| value_of(method).is_some());

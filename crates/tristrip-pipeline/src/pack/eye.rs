@@ -1,15 +1,18 @@
-//! How large errors look from a position.
+//! Weights errors by their apparent size from a viewpoint.
 
 use tristrip::Mesh;
 
 use crate::places::Place;
 
-/// By how much an error counts where the surface faces away: it is seen at silhouettes only, or when the eye moves.
+/// The weight of an error where the surface faces away from the eye. Such an error is visible only
+/// at silhouettes, or when the eye moves.
 const FACING_AWAY: f64 = 0.5;
-/// The least distance from the eye, relative to the largest: what is nearer counts as much.
+/// The minimum distance from the eye, relative to the maximum. Nearer vertices have the same
+/// weight.
 const MIN_DISTANCE: f64 = 1.0 / 64.0;
 
-/// Returns by how much an error at each vertex of a mesh counts, seen from a position in the scene: by the distance, in the place where it looks largest.
+/// Returns the weight of an error at each vertex of a mesh, seen from a position in the scene.
+/// Weights depend on distance and facing; with several instances, the largest weight is used.
 pub(super) fn error_factors(mesh: &Mesh, places: &[Place], eye: [f32; 3]) -> Vec<f32> {
     let eye = eye.map(f64::from);
     let normals = vertex_normals(mesh);
@@ -35,7 +38,7 @@ pub(super) fn error_factors(mesh: &Mesh, places: &[Place], eye: [f32; 3]) -> Vec
     mesh.positions().iter().zip(&normals).map(factor).collect()
 }
 
-/// Returns a normal of each vertex, weighted by area; the length does not matter.
+/// Returns the normal of each vertex, weighted by area and not normalized.
 fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     let mut normals = vec![[0.0_f32; 3]; mesh.vertex_count()];
     for triangle in mesh.faces().corners().chunks_exact(3) {

@@ -1,4 +1,4 @@
-//! Parts of a model that are one mesh of a stream.
+//! Groups the parts of a model that form one mesh of a stream.
 
 use std::collections::HashMap;
 use std::mem::discriminant;
@@ -17,28 +17,31 @@ use crate::text::counted;
 /// A part within a group.
 pub(super) struct Member {
     pub(super) part: usize,
-    /// The number of its first vertex in the mesh of the group.
+    /// The index of its first vertex in the mesh of the group.
     first: u32,
     used: UsedVertices,
 }
 
-/// Parts that are one mesh of a stream.
+/// Parts that form one mesh of a stream.
 pub(super) struct Group {
     pub(super) parts: Vec<Member>,
-    /// The list of places of the parts.
+    /// The index of the list of instance transforms of the parts.
     pub(super) list: usize,
-    /// The largest scale of a place.
+    /// The maximum scale of these transforms.
     pub(super) scale: f64,
-    /// The triangles of all parts over their vertices, with the numbers of the parts if there are several.
+    /// The triangles of all parts over their vertices. If there are several parts, an attribute has
+    /// the part of each vertex.
     pub(super) mesh: Mesh,
-    /// The box of all parts in the same places, if another group has some of them.
+    /// The bounding box of all parts with the same transforms, if they are in several groups.
     pub(super) bounds: Option<[[f32; 3]; 2]>,
 }
 
-/// What has to be equal in a group: the places, and names and types of the attributes.
+/// The properties that are equal within a group: the transforms, and the names and types of the
+/// attributes.
 type Key<'a> = (usize, Vec<(&'a str, u8, bool, std::mem::Discriminant<AttributeData>)>);
 
-/// Forms the groups of a model, and returns the parts that are in none; a note says why these stay whole.
+/// Groups the parts of a model. Returns the groups, and the parts that are in none; a note has the
+/// reason for those.
 pub(super) fn groups(
     model: &Model,
     places: &Places,
@@ -77,21 +80,21 @@ pub(super) fn groups(
     }
     let mut note = |count: usize, why: &str| {
         if count > 0 {
-            notes.push(format!("{} whole: {why}", counted(count, "part")));
+            notes.push(format!("{} not refined: {why}", counted(count, "part")));
         }
     };
-    note(unread, "morph targets, or values of vertices that are not read");
-    note(reserved, "an attribute `part`, which streams use");
-    // The largest groups, in their order.
+    note(unread, "they have morph targets or attributes that are not read");
+    note(reserved, "they have an attribute `part`, whose name streams reserve");
+    // Keep the largest groups, in their order.
     let mut by_size: Vec<usize> = (0..members.len()).collect();
     let size = |group: &usize| -> usize {
         members[*group].1.iter().map(|&part| model.parts[part].mesh.faces().triangle_count()).sum()
     };
     by_size.sort_by_key(|group| std::cmp::Reverse(size(group)));
-    // Readers refuse more meshes.
+    // Readers reject streams with more meshes.
     let smaller = by_size.split_off(by_size.len().min(StreamLimits::default().meshes));
     let more: Vec<usize> = smaller.iter().flat_map(|&group| members[group].1.iter().copied()).collect();
-    note(more.len(), "a stream has no more meshes");
+    note(more.len(), "a stream has a limited number of meshes");
     whole.extend(more);
     by_size.sort_unstable();
     let groups =
@@ -101,7 +104,7 @@ pub(super) fn groups(
     Ok((groups, whole))
 }
 
-/// Gives the groups in the same places one box.
+/// Gives all groups with the same transforms one common bounding box.
 fn share_bounds(groups: &mut [Group]) {
     let mut boxes: HashMap<usize, ([[f32; 3]; 2], usize)> = HashMap::new();
     for group in groups.iter() {
@@ -135,7 +138,7 @@ impl Group {
             let first = positions.len();
             let found = (first + compact.mesh.vertex_count()).max(triangles.len() + own.len());
             if found > MAX_COUNT {
-                let found = format!("{found} vertices or corners of parts in one place");
+                let found = format!("{found} vertices or corners of parts with the same nodes");
                 return Err(tristrip::Error::Parameter {
                     name: "model",
                     found,
@@ -167,7 +170,7 @@ impl Group {
         Ok(Self { parts: members, list, scale, mesh, bounds: None })
     }
 
-    /// Counts the bytes of a vertex in a GLB.
+    /// Returns the size of a vertex in a GLB, in bytes.
     pub(super) fn vertex_bytes(&self) -> usize {
         let of = |attribute: &Attribute| {
             let size = match attribute.data {
@@ -181,7 +184,7 @@ impl Group {
         12 + self.mesh.attributes().iter().filter(|attribute| attribute.name != PART).map(of).sum::<usize>()
     }
 
-    /// Returns triangles of the mesh by parts.
+    /// Splits triangles of the mesh by part.
     fn lists(&self, triangles: &[u32]) -> Vec<Vec<u32>> {
         let mut lists = vec![Vec::new(); self.parts.len()];
         for triangle in triangles.chunks_exact(3) {
@@ -190,7 +193,7 @@ impl Group {
         lists
     }
 
-    /// Returns triangles of the mesh by parts, over the vertices of these.
+    /// Splits triangles of the mesh by part, and converts them to the vertices of each part.
     pub(super) fn split(&self, triangles: &[u32]) -> Vec<(usize, Vec<u32>)> {
         let lists = self.lists(triangles);
         let outward = |(member, mut list): (&Member, Vec<u32>)| {
@@ -201,7 +204,7 @@ impl Group {
         self.parts.iter().zip(lists).map(outward).collect()
     }
 
-    /// Returns the meshes that a decoder should give for each part.
+    /// Returns the mesh that a decoder must produce for each part.
     pub(super) fn expected(&self, stream: &EncodedStream) -> Result<Vec<(usize, Mesh)>, Error> {
         let all = moved(&self.mesh, |position| stream.decoded(position))?;
         let lists = self.lists(all.faces().corners());
@@ -212,13 +215,15 @@ impl Group {
     }
 }
 
-/// Returns which vertices of each group touch another group, or a part that stays whole: in other places, or in the same with other attributes.
+/// Returns which vertices of each group touch an unrefined part or another group. The other group
+/// has other transforms, or the same transforms and other attributes.
 pub(super) fn touching_vertices(
     groups: &[Group],
     (model, whole): (&Model, &[usize]),
     places: &Places,
 ) -> Vec<Vec<bool>> {
-    // The positions of each list of places, the first group that has one, and whether another has it.
+    // The positions of each list of transforms, the first group that has each position, and whether
+    // another group has it too.
     let mut lists: Vec<PlacedPositions> = (places.lists.iter())
         .map(|places| PlacedPositions { places: places.clone(), positions: Vec::new() })
         .collect();
@@ -250,7 +255,7 @@ pub(super) fn touching_vertices(
     groups.iter().map(of).collect()
 }
 
-/// Returns the triangles of a mesh that draw something, over its vertices at other positions.
+/// Returns the triangles of a mesh that draw something, with mapped positions.
 fn moved(mesh: &Mesh, position: impl Fn([f32; 3]) -> [f32; 3]) -> Result<Mesh, Error> {
     let (triangles, _) = drawn_triangles(mesh);
     let positions: Vec<[f32; 3]> = mesh.positions().iter().map(|&p| position(p)).collect();

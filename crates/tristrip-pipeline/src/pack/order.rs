@@ -2,14 +2,14 @@
 
 use tristrip::stream::StreamChunk;
 
-/// The chunks of a mesh, and by how much the scene enlarges its errors.
+/// The chunks of a mesh, and the scale of its errors in the scene.
 pub(super) struct Queue {
     pub(super) chunks: Vec<StreamChunk>,
     pub(super) scale: f64,
 }
 
-/// Joins the chunks of all meshes: their base meshes first, and then always the next chunk of the mesh with the largest error so far. The chunks of `queues[i]` are those of
-/// mesh i.
+/// Merges the chunks of all meshes. The base meshes come first, followed by the next chunk of the
+/// mesh with the largest current error. The chunks of `queues[i]` belong to mesh i.
 pub(super) fn in_order(queues: &[Queue]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut next: Vec<usize> = vec![0; queues.len()];
@@ -25,7 +25,7 @@ pub(super) fn in_order(queues: &[Queue]) -> Vec<u8> {
     };
     loop {
         let left = (0..queues.len()).filter(|&queue| (1..queues[queue].chunks.len()).contains(&next[queue]));
-        // The first of several with the same error.
+        // The first of several meshes with the same error.
         let worst = left.rev().max_by(|&a, &b| error(a, &next).total_cmp(&error(b, &next)));
         let Some(worst) = worst else { return bytes };
         take(worst, &mut bytes, &mut next);

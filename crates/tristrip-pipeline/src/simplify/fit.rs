@@ -1,36 +1,46 @@
-//! Moves the vertices of a simplified surface closer to the original one. Half-edge collapses leave vertices where they were, on the original
-//! surface, and so all of the simplified surface on one side of it where it is curved; vertices that may move lower the distance by a third or more.
+//! Moves the vertices of a simplified surface closer to the original surface. Half-edge collapses
+//! keep vertices at their original positions. Where the surface is curved, the simplified surface
+//! therefore lies on one side of the original. Moving the vertices reduces the distance by a third
+//! or more.
 //!
 //! ```text
 //!        ·  ·                    original: points spread over it
 //!     ·  ╱ ╲   ·      ──▶     ·╱─·─╲·
-//!    · ╱     ╲  ·             ╱·     ·╲      each point pulls at the corners of the triangle that is nearest to it
+//!    · ╱     ╲  ·             ╱·     ·╲      each point pulls at its nearest triangle
 //! ```
 //! # Algorithm
-//! 1. Points are spread over both surfaces by a seeded generator, about as many for each triangle of the simplified one, and stand for its area
-//!    (`points`). Vertices of both are further points, which pull at nothing and show the largest distance.
-//! 2. In each round, the nearest point of the other surface is searched for each of them, from triangle to neighbour as long as the distance
-//!    falls (`surface`), and more widely for points that are much farther away than most. For a point of the original, the first search begins
-//!    where the collapses brought the corners of its triangle; for one of the simplified surface, at the nearest of the points that were found in
-//!    its triangle.
-//! 3. The positions are moved by the solution of a linear least-squares problem (`equations`): the distances of the points from the planes that they were
-//!    found on, and to a small part those along the planes and the moves themselves, which keep the problem regular.
-//! 4. Moves that would turn a triangle are halved, and dropped if that is not enough; so are those at points that are farther away than the farthest
-//!    point before the first round.
-//! 5. The positions with the least mean of the squared distances are kept, those before the first round among them.
+//! 1. Sample points on both surfaces with a seeded generator, about equally many per triangle of
+//!    the simplified surface. Each point represents an area (`points`). The vertices of both
+//!    surfaces are additional points without weight: they only measure the maximum distance.
+//! 2. In each round, search the nearest point of the other surface for each point. The search walks
+//!    from triangle to neighbour as long as the distance falls (`surface`). It is wider for points
+//!    much farther away than most. For a point of the original, the first search starts at the
+//!    triangle that the collapses moved its corners to. For a point of the simplified surface, it
+//!    starts at the nearest point found so far in its triangle.
+//! 3. Move the positions by the solution of a linear least-squares problem (`equations`). It
+//!    minimizes the distances of the points from the planes of their nearest points. Distances
+//!    along the planes, and the moves themselves, have small weights that keep the problem regular.
+//! 4. Halve moves that would rotate a triangle too far, and drop them if that is not enough. Treat
+//!    moves at points beyond the maximum distance of the start in the same way.
+//! 5. Keep the positions with the minimum mean squared distance. The initial positions are among
+//!    the candidates.
 //!
-//! Parts that are simplified as one surface are fitted as one: all vertices at a position move together, so that no crack opens between parts or at seams
-//! of attributes. What collapses keep stays: positions that touch parts in other places of the scene. So do those at borders and at edges
-//! of more than two triangles, and those of parts whose positions a file cannot change. Distances are those in the coordinates of the parts.
+//! Parts that are simplified as one surface are fitted as one. All vertices at one position move
+//! together, and no cracks open between parts or at attribute seams. Some positions are fixed:
+//! those that touch parts placed by other nodes, those at borders and at edges of more than two
+//! triangles, and those of parts whose positions a file cannot change. Distances are in the
+//! coordinates of the parts.
 //!
 //! # References
-//! Hoppe et al.: *Mesh Optimization*, 1993, section 4.1: the positions for fixed triangles. There the distances are
-//! those to the points found, not from planes, and the points are those of the original. Chen, Medioni: *Object Modelling by Registration of Multiple Range
-//! Images*, 1992: distances from planes.
+//! Hoppe et al.: *Mesh Optimization*, 1993, section 4.1: optimal positions for fixed triangles.
+//! That method uses point distances, not plane distances, and samples only the original. Chen,
+//! Medioni: *Object Modelling by Registration of Multiple Range Images*, 1992: distances from
+//! planes.
 //!
 //! # Complexity
-//! O(p) time per round for p points, of which there are about 24 per triangle of the simplified surface, and up to half as many vertices; 72 bytes per
-//! point, and 60 per triangle of the original. A search looks at a limited number of triangles.
+//! O(p) time per round for p points: about 24 points per triangle of the simplified surface, and up
+//! to half as many vertices. 72 bytes per point, and 60 bytes per triangle of the original. A
+//! search visits a bounded number of triangles.
 
 mod equations;
 mod points;
@@ -49,31 +59,32 @@ use crate::surface_change::{Facet, dot, sub};
 use points::Points;
 use surface::{FitSurface, Point, unit};
 
-/// The rounds of search and solution.
+/// The number of rounds of search and solution.
 const ROUNDS: usize = 3;
-/// The smallest cosine of the angle by which a triangle may turn.
+/// The minimum cosine of the angle that a triangle may rotate by.
 const MAX_TURN: f64 = 0.5;
-/// How often the moves around a turned triangle are halved before they are dropped.
+/// How often the moves around a rotated triangle are halved before they are dropped.
 const HALVINGS: usize = 3;
-/// How often moves are halved or dropped before all are.
+/// The maximum number of attempts to halve or drop moves. After these, all moves are dropped.
 const MAX_ATTEMPTS: usize = 16;
 
-/// What was fitted.
+/// The result of a fit.
 pub(super) struct Fitted {
-    /// For each part its reduced mesh with new positions; `None` if none of its vertices moved.
+    /// The reduced mesh of each part with new positions; `None` if none of its vertices moved.
     pub(super) meshes: Vec<Option<Mesh>>,
-    /// The number of positions that moved; those that several parts share count once.
+    /// The number of moved positions. A position that several parts share counts once.
     pub(super) moved: usize,
 }
 
 /// The new positions by the bits of the old ones.
 type Moves = HashMap<[u32; 3], [f32; 3]>;
 
-/// Moves the vertices that are left of all parts; those of fixed parts stay, and what they share with others. It asks before each round whether to
-/// go on, and otherwise ends with the positions so far.
+/// Moves the remaining vertices of all parts. Fixed parts, and the vertices that others share with
+/// them, are not moved. `goes_on` is called before each round; if it returns `false`, the fit ends
+/// with the current positions.
 ///
 /// # Errors
-/// The collapses do not fit the parts.
+/// The collapses do not match the parts.
 pub(super) fn fit(
     parts: &[Part<'_>],
     done: &[PartCollapses],
@@ -101,7 +112,7 @@ pub(super) fn fit(
     Ok(fitted)
 }
 
-/// Returns a mesh with new positions, without faces; `None` if none of its vertices moves.
+/// Returns a mesh with new positions and without faces; `None` if none of its vertices moves.
 fn moved(mesh: &Mesh, moves: &Moves) -> Result<Option<Mesh>, Error> {
     let new = |position: &[f32; 3]| moves.get(&bits(*position)).copied();
     if !mesh.positions().iter().any(|position| new(position).is_some()) {
@@ -123,12 +134,12 @@ struct FittedPart<'a> {
     is_fixed: bool,
 }
 
-/// Returns the positions that move in parts that are one surface.
+/// Returns the new positions for parts that form one surface.
 fn moves_of(group: &[FittedPart<'_>], goes_on: &(dyn Fn() -> bool + Sync)) -> Result<Moves, Error> {
     if group.iter().all(|member| member.is_fixed || member.done.sequence.is_empty()) || !goes_on() {
         return Ok(Moves::new());
     }
-    // 1. Both surfaces over numbered positions, those of the simplified one first.
+    // 1. Both surfaces over position indices. Those of the simplified surface come first.
     let mut ids = PositionIds::default();
     let base: Vec<Mesh> = group.iter().map(FittedPart::base).collect::<Result<_, Error>>()?;
     let full: Vec<Mesh> = group.iter().map(FittedPart::full).collect::<Result<_, Error>>()?;
@@ -171,7 +182,7 @@ fn moves_of(group: &[FittedPart<'_>], goes_on: &(dyn Fn() -> bool + Sync)) -> Re
             best = (squares, simplified.at.clone());
         }
     }
-    // 3. Those that moved.
+    // 3. The positions that moved.
     let rounded = best.1.iter().map(|at| at.map(|x| x as f32));
     let moved = old.iter().zip(rounded).zip(&is_free).filter(|&((old, new), &is_free)| {
         is_free && bits(*old) != bits(new) && new.iter().all(|x| x.is_finite())
@@ -180,7 +191,7 @@ fn moves_of(group: &[FittedPart<'_>], goes_on: &(dyn Fn() -> bool + Sync)) -> Re
 }
 
 impl FittedPart<'_> {
-    /// Returns the reduced mesh with the triangles that are left.
+    /// Returns the reduced mesh with the remaining triangles.
     fn base(&self) -> Result<Mesh, Error> {
         let corners = self.done.sequence.drawn(0)?.into_flattened();
         Ok(self.part.compact.mesh.with_faces(Faces::from_triangles(corners)?)?)
@@ -192,7 +203,7 @@ impl FittedPart<'_> {
     }
 }
 
-/// Returns the number of positions that faces use, at least `least`.
+/// Returns the number of positions that faces use, but at least `least`.
 fn position_count(faces: &Faces, least: usize) -> usize {
     faces.corners().iter().max().map_or(0, |&last| last as usize + 1).max(least)
 }
@@ -203,7 +214,7 @@ fn free(group: &[FittedPart<'_>], base: &[Mesh], simplified: &FitSurface) -> Vec
     let mut ids = simplified.triangles.as_flattened().iter();
     for (member, base) in group.iter().zip(base) {
         let locked = member.part.locked();
-        // The corners of the member come first: there are at least as many numbers.
+        // The corners of this member come first, so there are enough position indices.
         for (&v, &id) in base.faces().corners().iter().zip(&mut ids) {
             if member.is_fixed || locked.get(v as usize) == Some(&true) {
                 is_free[id as usize] = false;
@@ -213,7 +224,8 @@ fn free(group: &[FittedPart<'_>], base: &[Mesh], simplified: &FitSurface) -> Vec
     is_free
 }
 
-/// Returns for each triangle of the original a triangle that the collapses brought one of its corners to; `None` in vanished components.
+/// Returns, for each triangle of the original, a simplified triangle that the collapses moved one
+/// of its corners to; `None` for removed components.
 fn starts(group: &[FittedPart<'_>], base: &[Mesh]) -> Result<Vec<Option<u32>>, Error> {
     let (mut starts, mut first) = (Vec::new(), 0);
     for (member, base) in group.iter().zip(base) {
@@ -229,8 +241,8 @@ fn starts(group: &[FittedPart<'_>], base: &[Mesh]) -> Result<Vec<Option<u32>>, E
     Ok(starts)
 }
 
-/// Adds the moves to the positions. Around triangles that would turn too far from their normals they are halved, and at last dropped, until no triangle
-/// turns; if that takes too long, all are dropped.
+/// Adds the moves to the positions. Moves around triangles that would rotate too far are halved,
+/// then dropped, until no triangle does. After too many attempts, all moves are dropped.
 fn step(surface: &mut FitSurface, mut moves: Vec<Point>, normals: &[Point]) {
     for attempt in 0..MAX_ATTEMPTS {
         let moved: Vec<Point> = surface.at.iter().zip(&moves).map(|(at, by)| sum(*at, *by)).collect();
@@ -247,7 +259,8 @@ fn step(surface: &mut FitSurface, mut moves: Vec<Point>, normals: &[Point]) {
     }
 }
 
-/// Moves the corners of some triangles back to where they were, half of the way or all of it; returns which triangles this moves.
+/// Moves the corners of some triangles back to their old positions, halfway or completely. Returns
+/// which triangles this affects.
 fn go_back(
     surface: &mut FitSurface,
     old_at: &[Point],
@@ -267,7 +280,7 @@ fn go_back(
     surface.triangles.iter().map(|corners| corners.iter().any(has_moved)).collect()
 }
 
-/// Halves the moves of the corners of triangles, and after some attempts drops them.
+/// Halves the moves of the corners of triangles. After some attempts, drops them.
 fn lessen(moves: &mut [Point], triangles: Vec<[u32; 3]>, attempt: usize) {
     let factor = if attempt < HALVINGS { 0.5 } else { 0.0 };
     let mut corners = triangles.into_flattened();
@@ -276,7 +289,7 @@ fn lessen(moves: &mut [Point], triangles: Vec<[u32; 3]>, attempt: usize) {
     corners.iter().for_each(|&v| moves[v as usize] = moves[v as usize].map(|x| factor * x));
 }
 
-/// Returns the bits of a position; −0 is 0.
+/// Returns the bits of a position, with −0 as 0.
 fn bits(position: [f32; 3]) -> [u32; 3] {
     position.map(|x| (x + 0.0).to_bits())
 }

@@ -1,7 +1,9 @@
-//! Simplifies the parts of a model toward one goal: the number of triangles is that of the model, and each part keeps what it needs.
+//! Simplifies the parts of a model toward one goal. The number of triangles applies to the model,
+//! and each part keeps the triangles that it needs.
 //!
-//! Parts that are simplified as one surface are a *group*. A scene with a dense and a coarse group looks best if the collapse that costs
-//! least comes next, wherever it is: the dense group then gives most of the triangles, and both have about the same error in the end.
+//! Parts that are simplified as one surface are a *group*. In a scene with a dense and a coarse
+//! group, the best result comes from always applying the cheapest collapse of the scene. The dense
+//! group then loses most of the triangles, and both groups end with about the same error.
 //!
 //! ```text
 //! cost  │      ╱ coarse group    every group is simplified to the cost c, the least at
@@ -10,19 +12,23 @@
 //!       └───────────────────▶ triangles dropped
 //! ```
 //! # Algorithm
-//! The cost of a collapse is that by which a group orders its own collapses, so that attributes count, in the units of the scene, where the group has
-//! the largest scale. The cost of a step of a group is the greatest so far.
-//! 1. In rounds: the groups whose costs are lowest, and which have half of the triangles, drop a sixteenth of theirs; until all groups
-//!    together have few enough triangles, or no collapse is left.
-//! 2. Those triangles are too few where a group is ahead of the others. The cost c follows from what each group has dropped after each round;
-//!    the groups that are behind go on to c.
-//! 3. The steps of all groups are merged by cost, ties by the number of the group ([`LevelOrder`]), and cut off where the goal is reached.
+//! The cost of a collapse is the one by which a group orders its collapses, including attributes.
+//! It is converted to scene units at the largest scale of the group. The cost of a step of a group
+//! is the maximum so far.
+//! 1. In rounds, take the groups with the lowest costs that together have half of the triangles.
+//!    Each drops 1/16 of its triangles. Repeat until the total is low enough, or no collapse is
+//!    left.
+//! 2. The total is now too low if some groups are ahead of others. Find the common cost c from the
+//!    triangles that each group dropped per round. Groups that are behind continue to c.
+//! 3. Merge the steps of all groups by cost, with ties by group index ([`LevelOrder`]), and cut off
+//!    where the goal is reached.
 //!
-//! So no group goes much further than it needs to. A model with one group, or without a number of triangles, needs no rounds.
+//! No group goes much further than it needs to. A model with one group, or without a triangle goal,
+//! needs no rounds.
 //!
 //! # Complexity
-//! That of the simplification of each group, which is about a sixteenth more than it needs; all groups are in memory at once, with
-//! 260 bytes per triangle.
+//! The simplification of each group, which does about 1/16 more work than needed. All groups are in
+//! memory at once, with 260 bytes per triangle.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -41,12 +47,13 @@ use crate::observer::{Observer, SimplifyProgress};
 use crate::parts::map;
 use crate::places::SAME_SCALE;
 
-/// The part of its triangles that a group drops in a round, and the least number.
+/// The fraction of its triangles that a group drops in a round, as a divisor, and the minimum
+/// number.
 const ROUND: (usize, usize) = (16, 4);
-/// Likewise between two questions to the observer, where a group needs no rounds.
+/// The same values for the interval between progress calls, for a group that needs no rounds.
 const WATCHED_ROUND: (usize, usize) = (16, 1000);
 
-/// What collapses may do, and what they cost.
+/// The constraints on collapses, and their cost function.
 ///
 /// ```
 /// use tristrip_pipeline::{simplify::CollapseRules, simplify};
@@ -55,21 +62,22 @@ const WATCHED_ROUND: (usize, usize) = (16, 1000);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CollapseRules {
-    /// How much the attributes of vertices count.
+    /// The weights of vertex attributes.
     pub weights: AttributeWeights,
-    /// What a collapse costs.
+    /// The cost function of collapses.
     pub price: Price,
-    /// Whether holes may close, handles vanish, and seams move onto others: for clutter that is to become very small.
+    /// Whether holes may close, handles may vanish, and seams may merge. Use this for clutter that
+    /// becomes very small.
     pub permissive: bool,
-    /// Whether vertices at borders stay. Simplified tiles of a terrain then still fit together.
+    /// Whether border vertices are kept, for example to keep terrain tiles aligned.
     pub lock_borders: bool,
-    /// How far the two sides of a border may be apart to collapse together, in the scene; 0 if their positions must be equal. Errors may be
-    /// larger by this distance.
+    /// The maximum distance, in the scene, between two sides of a border that collapse together; 0
+    /// requires equal positions. Errors may be larger by this distance.
     pub weld_distance: Deviation,
 }
 
 impl Default for CollapseRules {
-    /// Welds what is apart by rounding: a millionth of the diagonal.
+    /// Welds sides that differ by rounding: one millionth of the diagonal.
     fn default() -> Self {
         Self {
             weights: AttributeWeights::default(),
@@ -81,34 +89,34 @@ impl Default for CollapseRules {
     }
 }
 
-/// How many triangles are to be left.
+/// The number of triangles to keep.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum TriangleGoal<'a> {
-    /// As few as the error allows.
+    /// The minimum that the error limit allows.
     Fewest,
-    /// So many of the whole model.
+    /// A number for the whole model.
     OfModel(usize),
-    /// So many of each part; those of parts that are simplified as one surface count together.
+    /// A number for each part. The numbers of parts that are simplified as one surface are added.
     OfParts(&'a [usize]),
 }
 
 /// The collapses of all parts of a model.
 pub(crate) struct AllCollapses {
-    /// In the order of the parts.
+    /// The collapses of each part, in the order of the parts.
     pub(crate) parts: Vec<PartCollapses>,
-    /// The reasons for which there are more triangles than requested, if there are.
+    /// Why more triangles than requested remain; `None` if they do not.
     pub(crate) stopped: Option<Stopped>,
-    /// The number of components that vanished.
+    /// The number of removed components.
     vanished: usize,
-    /// The number of triangles requested.
+    /// The requested number of triangles.
     goal: Option<usize>,
-    /// The greatest error allowed in the scene.
+    /// The maximum allowed error, in the scene.
     error: Option<f32>,
-    /// Whether the observer ended them before they reached their goal.
+    /// Whether the observer stopped the collapses before the goal was reached.
     pub(crate) interrupted: bool,
 }
 
-/// Asks the observer whether the collapses of all groups go on.
+/// Reports progress to the observer, and records whether it stops the collapses.
 struct Watched<'a> {
     observer: &'a dyn Observer,
     before: usize,
@@ -118,7 +126,7 @@ struct Watched<'a> {
 }
 
 impl Watched<'_> {
-    /// Counts triangles that a group has dropped, and returns whether it goes on.
+    /// Counts triangles that a group has dropped. Returns whether the collapses continue.
     fn goes_on(&self, dropped: usize) -> bool {
         let left = self.left.fetch_sub(dropped, Ordering::Relaxed) - dropped;
         let progress = SimplifyProgress { before: self.before, left, goal: self.goal };
@@ -133,8 +141,9 @@ impl Watched<'_> {
     }
 }
 
-/// Simplifies all parts until they have at most this number of triangles together, or until the error in the scene would exceed the maximum, or the
-/// observer ends it. With a maximum, small components vanish.
+/// Simplifies all parts until they have at most the requested number of triangles together, the
+/// error in the scene would exceed the maximum, or the observer stops it. With a maximum error,
+/// small components may be removed.
 pub(crate) fn simplify_all(
     parts: &[Part<'_>],
     goal: TriangleGoal<'_>,
@@ -156,7 +165,7 @@ pub(crate) fn simplify_all(
         left: before.into(),
         is_interrupted: false.into(),
     };
-    // 1. Each group, to its own end or to the common one.
+    // 1. Each group, to its own goal or to the common cost.
     let shared = match goal {
         TriangleGoal::OfModel(count) if count > 0 && members.len() > 1 => Some(count),
         _ => None,
@@ -189,7 +198,7 @@ pub(crate) fn simplify_all(
         stopped = sum(stopped, done.stopped);
     }
     let mut done: Vec<PartCollapses> = all.into_iter().flatten().collect();
-    // 3. Without what was too much.
+    // 3. Undo the excess collapses.
     if let Some(count) = shared {
         let order = LevelOrder::new(&done);
         let levels = order.of_parts(order.level_of_triangles(&done, count)?)?;
@@ -207,16 +216,17 @@ pub(crate) fn simplify_all(
     Ok(AllCollapses { parts: done, stopped, vanished, goal: requested, error, interrupted })
 }
 
-/// Returns the parts of each group, both ascending.
+/// Returns the parts of each group. Groups and parts are in ascending order.
 pub(super) fn groups_of(parts: &[Part<'_>]) -> Vec<Vec<usize>> {
     let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     parts.iter().enumerate().for_each(|(number, part)| members.entry(part.group()).or_default().push(number));
     members.into_values().collect()
 }
 
-/// Simplifies groups until they have at most this number of triangles together, all to about the same cost and none to less than needed.
+/// Simplifies groups until they have at most this number of triangles together. All groups end at
+/// about the same cost, and none goes below what it needs.
 fn share(groups: &mut [SurfaceGroup<'_>], count: usize, watched: &Watched<'_>) {
-    // 1. In rounds, those whose costs are lowest.
+    // 1. In rounds, the groups with the lowest costs.
     while triangle_count(groups) > count {
         let mut open: Vec<usize> = (0..groups.len()).filter(|&group| !groups[group].is_done).collect();
         if open.is_empty() {
@@ -234,7 +244,7 @@ fn share(groups: &mut [SurfaceGroup<'_>], count: usize, watched: &Watched<'_>) {
             return;
         }
     }
-    // 2. The cost of all of them, and those that are behind.
+    // 2. The common cost, and the groups that are behind it.
     let mut rounds: Vec<(f64, usize)> =
         groups.iter().flat_map(|group| group.rounds.iter().copied()).collect();
     rounds.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -252,12 +262,13 @@ fn share(groups: &mut [SurfaceGroup<'_>], count: usize, watched: &Watched<'_>) {
     }
 }
 
-/// Returns how many triangles are left after a round that drops a part of them, and at least some.
+/// Returns the number of triangles after a round that drops a fraction of them, but at least a
+/// minimum.
 fn after_round(triangles: usize, (share, least): (usize, usize)) -> usize {
     triangles.saturating_sub((triangles / share).max(least))
 }
 
-/// Counts the triangles that are left of all groups.
+/// Returns the total number of triangles of all groups.
 fn triangle_count(groups: &[SurfaceGroup<'_>]) -> usize {
     groups.iter().map(|group| group.surface.triangle_count()).sum()
 }
@@ -267,12 +278,12 @@ struct SurfaceGroup<'a> {
     members: &'a [usize],
     surface: SurfaceSimplifier<'a>,
     small: Vanishing,
-    /// What a cost of 1 is in the scene.
+    /// The scene cost that corresponds to a group cost of 1.
     cost_unit: f64,
     full_count: usize,
-    /// After each round the cost, and the number of triangles dropped in it.
+    /// The cost after each round, and the number of triangles dropped in it.
     rounds: Vec<(f64, usize)>,
-    /// Whether it goes on in this round.
+    /// Whether the group takes part in this round.
     is_next: bool,
     /// Whether no collapse is left.
     is_done: bool,
@@ -323,12 +334,12 @@ impl<'a> SurfaceGroup<'a> {
         })
     }
 
-    /// Returns the greatest cost so far, in the scene.
+    /// Returns the maximum cost so far, in the scene.
     fn cost(&self) -> f64 {
         self.surface.cost() * self.cost_unit
     }
 
-    /// Drops some triangles.
+    /// Runs one round.
     fn go_on(&mut self, watched: &Watched<'_>) {
         let before = self.surface.triangle_count();
         let goal = after_round(before, ROUND);
@@ -339,8 +350,9 @@ impl<'a> SurfaceGroup<'a> {
         watched.goes_on(dropped);
     }
 
-    /// Goes on until there are at most this number of triangles, or no more collapse is possible, or the observer ends it. Returns whether no reason
-    /// is left to name: the number is reached, or the observer ended it.
+    /// Simplifies the group until it has at most `count` triangles, no collapse is possible, or the
+    /// observer stops it. Returns `false` only if no collapse was possible before the count was
+    /// reached.
     fn simplify_to(&mut self, count: usize, watched: &Watched<'_>) -> bool {
         loop {
             let before = self.surface.triangle_count();
@@ -356,8 +368,8 @@ impl<'a> SurfaceGroup<'a> {
         }
     }
 
-    /// Returns the collapses of each part, until they have at most this number of triangles together; unless the goal of the model is reached,
-    /// with the reasons.
+    /// Returns the collapses of each part, cut off at this total number of triangles. If the goal
+    /// of the model is not reached, also returns the reasons.
     fn finish(
         mut self,
         parts: &[Part<'_>],
@@ -378,7 +390,8 @@ impl<'a> SurfaceGroup<'a> {
     }
 }
 
-/// Returns which vertices of some parts are locked, counted one part after the other; empty if none is.
+/// Returns which vertices of some parts are locked, concatenated in the order of the parts; empty
+/// if none are.
 fn locked<'a>(parts: impl Iterator<Item = &'a Part<'a>> + Clone) -> Vec<bool> {
     let mut all = Vec::new();
     if parts.clone().any(|part| !part.locked().is_empty()) {
@@ -391,7 +404,7 @@ fn locked<'a>(parts: impl Iterator<Item = &'a Part<'a>> + Clone) -> Vec<bool> {
     all
 }
 
-/// Adds up the reasons of two groups.
+/// Adds the reasons of two groups.
 fn sum(a: Option<Stopped>, b: Option<Stopped>) -> Option<Stopped> {
     let (Some(mut sum), Some(b)) = (a, b) else { return a.or(b) };
     sum.triangle_count += b.triangle_count;
@@ -405,7 +418,7 @@ fn sum(a: Option<Stopped>, b: Option<Stopped>) -> Option<Stopped> {
 }
 
 impl AllCollapses {
-    /// Returns what the collapses of the parts reached.
+    /// Returns the summary of the collapses of all parts.
     pub(crate) fn summary(&self, parts: &[Part<'_>]) -> Result<Collapses, Error> {
         let after = self.parts.iter().map(|done| done.sequence.triangle_count(0));
         let errors = self.parts.iter().map(|done| done.sequence.error(0));
@@ -427,7 +440,8 @@ impl AllCollapses {
         })
     }
 
-    /// Counts the collapses of all groups: those of different parts that close a border together are one.
+    /// Counts the collapses of all groups. Collapses of different parts that close a border
+    /// together count once.
     fn step_count(&self) -> usize {
         let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
         for part in &self.parts {
@@ -446,7 +460,7 @@ mod tests {
     use crate::places::{Place, Places};
     use tristrip::{Attribute, AttributeData, Faces};
 
-    /// Returns a grid of squares of a width over 1 × 1, with a height for each point.
+    /// Returns a grid of width × width squares over the unit square, with a height function.
     fn grid(width: u32, height: impl Fn(f64, f64) -> f64) -> (Mesh, Vec<u32>) {
         let at = |i: u32| [i % (width + 1), i / (width + 1)].map(|x| f64::from(x) / f64::from(width));
         let positions: Vec<[f32; 3]> = (0..(width + 1) * (width + 1))
@@ -464,7 +478,7 @@ mod tests {
         0.3 * x * x * x - 0.2 * y * y + 0.11 * x * y
     }
 
-    /// Returns parts in a row, each at a scale of its own.
+    /// Returns parts in a row, each with its own scale.
     fn in_a_row(meshes: &[(Mesh, Vec<u32>)], scales: &[f64]) -> Places {
         let row = |(i, &s): (usize, &f64)| {
             let place = [[s, 0.0, 0.0, 20.0 * i as f64], [0.0, s, 0.0, 0.0], [0.0, 0.0, s, 0.0]];
@@ -520,7 +534,7 @@ mod tests {
             )
         };
         assert_eq!(of_scale(1.0)[1], 32, "nothing of the coarse part");
-        // What is small in the scene may be coarse.
+        // Objects that are small in the scene may be coarse.
         let [small, tiny] = [0.1, 0.01].map(|scale| of_scale(scale)[1]);
         assert!(tiny < small && small < 32, "{tiny} {small}");
     }

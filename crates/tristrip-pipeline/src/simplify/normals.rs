@@ -1,16 +1,22 @@
-//! Normals of simplified parts: kept with the vertices, repaired where they do not fit the faces that are left, or rebuilt from these.
+//! Normals of simplified parts: kept with the vertices, repaired where they do not fit the
+//! remaining faces, or rebuilt from these faces.
 //!
-//! In a flat-shaded part every edge is a seam of normals, along which hardly anything can collapse. Such a part is simplified
-//! by its shape and its other attributes; then each corner gets the normal of its face, and vertices are split where these differ.
+//! In a flat-shaded part, every edge is a seam of normals, which blocks nearly all collapses. Such
+//! a part is simplified by its shape and its other attributes. Each corner then gets the normal of
+//! its face, and vertices are split where these normals differ.
 //!
 //! # Algorithm
-//! 1. A part is rebuilt if it is flat-shaded, or has normals at all and the user wants it ([`Normals`]); unless its vertices cannot change in
-//!    the file, or its normals mean more than the faces: a morph target changes them.
-//! 2. Its collapses see neither normals nor tangents, so that vertices that differ only in these are no seam.
-//! 3. Of the other parts with flat sides those are repaired in which the share of the area with normals that do not fit their faces grows:
-//!    vertices of a rounded edge that is gone would darken the sides beside it. Vertices keep the normals that fit.
-//! 4. The base mesh gets normals by its faces ([`Shading`]), and tangents by its texture coordinates. A new vertex is an old one
-//!    with another normal and tangent, and the position that a fit gave it; vertices of equal attributes count as one.
+//! 1. A part is rebuilt if it is flat-shaded, or if it has normals and the user requests it
+//!    ([`Normals`]). Exceptions are parts whose vertices cannot change in the file, and parts whose
+//!    normals a morph target changes.
+//! 2. Its collapses ignore normals and tangents: vertices that differ only in these do not form a
+//!    seam.
+//! 3. Other parts with flat sides are repaired if the share of their area with normals that do not
+//!    fit grows. Otherwise the vertices of a collapsed bevel would darken the sides next to it.
+//!    Normals that fit are kept.
+//! 4. The base mesh gets normals from its faces ([`Shading`]), and tangents from its texture
+//!    coordinates. A new vertex is a copy of an old one with another normal and tangent, and with
+//!    its fitted position. Vertices with equal attributes are merged.
 
 mod mode;
 mod tangents;
@@ -29,32 +35,35 @@ use crate::text::counted;
 pub use mode::{Normals, PartNormals};
 use tangents::tangents;
 
-/// The growth of the share of the area with normals that do not fit ([`NormalFit`]) above which the normals of a part are repaired: at
-/// a fifth of the triangles that of a duck is 0.01, that of a truck with dark smears 0.12.
+/// The growth of the area share with normals that do not fit ([`NormalFit`]) above which the
+/// normals of a part are repaired. At a fifth of the triangles, the growth is 0.01 for a duck, and
+/// 0.12 for a truck with dark smears.
 const MAX_UNFIT: f64 = 0.02;
 
-/// The share of flat sides from which the normals of a part are repaired: the body of a truck has 0.65, its wheels 0.44, a cloth with 115,200 triangles
-/// 0.28, a man 0.11. Without flat sides the normals that vertices keep are nearer to those of the original surface than any that fit the
-/// few faces that are left.
+/// The share of flat sides above which the normals of a part are repaired: 0.65 for the body of a
+/// truck, 0.44 for its wheels, 0.28 for a cloth with 115,200 triangles, 0.11 for a man. Without
+/// flat sides, the kept normals are closer to those of the original surface than normals of the few
+/// remaining faces.
 const FLAT_SIDES: f64 = 0.33;
 
 /// How the normals of a part are made.
 #[derive(Debug, Clone, Copy)]
 enum Making {
-    /// By the faces that are left, without regard to normals in its collapses.
+    /// From the remaining faces. Collapses ignore normals.
     Rebuilt(Shading),
-    /// Likewise where those of the vertices do not fit.
+    /// From the remaining faces, but only where the normals of the vertices do not fit.
     Repaired(Shading),
 }
 
-/// How the normals of each part are made; `None` where they are kept.
+/// How the normals of each part are made; `None` if they are kept.
 pub(super) struct Rebuilding {
     of_parts: Vec<Option<Making>>,
     pub(super) notes: Vec<String>,
 }
 
 impl Rebuilding {
-    /// Chooses the parts whose normals are rebuilt, and takes the normals away from what is simplified of these.
+    /// Chooses the parts whose normals are rebuilt, and removes normals and tangents from their
+    /// meshes to simplify.
     pub(super) fn choose(
         normals: Normals,
         model: &Model,
@@ -77,7 +86,8 @@ impl Rebuilding {
         Ok(Self { of_parts, notes })
     }
 
-    /// Chooses the simplified parts whose normals are repaired: many of those that vertices kept do not fit the faces that are left.
+    /// Chooses the simplified parts whose normals are repaired, because many kept normals do not
+    /// fit the remaining faces.
     pub(super) fn choose_unfit(
         &mut self,
         model: &Model,
@@ -105,7 +115,7 @@ impl Rebuilding {
         Ok(())
     }
 
-    /// Counts the parts by what happens to their normals.
+    /// Counts the parts per treatment of their normals.
     pub(super) fn counts(&self, parts: &[Part<'_>]) -> PartNormals {
         let mut counts = PartNormals::default();
         for (part, making) in parts.iter().zip(&self.of_parts) {
@@ -119,7 +129,7 @@ impl Rebuilding {
         counts
     }
 
-    /// Builds the new vertices of the parts that are rebuilt, or whose positions moved.
+    /// Builds the new vertices of parts that are rebuilt or have moved positions.
     pub(super) fn rebuild(
         &self,
         parts: &[Part<'_>],
@@ -135,7 +145,7 @@ impl Rebuilding {
     }
 }
 
-/// Removes the parts whose vertices cannot change, and returns a note per reason.
+/// Removes the parts whose vertices cannot change. Returns a note per reason.
 fn changeable(
     mut shadings: Vec<Option<Shading>>,
     model: &Model,
@@ -157,7 +167,7 @@ fn changeable(
     Ok((shadings, kept_notes("normals", reasons)))
 }
 
-/// Returns a note per reason for which parts keep what they have.
+/// Returns a note per reason why parts keep their values.
 pub(super) fn kept_notes(what: &str, reasons: impl IntoIterator<Item = String>) -> Vec<String> {
     let mut by_reason: BTreeMap<String, usize> = BTreeMap::new();
     reasons.into_iter().for_each(|why| *by_reason.entry(why).or_default() += 1);
@@ -167,27 +177,28 @@ pub(super) fn kept_notes(what: &str, reasons: impl IntoIterator<Item = String>) 
 
 const NO_TEXTURE: &str = "their tangents need texture coordinates (TEXCOORD_0)";
 
-/// The vertices that were added to a part as copies of others, with another normal or position.
+/// The vertices that were added to a part, as copies with other normals or positions.
 #[derive(Debug, Clone)]
 pub(super) struct Copies {
-    /// The number of the first copy.
+    /// The index of the first copy.
     pub(super) first: u32,
-    /// The vertex that each is a copy of.
+    /// The source vertex of each copy.
     pub(super) sources: Vec<u32>,
 }
 
 /// A simplified part with new vertices.
 pub(super) struct RebuiltPart {
-    /// The new vertices, as copies of those of the reduced part.
+    /// The new vertices, as copies of vertices of the reduced part.
     new: NewVertices,
     /// The triangles over the new vertices.
     triangles: Vec<u32>,
-    /// The vertices of the reduced part, then the new ones.
+    /// The vertices of the reduced part, followed by the new ones.
     pub(super) mesh: Mesh,
 }
 
 impl RebuiltPart {
-    /// Builds the new vertices from how the normals are made, and from the mesh with new positions, if there are any.
+    /// Builds the new vertices for a treatment of normals, and for the mesh with new positions, if
+    /// there is one.
     fn new(
         part: &Part<'_>,
         done: &PartCollapses,
@@ -197,7 +208,7 @@ impl RebuiltPart {
         let old = &*part.compact.mesh;
         let mesh = fitted.unwrap_or(old);
         let mut base = done.sequence.drawn(0)?.into_flattened();
-        // Vertices of equal attributes are one, so that triangles of one plane share vertices.
+        // Merge vertices with equal attributes, so that triangles of one plane share vertices.
         if let Some(simplified) = &part.simplified {
             let welds = VertexWelds::of(&simplified.with_faces(Faces::from_triangles(base.clone())?)?);
             base.iter_mut().for_each(|v| *v = welds.vertex(*v));
@@ -237,8 +248,8 @@ impl RebuiltPart {
     }
 }
 
-/// Returns the model with the triangles of each part, given over its old vertices; those of a rebuilt part are over new ones instead. Of
-/// equal vertices they use one.
+/// Returns the model with the triangles of each part, given over its old vertices. A rebuilt part
+/// uses its new vertices instead, and equal vertices are merged.
 pub(super) fn redraw(
     model: &Model,
     parts: &[Part<'_>],
@@ -276,7 +287,7 @@ fn has(mesh: &Mesh, name: &str) -> bool {
     mesh.attributes().iter().any(|attribute| attribute.name == name)
 }
 
-/// Returns the mesh without normals and tangents, and without faces.
+/// Returns the mesh without normals, tangents and faces.
 fn without_directions(mesh: &Mesh) -> Result<Mesh, Error> {
     let mut bare = Mesh::new(mesh.shared_positions(), Faces::default())?;
     let is_other = |attribute: &&Attribute| !["NORMAL", "TANGENT"].contains(&attribute.name.as_str());

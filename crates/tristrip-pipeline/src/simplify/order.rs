@@ -1,4 +1,4 @@
-//! The levels of a model: the collapses of all its parts in one order.
+//! The levels of a model: the collapses of all its parts, merged into one order.
 
 use std::collections::BTreeMap;
 
@@ -9,13 +9,13 @@ use crate::error::Error;
 /// The collapses of a part.
 #[derive(Debug, Clone)]
 pub(crate) struct PartCollapses {
-    /// The collapses, with errors in the scene, at the place of the largest scale.
+    /// The collapses, with errors in the scene at the largest scale of the part.
     pub(crate) sequence: CollapseSequence,
-    /// The first part of the group that is simplified as one surface.
+    /// The first part of its group, which is simplified as one surface.
     pub(crate) group: usize,
-    /// For each collapse the number of the step of the group that it is a part of.
+    /// For each collapse, the index of its step in the group.
     pub(crate) steps: Vec<u32>,
-    /// For each collapse the greatest cost of a step of the group so far, in the scene.
+    /// For each collapse, the maximum cost so far of the steps of the group, in the scene.
     pub(crate) costs: Vec<f64>,
 }
 
@@ -29,17 +29,18 @@ impl PartCollapses {
     }
 }
 
-/// The order of the collapses of all parts of a model: by their costs, so that at every level all parts have about the same error.
-/// Collapses of several parts that close a border together are one level, so that no level has gaps.
+/// The merged order of the collapses of all parts of a model. They are sorted by cost, so all parts
+/// have about the same error at every level. Collapses of several parts that close a border
+/// together form one level, so no level has gaps.
 ///
 /// 8 bytes per collapse.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LevelOrder {
     /// The number of collapses of each part.
     lengths: Vec<usize>,
-    /// The parts of each collapse, from the full meshes to the base meshes.
+    /// The parts of each collapse, from the full mesh to the base mesh.
     parts: Vec<u32>,
-    /// The end of each collapse in `parts`.
+    /// For each collapse, the end of its range in `parts`.
     ends: Vec<u32>,
 }
 
@@ -90,7 +91,8 @@ impl LevelOrder {
         Ok(levels)
     }
 
-    /// Returns the highest level with at most this number of triangles; 0 if there is none. In linear time.
+    /// Returns the highest level with at most this number of triangles, or 0 if there is none.
+    /// Takes linear time.
     pub(crate) fn level_of_triangles(
         &self,
         done: &[PartCollapses],
@@ -113,7 +115,7 @@ impl LevelOrder {
         Ok(level)
     }
 
-    /// Returns the parts of a collapse, counted from the full model, which must exist.
+    /// Returns the parts of a collapse, counted from the full model. The collapse must exist.
     pub(crate) fn parts_of(&self, number: usize) -> &[u32] {
         let start = if number == 0 { 0 } else { self.ends[number - 1] as usize };
         &self.parts[start..self.ends[number] as usize]
@@ -125,7 +127,8 @@ impl LevelOrder {
         starts.zip(&self.ends).map(|(&start, &end)| &self.parts[start as usize..end as usize])
     }
 
-    /// Returns levels from the base mesh to the full mesh, in `steps` equal steps, at least one; equal levels are returned once.
+    /// Returns levels from the base mesh to the full mesh in at least one equal step, without
+    /// repeats.
     pub fn evenly(&self, steps: usize) -> Vec<usize> {
         let (steps, last) = (steps.max(1), self.collapse_count());
         let mut levels: Vec<usize> = (0..=steps).map(|step| (last * step + steps / 2) / steps).collect();
@@ -139,7 +142,7 @@ mod tests {
     use super::*;
     use tristrip::{CollapseSequence, Rename};
 
-    /// Returns collapses along the rim of a fan, with the given costs, of a part of a group.
+    /// Returns a part of a group, with collapses along the rim of a fan that have the given costs.
     fn fan(costs: &[f64], group: usize, steps: Option<&[u32]>) -> PartCollapses {
         let corners = costs.len() as u32 + 3;
         let triangles = (0..corners - 1).flat_map(|i| [i, i + 1, corners]).collect();
@@ -165,7 +168,7 @@ mod tests {
 
     #[test]
     fn collapses_that_close_a_border_together_are_one_level() {
-        // Step 1 of the group of the parts 0 and 2 collapses both.
+        // Step 1 of the group of parts 0 and 2 collapses in both.
         let levels = LevelOrder::new(&[
             fan(&[1.0, 4.0], 0, Some(&[0, 1])),
             fan(&[2.0], 1, None),

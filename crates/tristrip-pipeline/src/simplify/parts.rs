@@ -1,4 +1,5 @@
-//! Simplifies the parts of a model: those that share positions together, with the vertices that touch parts in other places locked.
+//! Simplifies the parts of a model. Parts that share positions are simplified together, and
+//! vertices that touch parts placed by other nodes are locked.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -10,19 +11,20 @@ use super::touching::{PlacedPositions, Touching, bounds, box_corners, touching};
 use crate::goal::Deviation;
 use crate::places::{Place, Places};
 
-/// The ratio of vertices to corners above which a part is simplified over its used vertices only: thousands of parts may share one
-/// long vertex list.
+/// The ratio of vertices to corners above which a part is simplified over its used vertices only.
+/// Thousands of parts may share one long vertex array.
 const SPARSE: usize = 16;
 
-/// The number of positions in all places from which a bounding box is measured exactly; beyond it the boxes of parts are.
+/// The maximum number of positions in all instances for which the bounding box is exact. Above it,
+/// the boxes of parts are transformed instead.
 const MAX_PLACED: usize = 1 << 27;
 
-/// The vertices of a part that a reduced mesh has, ascending; `None` if it has all of them.
+/// The vertices of a part that a reduced mesh has, ascending; `None` for all vertices.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct UsedVertices(Option<Vec<u32>>);
 
 impl UsedVertices {
-    /// Returns the number of vertices of the reduced mesh; `None` if it is not reduced.
+    /// Returns the number of vertices of the reduced mesh; `None` if the mesh is not reduced.
     pub(crate) fn count(&self) -> Option<usize> {
         self.0.as_ref().map(Vec::len)
     }
@@ -42,7 +44,8 @@ impl UsedVertices {
     }
 }
 
-/// A part reduced to its used vertices, with their attributes, if it uses few of many; otherwise the part itself.
+/// A part reduced to its used vertices, with their attributes, if it uses few of its vertices;
+/// otherwise the part itself.
 pub(crate) struct Compact<'a> {
     pub(crate) mesh: Cow<'a, Mesh>,
     pub(crate) used: UsedVertices,
@@ -65,24 +68,28 @@ impl<'a> Compact<'a> {
 /// A part to simplify.
 pub(crate) struct Part<'a> {
     pub(crate) compact: Compact<'a>,
-    /// Over the vertices of `compact`.
+    /// The triangles, over the vertices of `compact`.
     triangles: Vec<u32>,
-    /// The mesh that the collapses see, if it is not the part's own: it has the same vertices, with fewer attributes.
+    /// The mesh that the collapses use, if it is not the part's own mesh: it has the same vertices,
+    /// with fewer attributes.
     pub(crate) simplified: Option<Mesh>,
-    /// Which vertices are locked, because parts in other places touch them; empty if none is.
+    /// Which vertices are locked because parts placed by other nodes touch them; empty if none are.
     locked: Vec<bool>,
     places: Arc<[Place]>,
-    /// The place of the largest scale, and the scale.
+    /// The transform with the largest scale, and this scale.
     largest: (Place, f64),
-    /// The first part of the group that is simplified as one surface.
+    /// The first part of its group, which is simplified as one surface.
     group: usize,
-    /// How far the two sides of a border may be apart to be simplified as one surface, in the coordinates of the part.
+    /// The maximum distance between two sides of a border that are simplified as one surface, in
+    /// the coordinates of the part.
     weld_distance: f32,
 }
 
 impl<'a> Part<'a> {
-    /// Builds the parts of a model from their meshes and triangles. Parts of one list of places become a group if positions of theirs are equal or
-    /// within a distance; the vertices that touch parts in other places are locked. Returns the number of places that were not compared, too.
+    /// Builds the parts of a model from their meshes and triangles. Parts with the same list of
+    /// transforms form a group if they share positions, up to a distance. Vertices that touch parts
+    /// placed by other nodes are locked. Also returns the number of instances that were not
+    /// compared.
     pub(crate) fn of_all(
         parts: Vec<(&'a Mesh, Vec<u32>)>,
         places: &Places,
@@ -127,32 +134,33 @@ impl<'a> Part<'a> {
         self.locked.iter().filter(|&&locked| locked).count()
     }
 
-    /// Returns which vertices are locked; nothing if none is.
+    /// Returns which vertices are locked; empty if none are.
     pub(super) fn locked(&self) -> &[bool] {
         &self.locked
     }
 
-    /// Returns the first part of the group that is simplified as one surface.
+    /// Returns the first part of its group, which is simplified as one surface.
     pub(super) fn group(&self) -> usize {
         self.group
     }
 
-    /// Returns how far the two sides of a border may be apart to be simplified as one surface, in the coordinates of the part.
+    /// Returns the maximum distance between two sides of a border that are simplified as one
+    /// surface, in the coordinates of the part.
     pub(super) fn weld_distance(&self) -> f32 {
         self.weld_distance
     }
 
-    /// Returns the largest scale at which nodes place the part.
+    /// Returns the largest scale of the nodes that place the part.
     pub(super) fn scale(&self) -> f64 {
         self.largest.1
     }
 
-    /// Returns the mesh that the collapses see.
+    /// Returns the mesh that the collapses use.
     pub(super) fn seen(&self) -> &Mesh {
         self.simplified.as_ref().unwrap_or(&self.compact.mesh)
     }
 
-    /// Returns a mesh of the part in the size and direction of the place with the largest scale.
+    /// Returns a mesh of the part, scaled and rotated by the transform with the largest scale.
     pub(crate) fn shown<'m>(&self, mesh: &'m Mesh) -> Result<Cow<'m, Mesh>, Error> {
         let place = self.largest.0;
         if place.only_moves() {
@@ -167,14 +175,15 @@ impl<'a> Part<'a> {
         Ok(Cow::Owned(mesh.attributes().iter().cloned().try_fold(shown, Mesh::with_attribute)?))
     }
 
-    /// Returns the largest error in the coordinates of the part that is an error of at most `error` in the scene.
+    /// Returns the maximum error in part coordinates that does not exceed `error` in the scene.
     pub(super) fn own_error(&self, error: f32) -> f32 {
         let scale = self.largest.1;
         if scale > 0.0 { (f64::from(error) / scale) as f32 } else { f32::INFINITY }
     }
 }
 
-/// Groups the parts, and locks the vertices that touch parts in other places. Returns the number of places that were not compared.
+/// Groups the parts, and locks the vertices that touch parts placed by other nodes. Returns the
+/// number of instances that were not compared.
 fn compare(parts: &mut [Part<'_>], places: &Places) -> Result<usize, Error> {
     let drawn: Vec<Mesh> = parts
         .iter()
@@ -183,9 +192,9 @@ fn compare(parts: &mut [Part<'_>], places: &Places) -> Result<usize, Error> {
     let mut ids = PositionIds::default();
     let mut corners = ids.faces(&drawn.iter().collect::<Vec<_>>())?.corners().to_vec();
     drop(drawn);
-    // 1. The distinct positions of each list of places; corners become their indices.
+    // 1. The distinct positions of each list of transforms. Corners become their indices.
     let id_count = corners.iter().max().map_or(0, |&id| id as usize + 1);
-    // For each position the last list that has it, the number there, and the first part.
+    // For each position: the last list that has it, its index there, and the first part.
     let mut last = vec![(usize::MAX, 0_u32, 0_usize); id_count];
     let mut lists: Vec<PlacedPositions> = places
         .lists
@@ -201,7 +210,7 @@ fn compare(parts: &mut [Part<'_>], places: &Places) -> Result<usize, Error> {
     }
     let mut by_list: Vec<usize> = (0..parts.len()).collect();
     by_list.sort_by_key(|&part| places.of_part[part]);
-    // The parts of the positions of a list, if it has several.
+    // The parts of the positions of a list, if it has several parts.
     let mut grid: Option<NearPositions> = None;
     for (i, &part) in by_list.iter().enumerate() {
         let list = places.of_part[part];
@@ -231,7 +240,7 @@ fn compare(parts: &mut [Part<'_>], places: &Places) -> Result<usize, Error> {
     for (number, part) in (0..).zip(parts.iter_mut()) {
         part.group = groups.find(number) as usize;
     }
-    // 3. The vertices that touch other places.
+    // 3. The vertices that touch other instances.
     let Touching { touches, skipped } = touching(&lists);
     for (part, start) in starts.into_iter().enumerate() {
         let touches = &touches[places.of_part[part]];
@@ -308,11 +317,11 @@ mod tests {
         assert_eq!(groups(0.1, &Places::one(3)), [0, 1, 2]);
         assert_eq!(groups(0.125, &Places::one(3)), [0, 0, 2]);
         assert_eq!(groups(5.0, &Places::one(3)), [0, 0, 0]);
-        // The distance is one in the scene.
+        // The distance is in scene units.
         let half = Place::new([[0.5, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.0]]);
         let places = Places { lists: vec![Arc::from([half])], of_part: vec![0; 3], problem: None };
         assert_eq!(groups(0.0625, &places), [0, 0, 2]);
-        // Parts that other nodes place are not.
+        // Parts that other nodes place are not grouped.
         let lists = vec![Arc::from([Place::IDENTITY]); 3];
         assert_eq!(groups(5.0, &Places { lists, of_part: vec![0, 1, 2], problem: None }), [0, 1, 2]);
     }
@@ -324,7 +333,7 @@ mod tests {
         let together = of_all(parts.to_vec(), &Places::one(3));
         assert_eq!(together.iter().map(Part::locked_count).sum::<usize>(), 0);
         assert_eq!(together.iter().map(|part| part.group).collect::<Vec<_>>(), [0, 0, 2]);
-        // Other nodes place the upper and the far one, at the same places as above.
+        // Other nodes place the upper and the far part, at the same positions as above.
         let lists = [Place::IDENTITY, up(1.0), up(7.0)].map(|place| Arc::from([place]));
         let places = Places { lists: lists.to_vec(), of_part: vec![0, 1, 2], problem: None };
         let (lower, upper, far) = (strip_of(4, 0.0), strip_of(4, 0.0), strip_of(3, 0.0));

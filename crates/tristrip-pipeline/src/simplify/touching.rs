@@ -1,19 +1,24 @@
-//! Positions that touch in the scene where nodes place them, so that a simplification keeps them.
+//! Finds positions of different instances that touch in the scene. A simplification keeps these
+//! positions.
 //!
-//! Parts in different places touch if positions of theirs are equal in the scene up to rounding. So do two copies of a part, except where they have
-//! the same position of the part: it goes the same way in both. Parts that share their places are simplified together instead.
+//! Parts of different nodes touch if their positions are equal in the scene up to rounding. Two
+//! instances of one part also touch, except at the same position of the part, which moves in both
+//! in the same way. Parts with the same nodes are simplified together instead.
 //!
 //! # Algorithm
-//! A position in the scene is a sum of products of 32-bit numbers, each rounded once; [`ROUNDING`] of the sum of their magnitudes is more
-//! than what they lose. Space is cut into cells of twice that size. Cells of positions of different magnitude have different sizes, in *levels* of
-//! powers of two. At each level, every position of that level or a lower one is entered into its cell, and looks for others in the eight cells
-//! nearest to it; two positions of lower levels do not find each other there.
+//! A position in the scene is a sum of products of 32-bit numbers, each rounded once. [`ROUNDING`]
+//! times the sum of their magnitudes bounds the rounding error. Space is divided into cells of
+//! twice that size. Positions of different magnitude have different cell sizes, in *levels* of
+//! powers of two. At each level, every position of that level or a lower one is stored in its cell,
+//! and searches the eight nearest cells. Two positions of lower levels are not compared at this
+//! level.
 //!
-//! Only positions in the bounding box of another place are entered, which a tree of boxes finds.
+//! Only positions inside the bounding box of another instance are stored. A tree of boxes finds
+//! them.
 //!
 //! # Complexity
-//! O(n log n) for n positions in all places, of which at most twice as many as the model has, and at least [`FEW`], are compared; about
-//! 100 bytes each.
+//! O(n log n) time for n positions in all instances. It compares up to twice as many positions as
+//! the model has, or [`FEW`] if that is more, with about 100 bytes each.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -23,30 +28,32 @@ use rstar::{AABB, RTree, RTreeObject};
 
 use crate::places::Place;
 
-/// The rounding of a position in the scene relative to the magnitudes that are added: eight roundings of half a unit in the last place of
-/// 32 bits, for the position, and the matrices of some nodes above each other.
+/// The rounding error of a position in the scene relative to the added magnitudes: eight roundings
+/// of half a unit in the last place of 32 bits, for the position and the matrices of a few nested
+/// nodes.
 const ROUNDING: f64 = 4.0 / (1_u32 << 24) as f64;
-/// The number of powers of two from a level to the next.
+/// The number of powers of two from one level to the next.
 const LEVEL_STEP: i32 = 4;
-/// The number of powers of two between the largest level and the lowest: positions that are nearer to the origin are not resolved more finely.
+/// The number of powers of two between the highest and the lowest level. Positions closer to the
+/// origin are not resolved more finely.
 const LEVEL_RANGE: i32 = 24;
-/// A number of positions that is compared in any case.
+/// A number of positions that is always compared.
 const FEW: usize = 1 << 23;
 
-/// The positions of parts that share a list of places.
+/// The positions of parts that share a list of transforms.
 #[derive(Debug)]
 pub(crate) struct PlacedPositions {
     pub(crate) places: Arc<[Place]>,
-    /// Each position once.
+    /// The distinct positions.
     pub(crate) positions: Vec<[f32; 3]>,
 }
 
 /// The positions that touch others.
 #[derive(Debug, Default)]
 pub(crate) struct Touching {
-    /// For each list whether each of its positions touches another; empty if none does.
+    /// For each list, whether each of its positions touches another; empty if none do.
     pub(crate) touches: Vec<Vec<bool>>,
-    /// The number of places that were not compared, because there are too many.
+    /// The number of instances that were not compared because there are too many.
     pub(crate) skipped: usize,
 }
 
@@ -55,14 +62,14 @@ pub(crate) struct Touching {
 struct Placed {
     at: [f64; 3],
     level: i32,
-    /// The number of the place among those of all lists.
+    /// The index of the instance among those of all lists.
     place: u32,
     list: u32,
-    /// The number of the position in its list.
+    /// The index of the position in its list.
     position: u32,
 }
 
-/// Which places and positions a cell has.
+/// The instances and positions of a cell.
 #[derive(Debug, Clone, Copy, Default)]
 struct CellContent {
     first: Option<(u32, [u32; 2])>,
@@ -83,10 +90,10 @@ impl CellContent {
     }
 }
 
-/// The contents of a cell: of all positions, and of those of its own level.
+/// The contents of a cell: all positions, and the positions of its own level.
 type Cells = HashMap<[i32; 3], [CellContent; 2]>;
 
-/// Finds the positions that touch a position of another place.
+/// Finds the positions that touch a position of another instance.
 pub(crate) fn touching(lists: &[PlacedPositions]) -> Touching {
     let mut found = Touching { touches: vec![Vec::new(); lists.len()], skipped: 0 };
     if lists.iter().map(|list| list.places.len()).sum::<usize>() < 2 {
@@ -103,7 +110,7 @@ pub(crate) fn touching(lists: &[PlacedPositions]) -> Touching {
     found
 }
 
-/// Marks the positions that touch one of a level, and are of that level or a lower one themselves.
+/// Marks positions of this level or a lower one that touch a position of this level.
 fn mark_level(placed: &[Placed], level: i32, lists: &[PlacedPositions], touches: &mut [Vec<bool>]) {
     let size = power_of_two(-level);
     let mut cells = Cells::new();
@@ -131,18 +138,19 @@ fn mark_level(placed: &[Placed], level: i32, lists: &[PlacedPositions], touches:
     }
 }
 
-/// Returns the eight cells nearest to a point, its own among them.
+/// Returns the eight cells nearest to a point, including its own.
 fn nearest_cells(at: [f64; 3]) -> [[i32; 3]; 8] {
     let low = at.map(|x| (x - 0.5).floor() as i32);
     std::array::from_fn(|i| [0, 1, 2].map(|axis| low[axis].saturating_add(i32::from(i >> axis & 1 == 1))))
 }
 
-/// Returns a power of two whose exponent is small.
+/// Returns a power of two with a small exponent.
 fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(u64::from((1023 + exponent).unsigned_abs()) << 52)
 }
 
-/// Returns the level of a magnitude: the exponent of a cell that is larger than twice its rounding.
+/// Returns the level of a magnitude: the exponent of a cell that is larger than twice its rounding
+/// error.
 fn level_of(magnitude: f64) -> i32 {
     let size = 2.0 * ROUNDING * magnitude;
     let exponent = (size.to_bits() >> 52) as i32 - 1023 + 1;
@@ -151,9 +159,11 @@ fn level_of(magnitude: f64) -> i32 {
 
 type PlaceBox = GeomWithData<Rectangle<[f64; 3]>, u32>;
 
-/// Returns the positions that are in the bounding box of another place, and the number of places that were left out.
+/// Returns the positions inside the bounding box of another instance, and the number of instances
+/// that were skipped.
 fn placed_positions(lists: &[PlacedPositions]) -> (Vec<Placed>, usize) {
-    // 1. The boxes of all places: the first of each list, then the second of each, so that every part is among the first.
+    // 1. The boxes of all instances: the first of each list, then the second of each, which puts
+    //    every part near the start.
     let longest = lists.iter().map(|list| list.places.len()).max().unwrap_or(0);
     let mut order: Vec<(u32, u32)> = Vec::new();
     let mut remaining: Vec<u32> = (0..lists.len() as u32).collect();
@@ -173,7 +183,7 @@ fn placed_positions(lists: &[PlacedPositions]) -> (Vec<Placed>, usize) {
     }
     let lowest = level_of(largest) - LEVEL_RANGE;
     let tree = RTree::bulk_load(boxes.clone());
-    // 2. The positions of places whose boxes meet others.
+    // 2. The positions of instances whose boxes intersect others.
     let most = FEW.max(2 * lists.iter().map(|list| list.positions.len()).sum::<usize>());
     let (mut placed, mut compared, mut skipped) = (Vec::new(), 0, 0);
     for own in &boxes {
@@ -199,12 +209,13 @@ fn placed_positions(lists: &[PlacedPositions]) -> (Vec<Placed>, usize) {
     (placed, skipped)
 }
 
-/// Checks whether a box meets that of another place.
+/// Checks whether a box intersects that of another instance.
 fn has_other(tree: &RTree<PlaceBox>, envelope: AABB<[f64; 3]>, own: u32) -> bool {
     tree.locate_in_envelope_intersecting(envelope).any(|other| other.data != own)
 }
 
-/// Returns the corners of a box in a place, with a margin for rounding, and the magnitude of its positions.
+/// Returns the corners of a transformed box with a margin for rounding, and the magnitude of its
+/// positions.
 fn box_of(place: &Place, bounds: [[f32; 3]; 2]) -> ([f64; 3], [f64; 3], f64) {
     let (mut least, mut most, mut magnitude) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0_f64);
     for p in box_corners(bounds) {
@@ -223,7 +234,7 @@ pub(crate) fn box_corners(bounds: [[f32; 3]; 2]) -> impl Iterator<Item = [f32; 3
     (0..8).map(move |corner| [0, 1, 2].map(|axis| bounds[corner >> axis & 1][axis]))
 }
 
-/// Returns the lowest and the highest coordinates; `None` without positions.
+/// Returns the minimum and maximum coordinates; `None` without positions.
 pub(crate) fn bounds(positions: impl IntoIterator<Item = [f32; 3]>) -> Option<[[f32; 3]; 2]> {
     positions.into_iter().fold(None, |bounds, p| {
         let [low, high] = bounds.unwrap_or([p; 2]);
@@ -253,7 +264,7 @@ mod tests {
         };
         assert_eq!(found(moved(1.0, 0.0, 0.0)), [vec![false, true, false], vec![true, false, false]]);
         assert_eq!(found(moved(9.0, 0.0, 0.0)), vec![Vec::<bool>::new(); 2]);
-        // A rotation whose matrix was written with 32 bits.
+        // A rotation matrix that was stored with 32 bits.
         let (c, s) = (f64::from(0.8_f32), f64::from(0.6_f32));
         let turned = Place::new([[c, -s, 0.0, 1.0], [s, c, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
         let back = turned.at([1.0, 0.0, 0.0]).map(|x| x as f32);
@@ -264,7 +275,7 @@ mod tests {
     #[test]
     fn copies_touch_only_where_they_have_different_positions() {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        // Copies that share a corner, copies in one place, and tiles side by side.
+        // Mirrored copies that share a corner, copies with one transform, and adjacent tiles.
         let mirrored = Place::new([[-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
         let copies = touching(&[list(&[Place::IDENTITY, mirrored], &corners)]);
         assert_eq!(copies.touches, [Vec::<bool>::new()]);
@@ -283,7 +294,7 @@ mod tests {
             .map(|place| {
                 let at = |_| [number(900), number(900), number(9)];
                 let rough: Vec<[f64; 3]> = (0..80).map(at).collect();
-                // On a coarse grid of the scene, so that many are equal there.
+                // Snap to a coarse grid of the scene, to make many positions equal.
                 let snapped = |p: [f64; 3]| {
                     let p = place.at(p.map(|x| x as f32)).map(|x| (x * 8.0).round() / 8.0);
                     let origin = place.at([0.0; 3]);

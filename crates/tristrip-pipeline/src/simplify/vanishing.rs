@@ -1,12 +1,13 @@
-//! Small components that may vanish, and the error of that.
+//! Small components that may be removed, and the error of their removal.
 //!
-//! A bolt on an engine ends as four triangles, or as two, however few are asked for. It vanishes if both hold:
+//! A bolt on an engine ends as two or four triangles, however few are requested. A component may be
+//! removed if both conditions hold:
 //! - it is small: half of the diagonal of its bounding box is at most the error limit;
-//! - all of it is near what stays: each of its vertices is within the limit of a component that is not small. The largest of these distances
-//!   is the error of its removal.
+//! - it is near the rest: each of its vertices is within the limit of a component that is not
+//!   small. The maximum of these distances is the error of its removal.
 //!
-//! So a plant of which each leaf is small keeps its leaves, because none of them is near a component that stays; and each part keeps a
-//! component, because files do not store empty ones.
+//! A plant whose leaves are all small keeps its leaves, because none of them is near a component
+//! that stays. Each part keeps at least one component, because files do not store empty parts.
 
 use std::collections::BTreeSet;
 
@@ -40,23 +41,25 @@ impl Component {
     }
 }
 
-/// What may vanish of parts that are simplified as one surface, over their vertices one after the other.
+/// The removable components of parts that are simplified as one surface, over the concatenated
+/// vertices of these parts.
 #[derive(Debug, Default)]
 pub(super) struct Vanishing {
-    /// The error of the removal of each vertex's component, in the units of the parts; infinite where it stays. Empty if none may vanish.
+    /// For each vertex, the error of removing its component, in part units; infinite if it stays.
+    /// Empty if no component may be removed.
     pub(super) errors: Vec<f32>,
     /// The component of each vertex.
     components: Vec<u32>,
 }
 
 impl Vanishing {
-    /// Finds the components that may vanish within an error limit.
+    /// Finds the components that may be removed within an error limit.
     pub(super) fn new(parts: &[(&Mesh, &[u32])], limit: f64) -> Result<Self, Error> {
         let is_limit = limit > 0.0 && limit.is_finite();
         if is_limit { find(parts, limit) } else { Ok(Self::default()) }
     }
 
-    /// Counts the components of which nothing is left, given the collapses of each part.
+    /// Counts the removed components, given the collapses of each part.
     pub(super) fn count<'a>(
         &self,
         parts: impl Iterator<Item = &'a CollapseSequence>,
@@ -100,7 +103,7 @@ fn find(parts: &[(&Mesh, &[u32])], limit: f64) -> Result<Vanishing, Error> {
     if is_small.iter().all(|&small| small) || !is_small.contains(&true) {
         return Ok(Vanishing::default());
     }
-    // 2. What stays, in a tree.
+    // 2. The components that stay, in a tree.
     let mut stays = Side::default();
     let mut candidates = vec![false; count];
     let mut corners = faces.corners();
@@ -122,7 +125,7 @@ fn find(parts: &[(&Mesh, &[u32])], limit: f64) -> Result<Vanishing, Error> {
     if stays.crowd(&tree) * searches > MAX_VISITS {
         return Ok(Vanishing::default());
     }
-    // 3. The largest distance of each component.
+    // 3. The maximum distance of each component.
     for id in (0..count as u32).filter(|&id| candidates[id as usize]) {
         let component = &mut components[sets.find(id) as usize];
         if component.error < 0.0 {

@@ -1,4 +1,4 @@
-//! One of two surfaces: its triangles, points spread over them, and a tree to search the nearest.
+//! One of two surfaces: its triangles, sample points, and a tree for nearest-point searches.
 
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use tristrip::random::Random;
@@ -7,10 +7,10 @@ use tristrip::{Attribute, Error, Faces, Mesh};
 
 type Point = [f64; 3];
 
-/// The number of triangles at which the crowd is counted.
+/// The number of triangles at which the overlap of boxes is estimated.
 const PROBES: usize = 32;
 
-/// A point of a triangle: the triangle, and the shares of its corners.
+/// A point of a triangle: the triangle, and barycentric coordinates.
 pub(super) type On<'a> = (&'a Facet, [f64; 3]);
 
 /// A triangle of a surface.
@@ -21,7 +21,7 @@ pub(crate) struct Facet {
 }
 
 impl Facet {
-    /// Returns a triangle of vertices with these positions.
+    /// Creates a triangle of vertices with these positions.
     pub(crate) fn new(vertices: [u32; 3], corners: [Point; 3]) -> Self {
         Self { vertices, corners }
     }
@@ -30,12 +30,12 @@ impl Facet {
         self.vertices
     }
 
-    /// Returns the point with these shares of the corners.
+    /// Returns the point with these barycentric coordinates.
     pub(crate) fn at(&self, shares: [f64; 3]) -> Point {
         mix(self.corners, shares)
     }
 
-    /// Returns the normal, of twice the triangle's area as length.
+    /// Returns the normal. Its length is twice the area of the triangle.
     pub(crate) fn normal(&self) -> Point {
         let [a, b, c] = self.corners;
         cross(sub(b, a), sub(c, a))
@@ -46,7 +46,8 @@ impl Facet {
         0.5 * dot(normal, normal).sqrt()
     }
 
-    /// Returns the squared distance of a point, and the shares of the corners at the nearest point of the triangle.
+    /// Returns the squared distance of a point, and the barycentric coordinates of the nearest
+    /// point of the triangle.
     pub(crate) fn nearest(&self, p: Point) -> (f64, [f64; 3]) {
         let shares = nearest_in_triangle(p, self.corners);
         let rest = sub(p, self.at(shares));
@@ -119,7 +120,8 @@ impl Side {
         RTree::bulk_load(self.facets.clone())
     }
 
-    /// Estimates how many boxes of a tree contain a point of this surface: the mean over a few triangles.
+    /// Estimates how many boxes of a tree contain a point of this surface, as the mean over a few
+    /// triangles.
     pub(crate) fn crowd(&self, tree: &RTree<Facet>) -> f64 {
         let step = (self.facets.len() / PROBES).max(1);
         let boxes = |facet: &Facet| {
@@ -136,7 +138,7 @@ impl Side {
         &self.facets
     }
 
-    /// Visits about `points` points, spread in proportion to area: each triangle has its share of them, at random places.
+    /// Visits about `points` random points, distributed in proportion to area.
     pub(crate) fn sample(&self, points: f64, random: &mut Random, mut visit: impl FnMut(&Facet, [f64; 3])) {
         let total = self.area();
         if total > 0.0 {
@@ -144,7 +146,8 @@ impl Side {
         }
     }
 
-    /// Visits as many points as are expected of each triangle by its number and area, at random places. Fractions add up.
+    /// Visits random points. `expected` returns the number of points of a triangle from its index
+    /// and area; fractions accumulate.
     pub(crate) fn visit(
         &self,
         expected: impl Fn(usize, f64) -> f64,
@@ -190,7 +193,8 @@ impl<'a> Attributes<'a> {
         libm::atan2(dot(across, across).sqrt(), dot(a, b))
     }
 
-    /// Returns the difference of the texture coordinates at two points; `None` without any.
+    /// Returns the difference between the texture coordinates at two points; `None` if there are
+    /// none.
     pub(super) fn uv_difference(&self, here: On<'_>, there: On<'_>) -> Option<[f64; 2]> {
         let uv = self.uv?;
         let of = |(facet, shares): On<'_>| mix(facet.vertices.map(|v| value(uv, v)), shares);
@@ -199,7 +203,7 @@ impl<'a> Attributes<'a> {
     }
 }
 
-/// Returns up to three components of an attribute of a vertex; one that is not finite counts as zero.
+/// Returns up to three components of an attribute of a vertex. Non-finite values count as zero.
 fn value(attribute: &Attribute, vertex: u32) -> Point {
     let components = usize::from(attribute.components);
     let component = |k: usize| {
@@ -229,14 +233,15 @@ pub(crate) fn dot(a: Point, b: Point) -> f64 {
 mod tests {
     use super::*;
 
-    /// The tree finds the distance that a search of all triangles finds, and shares give the nearest of many points of a triangle.
+    /// The tree finds the same distance as a search of all triangles, and no sampled point of a
+    /// triangle is nearer than the returned one.
     #[test]
     fn the_nearest_triangle_is_the_nearest_of_all() {
         let mut random = Random::new(3);
         let mut number = || (random.below(2000) as f32 - 1000.0) / 1000.0;
         let positions: Vec<[f32; 3]> = (0..90).map(|_| [number(), number(), number()]).collect();
         let mesh = Mesh::new(positions, Faces::default()).unwrap();
-        // Triangles without area are among them.
+        // Includes triangles without area.
         let triangles: Vec<u32> = (0..90).chain([0, 0, 1, 2, 2, 2]).collect();
         let side = Side::new(&mesh, &triangles).unwrap();
         let tree = side.tree();

@@ -1,4 +1,5 @@
-//! Chains of levels of detail: each level is what a simplification to its size gives, and every file draws it from the first vertices.
+//! Level-of-detail chains. Each level equals a simplification to its size, and every file draws it
+//! from a prefix of the vertices.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics fails")]
 
@@ -33,7 +34,7 @@ fn each_level_is_the_simplification_to_its_size() {
         for (level, figures) in all.levels.iter().enumerate() {
             let goal =
                 Goal { amount: Some(Amount::Ratio(figures.ratio)), deviation: Deviation::Percent(100.0) };
-            // The levels share their vertices, so that normals are kept.
+            // The levels share their vertices, so normals are kept.
             let kept = simplify::Options::default().with_goal(goal).with_normals(Normals::Keep);
             let simplified = simplify::run(&source, &kept, &()).unwrap();
             assert_eq!(figures.triangles, simplified.collapses.triangles_after, "{name}, level {level}");
@@ -92,7 +93,7 @@ fn one_scene_holds_all_levels_over_no_more_vertices_than_the_source() {
             all.chain.encode(&source, &encode::Options::new(Format::Glb).with_layout(layout), &()).unwrap();
         let triangles = all.levels.iter().map(|level| level.triangles).sum::<usize>();
         assert_eq!(file.encoded.faces, Some(triangles), "{layout:?}");
-        // The error limit ends the two coarsest levels at the same collapse.
+        // The error limit stops the two coarsest levels at the same collapse.
         let triangles: Vec<usize> = all.levels.iter().map(|level| level.triangles).collect();
         for (bytes, triangles) in file.level_bytes.windows(2).zip(triangles.windows(2)) {
             assert_eq!(bytes[0] > bytes[1], triangles[0] > triangles[1], "{:?}", file.level_bytes);
@@ -113,7 +114,7 @@ fn a_level_beyond_the_error_limit_is_not_reached() {
     assert!(all.levels.iter().all(|level| level.surface_error_percent <= 0.05));
     let warning = all.warning.as_deref().unwrap();
     assert!(warning.contains("not reached: ") && warning.contains("error limit of 0.05 %"), "{warning}");
-    // Levels that are the same share their mesh.
+    // Equal levels share their mesh.
     let file = all.chain.encode(&source, &encode::Options::new(Format::Glb), &()).unwrap();
     assert!(read(&file.encoded.bytes, Format::Glb).unwrap().parts.len() <= 4);
     let any =
@@ -171,7 +172,7 @@ fn a_chain_is_written_in_its_format() {
     ));
 }
 
-/// A chain of another model is not proven to draw this one.
+/// A chain of another model must not be proven to draw this one.
 #[test]
 fn a_level_of_another_model_is_refused() {
     let (fish, bishop) = (model("fish_control.ply"), model("catmark_bishop.ply"));

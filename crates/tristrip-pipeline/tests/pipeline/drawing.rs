@@ -9,7 +9,8 @@ use tristrip::{Layout, Method, StripifyOptions};
 use tristrip_io::{Format, Model, read, read_path};
 use tristrip_pipeline::{DrawnAs, analyze, convert, encode, strip, verify};
 
-/// Returns a grid of `n` by `n` squares as OBJ, cut into triangles, of which one in `shared` shares its vertices with the next: 0 for none.
+/// Returns a grid of `n` × `n` squares as OBJ, triangulated. One of `shared` triangles shares its
+/// vertices with the next; 0 for none.
 fn flat_shaded(n: usize, shared: usize) -> Model {
     let mut text = String::new();
     let mut vertex_count = 0;
@@ -43,14 +44,15 @@ fn stripped(model: &Model, method: Method) -> strip::Outcome {
     .unwrap()
 }
 
-/// Checks that each written file is proven, has the indices that were reported, and no more than its source.
+/// Checks that each written file is proven, has the reported number of indices, and has no more
+/// indices than its source.
 fn check(model: &Model, method: Method) {
     let found = stripped(model, method);
     for format in [Format::Glb, Format::Ply] {
         for reorder in [false, true] {
             let options = encode::Options::new(format).with_reorder(reorder);
             let drawn = found.draw(model, &options);
-            // Restarts of the source may be fewer than the joins of a GLB.
+            // The source may have fewer restarts than a GLB has joins.
             let restarts =
                 model.parts.iter().filter_map(|part| Some(part.stored.as_ref()?.restarts)).sum::<usize>();
             if format == Format::Ply || restarts == 0 {
@@ -103,7 +105,7 @@ fn quads_of_their_own_stay_polygons_in_a_ply() {
 
 #[test]
 fn stored_strips_win_over_worse_ones() {
-    // The faces of a grid in shuffled order: strips in stored order are short.
+    // The faces of a grid in random order. Strips in stored order are short.
     let grid = {
         let mut text = String::new();
         (0..100).for_each(|i| writeln!(text, "v {} {} 0", i % 10, i / 10).unwrap());
@@ -141,7 +143,7 @@ fn strips_for_a_vertex_cache_are_drawn_as_they_are() {
     assert_eq!(found.draw(&model, &encode::Options::new(Format::Glb)).drawn_as, [DrawnAs::Found]);
 }
 
-/// Also the textured scenes of the folder that the environment variable `TRISTRIP_MODELS` names.
+/// Also checks the textured scenes in the directory of the environment variable `TRISTRIP_MODELS`.
 #[test]
 fn scenes_and_models_never_grow() {
     let own = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models");

@@ -1,4 +1,4 @@
-//! Files of results: what is written, what is left alone, and the errors.
+//! Files of results: which files are written, which are kept, and the errors.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use std::fs;
@@ -34,11 +34,11 @@ fn an_obj_has_its_library_beside_it_and_foreign_files_stay() {
     let written = target.write(&encoded(&model, Format::Obj)).unwrap();
     assert_eq!(written.beside, [dir.path().join("out.mtl")]);
     assert!(fs::read_to_string(&written.beside[0]).unwrap().contains("newmtl red\nKd 1 0 0"));
-    // Files that are the same are not written again, those of the same name are replaced.
+    // Files with the same content are not written again. Files with the same name are replaced.
     assert!(target.write(&encoded(&model, Format::Obj)).unwrap().beside.is_empty());
     fs::write(dir.path().join("out.mtl"), "other").unwrap();
     assert_eq!(target.write(&encoded(&model, Format::Obj)).unwrap().beside.len(), 1);
-    // A library of another name is not replaced.
+    // A library with another name is not replaced.
     load_materials(&mut model, None, "other");
     let other = encoded(&model, Format::Obj);
     let mut foreign = other.clone();
@@ -64,7 +64,7 @@ fn a_gltf_is_two_files_and_a_folder_is_created_if_asked() {
     let written = target.write(&glb).unwrap();
     let sizes = ["a.gltf", "a.bin"].map(|name| fs::read(dir.path().join("new").join(name)).unwrap().len());
     assert_eq!(written.bytes, sizes[0] + sizes[1]);
-    // In the folder of the source, images stay in their files.
+    // In the directory of the source, images stay in their files.
     let source = dir.path().join("new/source.gltf");
     assert!(!target.takes_images(Some(&source)) && target.takes_images(None));
     assert!(Target::new(Some(&path), Format::Glb).takes_images(Some(&source)));

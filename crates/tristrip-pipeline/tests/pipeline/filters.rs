@@ -1,4 +1,5 @@
-//! Every filter, on every model, at every kind of level, in every format and layout: written, read back and proven.
+//! Every filter on every model at every kind of level, in every format and layout: written, read
+//! back and proven.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics fails")]
 
@@ -19,7 +20,7 @@ const FILES: [(Format, Layout); 6] = [
     (Format::Obj, Layout::List),
 ];
 
-/// Writes levels of a model by all filters; every file is proven to draw the level.
+/// Writes levels of a model with all filters. Every file is proven to draw the level.
 fn check(name: &str, model: &Model, files: &[(Format, Layout)]) {
     let stripify = StripifyOptions::default().with_method(Method::Sequential);
     let all = levels::run(model, &levels::Options::default().with_stripify(stripify), &()).unwrap().model;
@@ -42,7 +43,8 @@ fn check(name: &str, model: &Model, files: &[(Format, Layout)]) {
     }
 }
 
-/// Returns a bumpy tube of `n` by `n` squares as OBJ, with texture coordinates that have a seam, and vertices that nothing uses.
+/// Returns a bumpy tube of `n` × `n` squares as OBJ, with texture coordinates that have a seam, and
+/// with unused vertices.
 fn tube(n: usize) -> String {
     let mut text = String::new();
     for y in 0..=n {
@@ -61,7 +63,7 @@ fn tube(n: usize) -> String {
     text
 }
 
-/// Returns a line of the tube with a number among equal ones, beside the others.
+/// Returns a line of the tube for one of several copies, moved next to the others.
 fn moved(line: &str, number: usize) -> String {
     let (keyword, rest) = line.split_once(' ').unwrap();
     let words = rest.split(' ');
@@ -102,8 +104,8 @@ fn every_model_of_the_project() {
     assert!(checked >= 5, "{checked}");
 }
 
-/// Textured models and scenes, which have seams, of the folder that the environment variable `TRISTRIP_MODELS` names; without it nothing is
-/// checked.
+/// Textured models and scenes with seams, from the directory of the environment variable
+/// `TRISTRIP_MODELS`. Without it, nothing is checked.
 #[test]
 fn textured_models() {
     let Some(folder) = std::env::var_os("TRISTRIP_MODELS").map(PathBuf::from) else { return };

@@ -1,5 +1,5 @@
-//! The default never writes more indices than its input or than a list, in every format: 20 models of which most faces have vertices of
-//! their own, as flat-shaded models have.
+//! The default never writes more indices than its input or than a list, in every format. The 20
+//! models are flat-shaded: most of their faces have their own vertices.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics fails")]
 
@@ -12,7 +12,7 @@ use tristrip_pipeline::{Drawn, DrawnAs, encode, strip};
 
 const MODELS: usize = 20;
 
-/// A surface over a grid of squares, given by the position of each grid point.
+/// A surface over a grid of squares, as the position of each grid point.
 type Surface = fn([usize; 2], [usize; 2]) -> [f64; 3];
 
 const SURFACES: [Surface; 5] = [
@@ -39,7 +39,8 @@ fn angle(step: usize, steps: usize) -> f64 {
     step as f64 / steps as f64 * TAU
 }
 
-/// Returns a model of triangles, of quadrilaterals or of both. No two faces share a vertex, except in every so many rows, which are smooth.
+/// Returns a model of triangles, quadrilaterals or both. Only faces in some smooth rows share
+/// vertices.
 fn model(seed: usize) -> Model {
     let (surface, size) = (SURFACES[seed % SURFACES.len()], [3 + seed % 7, 2 + seed]);
     let smooth_rows = [None, Some(1), Some(4), Some(9)][seed % 4];
@@ -64,14 +65,14 @@ fn model(seed: usize) -> Model {
     Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() }
 }
 
-/// Counts the indices of a model as its file has them: of stored strips, otherwise one per corner.
+/// Counts the indices of a model in its file: those of stored strips, or one per corner.
 fn written(model: &Model) -> usize {
     let indices =
         |part: &Part| part.stored.as_ref().map_or(part.mesh.faces().corner_count(), StoredStrips::indices);
     model.parts.iter().map(indices).sum()
 }
 
-/// Checks a file in one format, and returns how it draws the model.
+/// Checks a file in one format. Returns how it draws the model.
 fn check<'a>(model: &'a Model, found: &'a strip::Outcome, format: Format) -> Drawn<'a> {
     let options = encode::Options::new(format);
     let drawn = found.draw(model, &options);

@@ -11,7 +11,8 @@ use tristrip::verify::verify;
 use tristrip_io::read_path;
 use tristrip_pipeline::stream_of_mesh;
 
-/// Proves the strips after each chunk; returns the mean of the vertices sent, where three per triangle are 1.
+/// Proves the strips after each chunk. Returns the mean number of vertices sent, relative to three
+/// per triangle.
 fn check(mesh: &Mesh) -> f64 {
     let streamed = stream_of_mesh(mesh, 0, &StreamOptions::default()).unwrap();
     let mut decoder = Decoder::new(StreamLimits::default()).keeping_strips();

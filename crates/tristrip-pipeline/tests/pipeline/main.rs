@@ -1,4 +1,5 @@
-//! Whole models through the pipeline: drawn, simplified, chained, packed. One program, because linking takes longer than the tests.
+//! Whole models through the pipeline: drawn, simplified, chained, packed. All tests are one
+//! program, because linking takes longer than running them.
 
 mod chain;
 mod drawing;

@@ -1,4 +1,5 @@
-//! Whole models from memory to bytes: several parts, observers, cancellation, and arguments that do not fit.
+//! Whole models from memory to bytes: several parts, observers, cancellation, and invalid
+//! arguments.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics fails")]
 
@@ -16,7 +17,8 @@ use tristrip_pipeline::{
     encode, levels, levels::DisplayFilter, levels::ModelLevels, simplify, strip, verify, view_model,
 };
 
-/// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.
+/// Returns a grid of squares in two parts, left and right of the middle. They share the vertices
+/// between them.
 fn two_parts() -> Model {
     let mut text = String::new();
     for y in 0..9 {
@@ -66,7 +68,7 @@ fn no_strips_are_better_than_the_bound() {
     }
 }
 
-/// Returns the heights of the vertices that triangles have on the line between the two parts.
+/// Returns the heights of the used vertices on the line between the two parts.
 fn border(mesh: &Mesh, corners: &[u32]) -> Vec<u32> {
     let drawn = corners.iter().map(|&v| mesh.positions()[v as usize]);
     let mut border: Vec<u32> =
@@ -95,7 +97,7 @@ fn both_sides_of_a_shared_border_are_simplified_together() {
         simplified.encode(Format::Ply, true, &()).unwrap().faces,
         Some(simplified.collapses.triangles_after)
     );
-    // So does every level of detail.
+    // Every level of detail is closed, too.
     let all = levels::run(&model, &levels::Options::default(), &()).unwrap().model;
     for level in 0..=all.collapse_count() {
         let of_parts = all.order.of_parts(level).unwrap();
@@ -158,7 +160,7 @@ fn converted_strips_stay_strips_and_faces_stay_faces() {
     assert!(as_list.strips.is_none());
 }
 
-/// Cancels at the stage with a number, and stops searches at once.
+/// Cancels at the stage with an index, and stops searches at once.
 struct Stopping {
     cancel_at: usize,
     stages: Mutex<Vec<Stage>>,

@@ -1,4 +1,5 @@
-//! Normals of simplified models: those of flat-shaded models are the normals of the faces that are left, in every format.
+//! Normals of simplified models: flat-shaded models have the normals of their remaining faces, in
+//! every format.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics fails")]
 
@@ -22,10 +23,11 @@ fn normal_of([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
     n.map(|x| (x / length) as f32)
 }
 
-/// The position, the texture coordinates and the smooth normal of a corner.
+/// The position, texture coordinates and smooth normal of a corner.
 type Corner = ([f32; 3], [f32; 2], [f32; 3]);
 
-/// Returns the triangles of a tube of changing width around the z axis: positions, texture coordinates and the normals of the axis.
+/// Returns the triangles of a tube of varying radius around the z axis: positions, texture
+/// coordinates, and normals that point away from the axis.
 fn triangles(width: impl Fn(usize) -> f64) -> Vec<[Corner; 3]> {
     let at = |column: usize, row: usize| {
         let turn = (column % COLUMNS) as f64 / COLUMNS as f64 * std::f64::consts::TAU;
@@ -42,7 +44,8 @@ fn triangles(width: impl Fn(usize) -> f64) -> Vec<[Corner; 3]> {
     faces.collect()
 }
 
-/// Returns a model in which every triangle has vertices of its own; the normals are chosen by `normal` for a triangle and a corner.
+/// Returns a model in which every triangle has its own vertices. `normal` returns the normal of a
+/// corner of a triangle.
 fn model(faces: &[[Corner; 3]], normal: impl Fn([[f32; 3]; 3], [f32; 3]) -> [f32; 3]) -> Model {
     let corners = || faces.as_flattened().iter();
     let normals = faces.iter().flat_map(|face| {
@@ -90,7 +93,7 @@ fn flat_shaded_models_get_the_normals_of_the_faces_left() {
     for format in [Format::Ply, Format::Obj, Format::Glb] {
         let result = simplified(&source, Normals::Auto, format);
         assert!(result.proven && result.collapses.reached && result.normals.flat == 1);
-        // The texture is repeated nowhere, so that its one seam stays.
+        // The texture does not repeat, so its only seam stays.
         let bytes = result.encode(format, true, &()).unwrap().bytes;
         let again = read(&bytes, format).unwrap();
         let mesh = &again.parts[0].mesh;
@@ -121,7 +124,7 @@ fn fitted_faces_have_their_own_normals() {
     });
 }
 
-/// The default changes nothing where no part is flat-shaded.
+/// The default changes nothing if no part is flat-shaded.
 #[test]
 fn smooth_models_keep_their_normals() {
     let source = model(&triangles(wavy), |_, axis| axis);
@@ -131,7 +134,8 @@ fn smooth_models_keep_their_normals() {
     assert!(auto == keep);
 }
 
-/// A tube with steps: the walls are smooth around the axis, the steps flat, and the edges between them hard.
+/// A stepped tube: the walls are smooth around the axis, the steps are flat, and the edges between
+/// them are hard.
 #[test]
 fn creased_models_stay_smooth_up_to_the_creases() {
     let step = |row: usize| [2.0, 2.0, 1.5, 1.5, 1.0, 1.0][row % 6];
@@ -158,7 +162,7 @@ fn creased_models_stay_smooth_up_to_the_creases() {
     assert!(100 * following > 95 * corners, "{following} of {corners} normals follow their faces");
 }
 
-/// Parts of which only one is flat-shaded: the other one is simplified as without it.
+/// Only one of two parts is flat-shaded. The other one is simplified as if it were alone.
 #[test]
 fn parts_are_treated_one_by_one() {
     let mut source = model(&triangles(wavy), |face, _| normal_of(face));
@@ -166,7 +170,7 @@ fn parts_are_treated_one_by_one() {
     let moved: Vec<_> =
         triangles(wavy).iter().map(|face| face.map(|(p, uv, axis)| (far(p), uv, axis))).collect();
     source.parts.extend(model(&moved, |_, axis| axis).parts);
-    // Parts share a number of triangles, but not an error limit.
+    // Parts share a triangle budget, but each has its own error limit.
     let goal = Goal { amount: None, deviation: Deviation::Units(0.05) };
     let simplified = |source| {
         simplify::run(source, &simplify::Options::default().with_goal(goal).with_format(Format::Glb), &())
@@ -179,17 +183,18 @@ fn parts_are_treated_one_by_one() {
     assert_eq!(result.redrawn.model.parts[1].mesh, alone.redrawn.model.parts[0].mesh);
 }
 
-/// Returns a box with rounded edges: its sides are flat, and the normals go over into each other along the edges, without a seam.
+/// Returns a box with rounded edges. Its sides are flat, and the normals change continuously along
+/// the edges, without a seam.
 fn rounded_box() -> Model {
     const ROUNDED: usize = 4;
     const CELLS: usize = 2 * ROUNDED + 3;
-    // Beside the middle of a side the normal turns by up to 45 degrees towards the next side.
+    // Away from the middle of a side, the normal turns by up to 45° toward the next side.
     let turn = |i: usize| match i {
         i if i <= ROUNDED => i as f64 / ROUNDED as f64 - 1.0,
         i if i >= CELLS - ROUNDED => (i + ROUNDED - CELLS) as f64 / ROUNDED as f64,
         _ => 0.0,
     };
-    // The box without its edges, of a size of 7; the radius of the edges is 0.5.
+    // The box without its edges has size 7. The radius of the edges is 0.5.
     let core = |i: usize| ((i.clamp(ROUNDED, CELLS - ROUNDED) - ROUNDED) as f64 / 3.0 - 0.5) * 7.0;
     let corner = |axis: usize, up: f64, [i, j]: [usize; 2]| {
         let turned = |v: [f64; 3]| -> [f32; 3] { std::array::from_fn(|k| v[(k + axis) % 3] as f32) };
@@ -210,7 +215,7 @@ fn rounded_box() -> Model {
     model(&faces, |_, normal| normal)
 }
 
-/// With few triangles left the sides of a rounded box end at vertices of its edges.
+/// At a low triangle count, the sides of a rounded box end at vertices of its edges.
 #[test]
 fn normals_that_no_longer_fit_are_repaired() {
     let source = rounded_box();
@@ -228,7 +233,7 @@ fn normals_that_no_longer_fit_are_repaired() {
     let (auto, keep) = (few(Normals::Auto), few(Normals::Keep));
     assert_eq!((auto.normals.repaired, auto.normals.kept), (1, 0));
     assert_eq!((keep.normals.repaired, keep.normals.kept), (0, 1));
-    // The same triangles in the same places, with other normals.
+    // The same triangles at the same positions, with other normals.
     assert_eq!(auto.collapses, keep.collapses);
     let [auto, keep] = [auto, keep].map(|done| done.redrawn.model.parts[0].mesh.clone());
     assert!(unfit(&keep).unfit > 0.1, "{:?}", unfit(&keep));

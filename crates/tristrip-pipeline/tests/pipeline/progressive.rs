@@ -1,4 +1,4 @@
-//! Progressive GLB: every level of packed models, files that are cut off, and damaged ones.
+//! Progressive GLB: every level of packed models, truncated files, and damaged files.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics fails")]
 
@@ -17,7 +17,7 @@ fn model(name: &str) -> Model {
     tristrip_io::read_path(Path::new(folder).join(name)).unwrap()
 }
 
-/// A hilly grid of quadrilaterals in two materials, the border between which runs in zigzag.
+/// A hilly grid of quadrilaterals in two materials. The border between them is a zigzag.
 fn two_materials(n: usize) -> Model {
     let mut obj = String::new();
     for (y, x) in (0..n).flat_map(|y| (0..n).map(move |x| (y, x))) {
@@ -77,12 +77,12 @@ fn borders_between_materials_stay_closed_at_every_level() {
     let full = at(&glb, StreamGoal::Level(Level::Percent(100.0)));
     assert_eq!((full.level, full.triangles), (full.levels, 2 * (n - 1) * (n - 1)));
     assert_eq!(border(&full.model), 4 * (n - 1));
-    // The positions of the lowest levels are known to a few units only.
+    // At the lowest levels, positions are only known to a few units.
     for level in (full.levels / 4..=full.levels).step_by(7) {
         let part = at(&glb, StreamGoal::Level(Level::Number(level)));
         assert_eq!(part.level, level);
         assert_eq!(part.model.parts.len(), 2);
-        // Where a crack opens, edges of one triangle lie inside.
+        // If a crack opens, edges of one triangle lie inside the grid.
         let outer = part.model.parts.iter().flat_map(|part| {
             part.mesh
                 .positions()
@@ -136,7 +136,7 @@ fn a_scene_keeps_all_but_its_meshes() {
         };
         assert_eq!(sorted(names(a)), sorted(names(b)));
     }
-    // A GLB of the full meshes has nothing left of the stream.
+    // A GLB of the full meshes has no traces of the stream.
     let drawings = vec![tristrip_io::Drawing::Faces; again.parts.len()];
     let plain = tristrip_io::write(&again, &drawings, Format::Glb, tristrip::Layout::List).unwrap();
     assert!(!String::from_utf8_lossy(&plain).contains("TRISTRIP_progressive"));
@@ -168,7 +168,7 @@ fn a_file_that_is_cut_at_any_byte_gives_what_is_complete() {
         assert_eq!(part.chunks, complete, "{end}");
         assert_eq!(part.problem.is_none(), complete == ends.len(), "{end}");
         assert!(part.triangles <= full.triangles);
-        // The base meshes are drawn even without a chunk.
+        // The base meshes are drawn without any chunk.
         assert!(part.model.parts.iter().all(|part| part.mesh.faces().triangle_count() > 0));
     }
 }
@@ -195,7 +195,8 @@ fn damaged_files_are_reported() {
         let unpacked = unpack_to(&glb, StreamGoal::Level(Level::Percent(100.0)));
         let read = read(&damaged, Format::Glb);
         if at >= start && at < start + glb.chunk_bytes() {
-            // Every byte of the chunks is under a checksum; a head may ask for more bytes than there are.
+            // Every byte of the chunks is covered by a checksum. A damaged header may require more
+            // bytes than the file has.
             assert!(unpacked.is_ok_and(|unpacked| unpacked.problem.is_some()), "{at}");
             assert!(read.is_err(), "{at}");
             reported += 1;
@@ -243,7 +244,7 @@ fn what_is_near_the_eye_is_refined_first() {
     assert!(2 * from_eye > 3 * alike, "{from_eye}, {alike}");
 }
 
-/// Cancels once it has been asked so often.
+/// Cancels at the n-th call.
 struct CancelAt {
     asked: AtomicUsize,
     at: usize,
@@ -272,11 +273,11 @@ fn packing_is_cancelled_between_stages_and_meshes() {
 }
 
 #[test]
-fn tiny_meshes_stay_whole() {
+fn tiny_meshes_are_not_refined() {
     let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj).unwrap();
     let packed = pack::run(&model, &pack::Options::default(), &()).unwrap();
     assert_eq!((packed.meshes, packed.chunks, packed.triangles, packed.vertices), (0, 0, 1, 3));
-    assert!(packed.notes.iter().any(|note| note.contains("whole")), "{:?}", packed.notes);
+    assert!(packed.notes.iter().any(|note| note.contains("not refined")), "{:?}", packed.notes);
     assert!(ProgressiveGlb::open(packed.bytes).unwrap().is_none());
 }
 
@@ -366,7 +367,8 @@ fn a_file_that_arrives_byte_by_byte_gives_what_is_complete() {
         arriving.update(std::slice::from_ref(byte)).unwrap();
         let chunks = arriving.decoder().map_or(0, tristrip::stream::Decoder::chunk_count);
         if arriving.has_base() && seen.insert(chunks) {
-            // What there is of the file, cut off here, has the same meshes. Without its first chunk there are the base meshes.
+            // The truncated file, written as a file of its own, has the same meshes. Without its
+            // first chunk it has the base meshes.
             let now = arriving.model(None).unwrap().unwrap();
             let cut = unpack_to(&open(&bytes[..=at]), StreamGoal::Bytes(at + 1)).unwrap().model;
             assert_eq!(meshes(&now), meshes(&cut));
@@ -387,7 +389,7 @@ fn files_that_arrive_are_checked_and_limited() {
     let update = |bytes: &[u8], limits: ArrivalLimits| {
         let mut arriving = ArrivingGlb::new(limits);
         let error = arriving.update(bytes).unwrap_err().to_string();
-        // The error stays, whatever comes.
+        // The error persists, whatever bytes follow.
         assert_eq!(arriving.update(&[]).unwrap_err().to_string(), error);
         assert_eq!(arriving.finish().unwrap_err().to_string(), error);
         error

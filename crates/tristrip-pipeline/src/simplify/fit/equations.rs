@@ -1,37 +1,40 @@
-//! The linear least-squares problem whose solution moves a surface closer to points.
+//! The linear least-squares problem whose solution moves a surface toward points.
 //!
 //! # Algorithm
-//! A point with the shares s of the corners of its triangle, and the vector r to the other surface, asks that the sum of the shares times the moves is r.
-//! What is left of r counts in full along the normal, and to a small part across it. The normal equations of all points of a triangle add up to one
-//! block of 3 × 3 numbers for each pair of its corners, so that the time of a step does not depend on the number of points. They are solved
-//! by conjugate gradients, preconditioned by the inverse of the block of each position.
+//! A point has the barycentric coordinates s in its triangle, and the vector r to the other
+//! surface. It adds the equation: the sum of the corner moves weighted by s equals r. The residual
+//! has full weight along the normal, and a small weight across it. The normal equations of all
+//! points of a triangle sum to one 3 × 3 block per pair of corners. The time of an iteration
+//! therefore does not depend on the number of points. The system is solved by conjugate gradients,
+//! preconditioned by the inverse diagonal block of each position.
 //!
 //! # Complexity
-//! O(p + s t) time for p points, s steps and t triangles; 300 bytes per triangle.
+//! O(p + s t) time for p points, s iterations and t triangles; 300 bytes per triangle.
 
 use super::surface::Point;
 use crate::surface_change::dot;
 
-/// The steps of conjugate gradients.
+/// The number of conjugate gradient iterations.
 const STEPS: usize = 24;
-/// How much a distance along the plane of a triangle counts, compared with one from it.
+/// The weight of a distance along the plane of a triangle, relative to a distance from it.
 const ALONG: f64 = 0.05;
-/// How much the moves themselves count, compared with points that are spread evenly: a position that few points pull at does not go far.
+/// The weight of the moves themselves, relative to evenly spread points. It limits the moves of
+/// positions with few points.
 const STIFFNESS: f64 = 0.02;
 /// The pairs of corners.
 const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
-/// A symmetric matrix of 3 × 3 numbers: the first row, then the rest of the second, then of the third.
+/// A symmetric 3 × 3 matrix: the first row, the rest of the second, the rest of the third.
 type Block = [f64; 6];
 
-/// What a point asks of the corners of a triangle.
+/// The equation of a point for the corners of a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pull {
     pub(super) triangle: u32,
     pub(super) shares: Point,
-    /// From the surface to where it should be.
+    /// The vector from the surface to the target.
     pub(super) rest: Point,
-    /// The direction in which distances count in full: a unit vector, or zero.
+    /// The direction in which distances have full weight: a unit vector, or zero.
     pub(super) normal: Point,
     pub(super) weight: f64,
 }
@@ -39,15 +42,16 @@ pub(super) struct Pull {
 /// The normal equations of the moves.
 pub(super) struct Equations<'a> {
     triangles: &'a [[u32; 3]],
-    /// A block for each pair of corners of each triangle.
+    /// One block per pair of corners of each triangle.
     blocks: Vec<[Block; 6]>,
     right: Vec<Point>,
-    /// How heavy each position is: see [`FitSurface::masses`](super::surface::FitSurface::masses).
+    /// The mass of each position; see [`FitSurface::masses`](super::surface::FitSurface::masses).
     mass: Vec<f64>,
 }
 
 impl Pull {
-    /// Returns the matrix that weighs a difference: in full along the normal, to a small part across it.
+    /// Returns the weight matrix of a residual: full weight along the normal, a small weight across
+    /// it.
     fn weights(&self) -> Block {
         let [x, y, z] = self.normal;
         let full = self.weight * (1.0 - ALONG);
@@ -83,7 +87,7 @@ impl<'a> Equations<'a> {
         }
     }
 
-    /// Returns the moves of all positions; those that are not free do not move.
+    /// Returns the moves of all positions. Positions that are not free have zero moves.
     pub(super) fn solve(&self, is_free: &[bool]) -> Vec<Point> {
         let inverses = self.inverses();
         let conditioned = |rest: &[Point]| -> Vec<Point> {
@@ -120,7 +124,7 @@ impl<'a> Equations<'a> {
         moves
     }
 
-    /// Returns the left side of the equations for a field of moves.
+    /// Returns the product of the system matrix and a field of moves.
     fn image(&self, field: &[Point]) -> Vec<Point> {
         let mut image: Vec<Point> =
             field.iter().zip(&self.mass).map(|(by, mass)| by.map(|x| STIFFNESS * mass * x)).collect();
@@ -137,7 +141,8 @@ impl<'a> Equations<'a> {
         image
     }
 
-    /// Returns the inverse of the block of each position; zero where no point pulls.
+    /// Returns the inverse of the diagonal block of each position; zero for positions without
+    /// points.
     fn inverses(&self) -> Vec<Block> {
         let stiff = |mass: &f64| [*mass * STIFFNESS, 0.0, 0.0, *mass * STIFFNESS, 0.0, *mass * STIFFNESS];
         let mut sums: Vec<Block> = self.mass.iter().map(stiff).collect();
@@ -150,7 +155,7 @@ impl<'a> Equations<'a> {
     }
 }
 
-/// Sets what is not free to zero.
+/// Sets the moves of positions that are not free to zero.
 fn fix(field: &mut [Point], is_free: &[bool]) {
     field.iter_mut().zip(is_free).filter(|(_, is_free)| !**is_free).for_each(|(x, _)| *x = [0.0; 3]);
 }
@@ -163,7 +168,7 @@ fn product([a, b, c, d, e, f]: &Block, [x, y, z]: Point) -> Point {
     [a * x + b * y + c * z, b * x + d * y + e * z, c * x + e * y + f * z]
 }
 
-/// Returns the inverse of a positive definite matrix; zero for one without.
+/// Returns the inverse of a positive definite matrix, or zero if it has none.
 fn inverse(&[a, b, c, d, e, f]: &Block) -> Block {
     let first = [d * f - e * e, c * e - b * f, b * e - c * d];
     let determinant = a * first[0] + b * first[1] + c * first[2];
@@ -179,7 +184,7 @@ mod tests {
     use crate::surface_change::sub;
     use tristrip::random::Random;
 
-    /// The moves have the least sum of weighted squares: any other has more.
+    /// The moves minimize the sum of weighted squares: any other moves have a larger sum.
     #[test]
     #[allow(clippy::float_cmp, reason = "what is fixed must not move by a bit")]
     fn the_moves_solve_the_equations() {

@@ -1,4 +1,4 @@
-//! Points of both surfaces, each with the point of the other one that is nearest to it.
+//! Sample points of both surfaces, each with its nearest point on the other surface.
 
 use rayon::prelude::*;
 use tristrip::random::Random;
@@ -7,43 +7,49 @@ use super::equations::{Equations, Pull};
 use super::surface::{FitSurface, Point, Spot, unit};
 use crate::surface_change::{Facet, dot, sub};
 
-/// The points per triangle of the simplified surface, on each surface.
+/// The number of points per triangle of the simplified surface, on each surface.
 const POINTS_PER_TRIANGLE: f64 = 12.0;
-/// The most points on each surface.
+/// The maximum number of points on each surface.
 const MAX_POINTS: f64 = 4_000_000.0;
-/// How many points a small and a large triangle have, compared with the mean: each vertex needs some, and no triangle needs most of them.
+/// The minimum and maximum number of points of a triangle, relative to the mean. Each vertex needs
+/// some points, and no triangle should get most of them.
 const MIN_SHARE: f64 = 0.5;
 const LARGEST_SHARE: f64 = 4.0;
-/// The most points of a triangle that are tried as the start of a search.
+/// The maximum number of points of a triangle that are tried as the start of a search.
 const MAX_STARTS: usize = 16;
-/// From how many times the root of the mean square on a point is searched for again, more widely.
+/// Points farther away than this multiple of the root mean square are searched again with a wider
+/// search.
 const FAR: f64 = 8.0;
 
-/// A point of each surface: one is fixed, the other is searched.
+/// A pair of points, one on each surface. One is fixed, the other is found by a search.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     original: Spot,
     simplified: Spot,
-    /// The share of the area for which the point stands; zero for vertices.
+    /// The fraction of the area that the point represents; zero for vertices.
     weight: f64,
 }
 
 /// The points of both surfaces.
 pub(super) struct Points {
-    /// Those of the original, with the nearest of the simplified surface; then the reverse.
+    /// The points of the original with their nearest points on the simplified surface, and the
+    /// reverse.
     of_original: Vec<Pair>,
     of_simplified: Vec<Pair>,
-    /// A squared distance that is as good as none: such are left by the rounding of positions.
+    /// A squared distance that counts as zero. Position rounding causes distances of this size.
     negligible: f64,
 }
 
 impl Points {
-    /// Spreads points over both surfaces and searches the nearest of each; `starts` has the triangle of the simplified surface at which
-    /// the searches for the points of a triangle of the original begin. None are in vanished components, which have no such triangle.
-    /// The first positions of the original are those of the simplified surface.
+    /// Samples points on both surfaces and searches the nearest point of each.
+    ///
+    /// `starts` has, for each triangle of the original, the simplified triangle at which its
+    /// searches start. Removed components have no such triangle and get no points. The first
+    /// positions of the original are those of the simplified surface.
     pub(super) fn new(original: &FitSurface, simplified: &FitSurface, starts: &[Option<u32>]) -> Self {
         let mut random = Random::new(0);
-        // 1. The original. What the collapses brought to one triangle has the points of that triangle.
+        // 1. The original. All triangles that collapsed to one triangle share the points of that
+        //    triangle.
         let (original_side, simplified_side) = (original.side(), simplified.side());
         let mut areas = vec![0.0; simplified.triangles.len()];
         for (facet, start) in original_side.facets().iter().zip(starts) {
@@ -61,7 +67,8 @@ impl Points {
             };
             of_original.extend(starts[number].map(pair));
         });
-        // The vertices of the original, evenly among them, show how far the surface goes; they pull at nothing.
+        // The vertices of the original, evenly selected, measure the maximum distance. They have no
+        // weight.
         let vertices = original.at.len() as u32;
         let step = (vertices as usize).div_ceil(of_original.len().max(1)).max(1);
         of_original.extend((0..vertices).step_by(step).filter_map(|v| {
@@ -73,7 +80,8 @@ impl Points {
         let negligible = (f64::from(f32::EPSILON) * original_side.diagonal()).powi(2);
         let mut points = Self { of_original, of_simplified: Vec::new(), negligible };
         points.search_simplified(original, simplified, &all, false);
-        // 2. The simplified surface. Its searches begin at the points that were found in the same triangle.
+        // 2. The simplified surface. Its searches start at the points that were found in the same
+        //    triangle.
         points.of_original.sort_by_key(|pair| pair.simplified.triangle);
         let found = &points.of_original;
         let areas: Vec<f64> = simplified_side.facets().iter().map(Facet::area).collect();
@@ -111,7 +119,8 @@ impl Points {
         of_simplified.extend(corners);
         points.of_simplified = of_simplified;
         points.search_original(original, simplified, &all, false);
-        // By number, not by area: of any squares, at most the 64th part is beyond 64 times their mean.
+        // The limit uses the count, not the area: at most 1/64 of any squares exceed 64 times their
+        // mean.
         let pairs = || points.of_original.iter().chain(&points.of_simplified);
         let squares: f64 = pairs().map(|pair| pair.square(original, simplified)).sum();
         let limit = FAR * FAR * squares / pairs().count().max(1) as f64;
@@ -119,7 +128,8 @@ impl Points {
         points
     }
 
-    /// Searches the nearest points again near where they were, after some triangles of the simplified surface have moved.
+    /// Repeats the searches near the current points, after some triangles of the simplified surface
+    /// have moved.
     pub(super) fn search(&mut self, original: &FitSurface, simplified: &FitSurface, has_moved: &[bool]) {
         self.search_simplified(original, simplified, has_moved, true);
         self.search_original(original, simplified, has_moved, true);
@@ -151,7 +161,8 @@ impl Points {
         });
     }
 
-    /// Searches more widely for points beyond a squared distance: the search from triangle to neighbour may have ended too early.
+    /// Repeats the search with a wider range for points beyond a squared distance, because the walk
+    /// from triangle to neighbour may have ended too early.
     fn search_beyond(
         &mut self,
         original: &FitSurface,
@@ -178,7 +189,7 @@ impl Points {
         mean(&self.of_original) + mean(&self.of_simplified)
     }
 
-    /// Returns the largest squared distance, or a negligible one if it is larger.
+    /// Returns the maximum squared distance, or the negligible distance if that is larger.
     pub(super) fn largest_square(&self, original: &FitSurface, simplified: &FitSurface) -> f64 {
         let largest = |pairs: &[Pair]| {
             let squares = pairs.par_iter().map(|pair| pair.square(original, simplified));
@@ -187,7 +198,8 @@ impl Points {
         largest(&self.of_original).max(largest(&self.of_simplified)).max(self.negligible)
     }
 
-    /// Returns the triangles of the simplified surface, among those that have moved, with points beyond a squared distance.
+    /// Returns which triangles of the simplified surface, among those that have moved, have points
+    /// beyond a squared distance.
     pub(super) fn beyond(
         &mut self,
         original: &FitSurface,
@@ -222,11 +234,11 @@ impl Points {
     }
 }
 
-/// How points are spread over triangles, or over what belongs to each.
+/// The distribution of points over triangles, or over the areas that belong to them.
 struct Spread {
-    /// The points per area.
+    /// The number of points per unit area.
     densities: Vec<f64>,
-    /// The share of the whole area for which a point stands.
+    /// The fraction of the total area that a point represents.
     weights: Vec<f64>,
 }
 
@@ -241,14 +253,14 @@ impl Spread {
         Self { densities: of(&|area| points(area) / area), weights: of(&|area| area / sum / points(area)) }
     }
 
-    /// Returns how many points a part of the area of a triangle has.
+    /// Returns the number of points for a part of the area of a triangle.
     fn points(&self, triangle: usize, area: f64) -> f64 {
         self.densities[triangle] * area
     }
 }
 
 impl Pair {
-    /// Returns the pairs at triangles of the simplified surface that have moved.
+    /// Returns the pairs on triangles of the simplified surface that have moved.
     fn of<'a>(pairs: &'a mut [Self], has_moved: &'a [bool]) -> impl ParallelIterator<Item = &'a mut Self> {
         pairs.par_iter_mut().filter(|pair| has_moved[pair.simplified.triangle as usize])
     }

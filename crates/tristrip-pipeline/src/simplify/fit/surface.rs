@@ -1,4 +1,4 @@
-//! A surface over its positions, on which the nearest point is searched from triangle to neighbour.
+//! A surface over its positions. Nearest points are searched by walking from triangle to neighbour.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap, HashSet};
@@ -9,23 +9,23 @@ use crate::surface_change::{Facet, Side, dot};
 
 pub(super) type Point = [f64; 3];
 
-/// The most steps from triangle to neighbour in one search.
+/// The maximum number of steps of a search.
 const MAX_STEPS: usize = 32;
-/// The most triangles around a corner that a step looks at, evenly among all.
+/// The maximum number of triangles around a corner that a step visits, evenly selected.
 const MAX_AROUND: usize = 32;
-/// The most triangles that a wide search looks at.
+/// The maximum number of triangles that a wide search visits.
 const MAX_WIDE: usize = 256;
 
 /// Triangles over positions, with the triangles around each position.
 pub(super) struct FitSurface {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) at: Vec<Point>,
-    /// The end of the triangles around each position.
+    /// For each position, the end of its range of triangles.
     ends: Vec<u32>,
     around: Vec<u32>,
 }
 
-/// A point of a surface: a triangle, and the shares of its corners.
+/// A point of a surface: a triangle and barycentric coordinates.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Spot {
     pub(super) triangle: u32,
@@ -33,21 +33,21 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    /// Checks whether the point is inside of the triangle, not on its border.
+    /// Checks whether the point is inside the triangle, not on its boundary.
     pub(super) fn is_inside(&self) -> bool {
         self.shares.iter().all(|&share| share > 0.0)
     }
 }
 
 impl FitSurface {
-    /// Builds the surface of triangles over numbered positions.
+    /// Builds the surface from triangles over position indices.
     pub(super) fn new(faces: &Faces, at: Vec<Point>) -> Self {
         let triangles = faces.corners().as_chunks().0.to_vec();
         let mut ends = vec![0_u32; at.len() + 1];
         faces.corners().iter().for_each(|&v| ends[v as usize + 1] += 1);
         (0..at.len()).for_each(|v| ends[v + 1] += ends[v]);
         let mut around = vec![0; faces.corner_count()];
-        // Each start becomes the end while its triangles are entered.
+        // Each start becomes an end while the triangles are filled in.
         for (corner, &v) in (0..).zip(faces.corners()) {
             around[ends[v as usize] as usize] = corner / 3;
             ends[v as usize] += 1;
@@ -62,7 +62,7 @@ impl FitSurface {
         &self.around[start as usize..self.ends[v as usize] as usize]
     }
 
-    /// Returns the positions at which all edges have two triangles.
+    /// Returns which positions have two triangles at every edge.
     pub(super) fn inner(&self) -> Vec<bool> {
         let mut edges: HashMap<[u32; 2], u32> = HashMap::with_capacity(2 * self.triangles.len());
         for &[a, b, c] in &self.triangles {
@@ -88,15 +88,16 @@ impl FitSurface {
         self.facet(spot.triangle).at(spot.shares)
     }
 
-    /// Returns a position as a point of a triangle; `None` without triangles around it.
+    /// Returns a position as a point of a triangle; `None` if no triangle uses it.
     pub(super) fn corner(&self, v: u32) -> Option<Spot> {
         let triangle = *self.around(v).first()?;
         let corner = self.triangles[triangle as usize].iter().position(|&corner| corner == v);
         Some(Spot { triangle, shares: [0, 1, 2].map(|k| f64::from(u8::from(corner == Some(k)))) })
     }
 
-    /// Returns the sum of the squared shares of each position in points that are spread evenly over the surface and stand for its area twice: each
-    /// of three corners has a sixth of a triangle's.
+    /// Returns, for each position, the sum of its squared barycentric weights over evenly spread
+    /// points. The points represent twice the area of the surface. Each of the three corners gets
+    /// 1/6 of a triangle's area.
     pub(super) fn masses(&self) -> Vec<f64> {
         let areas: Vec<f64> =
             (0..self.triangles.len() as u32).map(|triangle| self.facet(triangle).area()).collect();
@@ -108,12 +109,13 @@ impl FitSurface {
         masses
     }
 
-    /// Returns the triangles, to spread points over them.
+    /// Returns the triangles in a form from which points are sampled.
     pub(super) fn side(&self) -> Side {
         Side::of((0..self.triangles.len() as u32).map(|triangle| self.facet(triangle)))
     }
 
-    /// Returns the squared distance of a point from a triangle, and the nearest point in it.
+    /// Returns the squared distance of a point from a triangle, and the nearest point of the
+    /// triangle.
     fn nearest_in(&self, point: Point, triangle: u32) -> (f64, Spot) {
         #[cfg(test)]
         tests::LOOKED_AT.set(tests::LOOKED_AT.get() + 1);
@@ -121,10 +123,11 @@ impl FitSurface {
         (square, Spot { triangle, shares })
     }
 
-    /// Searches the nearest point among the triangles around a spot, those near the point first: farther ones may lie nearer again.
+    /// Searches the nearest point among the triangles around a spot, in order of distance.
+    /// Triangles that are farther away are also expanded, because their neighbours may be nearer.
     pub(super) fn nearest_around(&self, point: Point, spot: Spot) -> Spot {
         let mut best = self.nearest_in(point, spot.triangle);
-        // The squares are not negative, so that their bits are in the order of the numbers.
+        // The squares are non-negative, so their bit patterns sort like their values.
         let mut queue = BinaryHeap::from([Reverse((best.0.to_bits(), spot.triangle))]);
         let mut seen = HashSet::from([spot.triangle]);
         while let Some(Reverse((_, triangle))) = queue.pop() {
@@ -146,10 +149,12 @@ impl FitSurface {
         best.1
     }
 
-    /// Searches the nearest point from a triangle on. One inside of that triangle is taken if the search is to stay near it.
+    /// Searches the nearest point, starting at a triangle. With `stays`, a point inside that
+    /// triangle is returned at once.
     pub(super) fn nearest(&self, point: Point, start: u32, stays: bool) -> Spot {
         let (mut least, mut spot) = self.nearest_in(point, start);
-        // A corner of many triangles is looked around from once, and not near the start.
+        // The triangles around a corner of high valence are visited once, and not at all with
+        // `stays`.
         let mut known = None;
         for _ in 0..MAX_STEPS {
             if stays && spot.is_inside() {
@@ -181,7 +186,7 @@ impl FitSurface {
     }
 }
 
-/// Returns a vector of length 1; the zero vector for one without a direction.
+/// Returns the unit vector, or the zero vector if the input has no direction.
 pub(super) fn unit(vector: Point) -> Point {
     let length = dot(vector, vector).sqrt();
     if length > 0.0 && length.is_finite() { vector.map(|x| x / length) } else { [0.0; 3] }
@@ -195,11 +200,12 @@ pub(super) mod tests {
     use tristrip::random::Random;
 
     thread_local! {
-        /// The triangles that the searches of this thread have looked at.
+        /// The number of triangles that the searches of this thread have visited.
         pub(in crate::simplify::fit) static LOOKED_AT: Cell<usize> = const { Cell::new(0) };
     }
 
-    /// A strip of triangles in the shape of a U: from one end to the other the way is far, and the distance rises before it falls.
+    /// A strip of triangles in the shape of a U. The path between its ends is long, and the
+    /// distance rises along it before it falls.
     fn bent(length: usize) -> FitSurface {
         let at: Vec<Point> = (0..2 * length)
             .map(|v| {

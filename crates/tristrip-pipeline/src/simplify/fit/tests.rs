@@ -8,7 +8,7 @@ use crate::{Amount, Goal, Ratio, simplify};
 use tristrip::random::Random;
 use tristrip_io::{Format, Model, read};
 
-/// A ball of triangles, or its upper half; each half is a part, of a material of its own.
+/// A sphere of triangles, or its upper half. Each half is a part with its own material.
 fn ball(rows: usize, columns: usize, is_half: bool) -> Model {
     let mut text = String::from("v 0 0 1\n");
     let last = if is_half { rows / 2 } else { rows - 1 };
@@ -57,7 +57,7 @@ fn triangles(model: &Model) -> Vec<[[u32; 3]; 3]> {
     model.parts.iter().flat_map(of_part).collect()
 }
 
-/// Counts the edges that have one triangle, by position.
+/// Counts the edges of one triangle, by position.
 fn open_edges(model: &Model) -> usize {
     let mut edges: HashMap<[[u32; 3]; 2], usize> = HashMap::new();
     for [a, b, c] in triangles(model) {
@@ -68,7 +68,7 @@ fn open_edges(model: &Model) -> usize {
     edges.values().filter(|&&triangles| triangles == 1).count()
 }
 
-/// The positions that both parts have, and how many of them a source does not have.
+/// The number of positions that both parts have, and how many of them a source does not have.
 fn shared(model: &Model, source: &Model) -> [usize; 2] {
     let of = |model: &Model, part: usize| -> HashSet<[u32; 3]> {
         model.parts[part].mesh.positions().iter().map(|&position| bits(position)).collect()
@@ -95,16 +95,17 @@ fn a_ball_is_closer_and_stays_closed() {
     };
     assert_eq!((faces(&before), before.moved_positions), (faces(&after), None));
     assert_eq!(open_edges(&before.redrawn.model) + open_edges(&after.redrawn.model), 0);
-    // Vertices of a ball that is fitted are outside of it.
+    // The fitted vertices of a sphere are outside it.
     let radius = |p: &[f32; 3]| p.iter().map(|x| x * x).sum::<f32>().sqrt();
     let positions = after.redrawn.model.parts[0].mesh.positions();
     assert!(positions.iter().filter(|p| radius(p) > 1.001).count() > positions.len() / 2);
-    // Both sides of the border between the parts move to the same places.
+    // Both sides of the border between the parts move to the same positions.
     let [[all, _], [still, moved]] = [&before, &after].map(|done| shared(&done.redrawn.model, &model));
     assert!(all == still && moved == all && all > 5, "{all} {still} {moved}");
 }
 
-/// A GLB of two materials: read back, it is the fitted model, and the border between them is closed.
+/// A fitted model of two materials, read back from a GLB, is unchanged, and the border between its
+/// parts is closed.
 #[test]
 fn scenes_are_fitted_and_written() {
     let whole =
@@ -121,7 +122,7 @@ fn scenes_are_fitted_and_written() {
     assert!(border > 5 && moved == border && open_edges(&back) == 0, "{border} {moved}");
     let corners: HashSet<[u32; 3]> = triangles(&back).into_flattened().into_iter().collect();
     assert_eq!(done.moved_positions, Some(corners.len()));
-    // The vertices of the source are the ones from which the values are taken.
+    // Values are copied from the source vertices.
     for (part, new) in done.redrawn.model.parts.iter().enumerate() {
         let sources = done.source_vertices(part).unwrap();
         assert_eq!(sources.len(), new.mesh.vertex_count());
@@ -132,7 +133,7 @@ fn scenes_are_fitted_and_written() {
     }
 }
 
-/// A ball over a floor of two triangles with most of the area.
+/// A sphere over a floor of two triangles, which have most of the area.
 fn ball_over_floor(rows: usize, columns: usize) -> Model {
     let mut model = ball(rows, columns, false);
     let floor = "v -900 -900 -2\nv 900 -900 -2\nv 900 900 -2\nv -900 900 -2\nf 1 2 3\nf 1 3 4\n";
@@ -141,7 +142,7 @@ fn ball_over_floor(rows: usize, columns: usize) -> Model {
     model
 }
 
-/// Returns how many triangles the searches of a fit look at. All run on one thread.
+/// Returns how many triangles the searches of a fit visit. All searches run on one thread.
 fn looked_at(model: &Model, ratio: f64) -> usize {
     let amount = Ratio::new(ratio).map(Amount::Ratio);
     let goal = Goal { amount, deviation: crate::Deviation::Percent(100.0) };
@@ -162,7 +163,7 @@ fn searches_beside_huge_triangles_look_at_few_triangles() {
     assert!(large < 6 * small, "4 times the triangles take {large}, not {small}");
 }
 
-/// The ball is fitted as well as alone.
+/// With a floor, the sphere is fitted as well as alone.
 #[test]
 fn large_triangles_take_no_points_from_small_ones() {
     let model = ball_over_floor(24, 40);
@@ -179,7 +180,7 @@ fn large_triangles_take_no_points_from_small_ones() {
     }
 }
 
-/// A column of many sides, whose ends are fans around one corner each.
+/// A prism of many sides. Each end is a fan around one corner.
 fn column(sides: i32) -> Model {
     let mut text = String::from("v 0 0 0\nv 0 0 4\n");
     for row in 0..5 {
@@ -207,7 +208,7 @@ fn no_search_looks_at_all_triangles_of_a_fan() {
     assert!(many < 6 * few, "4 times the triangles take {many}, not {few}");
 }
 
-/// Whatever the moves are, no triangle turns by more than it may.
+/// For any moves, no triangle rotates by more than the limit.
 #[test]
 fn no_step_turns_a_triangle() {
     let mut random = Random::new(3);
@@ -226,7 +227,8 @@ fn no_step_turns_a_triangle() {
     }
 }
 
-/// Balls with needles: a vertex at the foot of one may not be pulled away by the points of what collapsed.
+/// Spheres with needles. The points of the collapsed triangles must not pull away a vertex at the
+/// foot of a needle.
 #[test]
 fn the_largest_distance_does_not_grow() {
     for seed in 0..12 {
@@ -254,7 +256,8 @@ fn the_largest_distance_does_not_grow() {
     }
 }
 
-/// An observer that ends a simplification in the fit gets what there is; one that cancels, an error.
+/// An observer that stops a simplification during the fit gets the current result. One that cancels
+/// gets an error.
 #[test]
 fn the_fit_can_be_interrupted() {
     use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,23 +1,24 @@
-//! Whether normals are kept or rebuilt, as users name it, and how many parts were treated how.
+//! The treatment of normals, as users select it, and the number of parts per treatment.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// What happens to the normals of parts that are simplified.
+/// The treatment of the normals of simplified parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Normals {
-    /// Those of flat-shaded parts are rebuilt, all others are kept where they still fit the faces.
+    /// Rebuild the normals of flat-shaded parts; keep all others where they still fit the faces.
     #[default]
     Auto,
-    /// Vertices keep their normals, and collapse only along the seams where these differ.
+    /// Keep the normals of vertices. Vertices on normal seams collapse only along the seam.
     Keep,
-    /// All are rebuilt from the faces: flat, or smooth up to the crease angle that the edges of the part show.
+    /// Rebuild all normals from the faces: flat, or smooth up to the crease angle of the hard edges
+    /// of the part.
     Rebuild,
 }
 
 impl Normals {
-    /// All of them, in the order of the help.
+    /// All values, in the order of the help.
     pub const ALL: [Self; 3] = [Self::Auto, Self::Keep, Self::Rebuild];
 
     /// Returns the name on the command line.
@@ -29,7 +30,7 @@ impl Normals {
         }
     }
 
-    /// Returns a line of help.
+    /// Returns a one-line help text.
     ///
     /// ```
     /// assert!(tristrip_pipeline::simplify::Normals::Auto.summary().contains("flat-shaded"));

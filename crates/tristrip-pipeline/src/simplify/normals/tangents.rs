@@ -1,24 +1,26 @@
-//! Tangents of rebuilt parts, by their texture coordinates: those that a normal map is baked for.
+//! Tangents of rebuilt parts from their texture coordinates, in the convention that normal maps are
+//! baked for.
 //!
 //! # References
-//! M. S. Mikkelsen: *Simulation of Wrinkled Surfaces Revisited*, 2008; the tangents of glTF are those of its program `MikkTSpace`.
+//! M. S. Mikkelsen: *Simulation of Wrinkled Surfaces Revisited*, 2008. glTF uses the tangents of
+//! his program `MikkTSpace`.
 //!
 //! # Complexity
-//! O(n log n) time, and for each vertex the square of the number of its faces. Surfaces with more than [`MAX_CORNERS`] at a vertex keep
-//! the tangents of their sources.
+//! O(n log n) time, plus the square of the number of faces at each vertex. Surfaces with more than
+//! [`MAX_CORNERS`] at a vertex keep the tangents of their sources.
 
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use tristrip::{Attribute, Faces, Mesh, PositionIds};
 
 use crate::error::Error;
 
-/// The number of corners at a position up to which tangents are computed.
+/// The maximum number of corners at a position for which tangents are computed.
 const MAX_CORNERS: usize = 512;
 
-/// The largest number of which sums of products are still finite.
+/// The maximum magnitude of values, which keeps sums of products finite.
 const LARGEST: f32 = 1e9;
 
-/// Returns a tangent for each corner of triangles, as glTF has it; none for a mesh without tangents.
+/// Returns a glTF tangent for each corner of triangles; empty for a mesh without tangents.
 pub(super) fn tangents(mesh: &Mesh, triangles: &[u32], normals: &[[f32; 3]]) -> Result<Vec<[f32; 4]>, Error> {
     let named = |name: &str, components: u8| {
         mesh.attributes().iter().find(|a| a.name == name && a.components == components)
@@ -45,7 +47,7 @@ fn is_computable(mesh: &Mesh, uv: &Attribute, triangles: &[u32]) -> bool {
     })
 }
 
-/// Counts the corners at the position that has the most.
+/// Returns the maximum number of corners at one position.
 fn most_corners(mesh: &Mesh, triangles: &[u32]) -> Result<usize, Error> {
     let drawn = mesh.with_faces(Faces::from_triangles(triangles.to_vec())?)?;
     let points = PositionIds::default().faces(&[&drawn])?;
@@ -54,14 +56,15 @@ fn most_corners(mesh: &Mesh, triangles: &[u32]) -> Result<usize, Error> {
     Ok(counts.into_iter().max().unwrap_or(0))
 }
 
-/// Returns a tangent that is perpendicular to a unit normal, with the direction and the sign of another.
+/// Returns a tangent perpendicular to a unit normal, with the direction and sign of another
+/// tangent.
 fn perpendicular(tangent: [f32; 4], normal: [f32; 3]) -> [f32; 4] {
     let along: f32 = (0..3).map(|k| tangent[k] * normal[k]).sum();
     let flat = [0, 1, 2].map(|k| tangent[k] - along * normal[k]);
     let length = flat.iter().map(|x| x * x).sum::<f32>().sqrt();
     let sign = if tangent[3] < 0.0 { -1.0 } else { 1.0 };
     if !(length > f32::EPSILON && length.is_finite()) {
-        // Any direction in the plane: across the smallest component of the normal.
+        // Use any direction in the plane: across the smallest component of the normal.
         let least = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
         let [j, k] = [(least + 1) % 3, (least + 2) % 3];
         let across = (normal[j] * normal[j] + normal[k] * normal[k]).sqrt();
@@ -76,12 +79,12 @@ fn perpendicular(tangent: [f32; 4], normal: [f32; 3]) -> [f32; 4] {
     [flat[0] / length, flat[1] / length, flat[2] / length, sign]
 }
 
-/// Returns the values of a vertex; one that is not finite counts as zero.
+/// Returns the values of a vertex. Non-finite values count as zero.
 fn values<const N: usize>(attribute: &Attribute, vertex: u32) -> [f32; N] {
     std::array::from_fn(|k| attribute.float(N * vertex as usize + k).filter(|x| x.is_finite()).unwrap_or(0.0))
 }
 
-/// The square root and the arc cosine, the same on every machine.
+/// Square root and arc cosine with identical results on every machine.
 struct SameEverywhere;
 
 impl Ops for SameEverywhere {
@@ -94,7 +97,7 @@ impl Ops for SameEverywhere {
     }
 }
 
-/// The corners of triangles, with normals and the tangents that are found.
+/// The corners of triangles with normals, and their computed tangents.
 struct TangentCorners<'a> {
     mesh: &'a Mesh,
     uv: &'a Attribute,
@@ -128,7 +131,7 @@ impl Geometry<SameEverywhere> for TangentCorners<'_> {
         let Some(found) = found else { return };
         let corner = 3 * face + vert;
         let [x, y, z] = found.tangent();
-        // Texture coordinates of glTF run downwards, so that the sign is the opposite one.
+        // The v coordinate of glTF points down, so the sign is inverted.
         let sign = if found.is_orientation_preserving() { -1.0 } else { 1.0 };
         self.tangents[corner] = perpendicular([x, y, z, sign], self.normals[corner]);
     }
@@ -139,7 +142,7 @@ mod tests {
     use super::*;
     use tristrip::AttributeData;
 
-    /// Returns a mesh with texture coordinates and tangents that are of no use.
+    /// Returns a mesh with texture coordinates and placeholder tangents.
     fn textured(positions: Vec<[f32; 3]>, uv: Vec<f32>) -> Mesh {
         let tangents = [0.0, 0.0, 1.0, 1.0].repeat(positions.len());
         let add = |mesh: Mesh, name: &str, components, values| {
@@ -150,7 +153,8 @@ mod tests {
         add(add(mesh, "TEXCOORD_0", 2, uv), "TANGENT", 4, tangents)
     }
 
-    /// An image upright on a square that faces +z: tangents to the right, bitangents upwards. Mirrored, the bitangent has the other sign.
+    /// An upright image on a square that faces +z: tangents point right, bitangents up. In a
+    /// mirrored image, the sign of the bitangent changes.
     #[test]
     fn tangents_follow_the_texture() {
         let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -165,7 +169,8 @@ mod tests {
 
     #[test]
     fn hostile_surfaces_have_perpendicular_tangents() {
-        // A fan of many faces around one vertex, texture coordinates without area, and numbers near the end of their range.
+        // A fan of many faces around one vertex, texture coordinates without area, and values near
+        // the end of their range.
         let fan: Vec<[f32; 3]> = (0..3000).map(|i| [i as f32, 1.0 / (i + 1) as f32, 0.0]).collect();
         let fan_triangles: Vec<u32> = (1..2999).flat_map(|i| [0, i, i + 1]).collect();
         let huge = vec![[f32::MAX, 0.0, 0.0], [0.0, f32::MAX, 0.0], [0.0; 3]];
