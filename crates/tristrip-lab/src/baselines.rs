@@ -1,5 +1,5 @@
-//! Level models that papers compare with, reconstructed: MTS and `LodStrips`; and all level models
-//! by name.
+//! Level models that papers compare with, reconstructed: MTS and `LodStrips`. Also selects any
+//! level model by name.
 
 mod lod_strips;
 mod mts;
@@ -13,10 +13,10 @@ use tristrip::{CollapseSequence, Error, Strips};
 pub use lod_strips::LodStrips;
 pub use mts::Mts;
 
-/// A level model of a comparison: one of the library, or a baseline.
+/// A level model in a comparison: one of the library, or a baseline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ComparedModel {
-    /// A model of the library.
+    /// A level model of the library.
     Library(ModelKind),
     /// [`Mts`].
     Mts,
@@ -49,7 +49,7 @@ impl ComparedModel {
     /// Builds the model from strips of the full mesh.
     ///
     /// # Errors
-    /// The mesh is too large for the model, or the strips do not fit the collapses.
+    /// The mesh is too large for the model, or the strips do not match the collapses.
     ///
     /// ```
     #[doc = include_str!("baselines/example.txt")]
@@ -102,7 +102,7 @@ mod tests {
     }
 
     proptest! {
-        /// The oracle is the triangles that the sequence leaves.
+        /// The oracle is the set of triangles that the sequence leaves.
         #[test]
         fn every_model_draws_every_level(sample in samples(), jumps in prop::collection::vec(any::<usize>(), 1..99)) {
             let sequence = Arc::new(sample.sequence.clone());

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use tristrip_io::system_message;
 
-/// Why something could not be measured, drawn or reproduced.
+/// Why a measurement, chart or reproduction failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -17,7 +17,7 @@ pub enum Error {
     Method {
         /// The label of the method.
         label: String,
-        /// What failed.
+        /// The reason.
         source: tristrip_pipeline::Error,
     },
     /// A file or directory could not be read or written.
@@ -28,7 +28,7 @@ pub enum Error {
         /// The error of the operating system.
         source: io::Error,
     },
-    /// A directory is needed, but there is a file.
+    /// The path of a directory is a file.
     #[error("{0}: found a file, expected a directory")]
     NotADirectory(String),
     /// The data of a paper is invalid.
@@ -37,7 +37,7 @@ pub enum Error {
     /// A chart or an image could not be drawn.
     #[error(transparent)]
     Render(tristrip_render::Error),
-    /// The user interrupted before all results were there.
+    /// The user interrupted before all results were available.
     #[error("{0}: interrupted")]
     Interrupted(&'static str),
 }

@@ -1,20 +1,22 @@
-//! Flights of a camera over a view-dependent model: what each frame draws, changes and costs.
+//! Camera flights over a view-dependent model: what each frame draws and changes, and what it
+//! costs.
 //!
 //! ```text
-//! positions ─▶ FlightPath: orbit, dolly, flyover, or cameras from a JSON file ─▶ cameras, one per frame
-//! SkipStrips ─▶ view ─ update by the camera of each frame ─▶ FrameRow: triangles, vertices sent, changes, time
-//!                 └── display strips = renamed triangles? proof of some frames     └▶ FlightSummary ─▶ Markdown, chart (SVG)
+//! positions ─▶ FlightPath: orbit, dolly, flyover, or cameras of a JSON file ─▶ camera per frame
+//! SkipStrips ─▶ view ─ update by each camera ─┬▶ FrameRow: triangles, vertices sent, changes, time
+//!                                             │    └▶ FlightSummary ─▶ Markdown, chart (SVG)
+//!                                             └▶ proof of some frames: display strips = triangles
 //! ```
-//! The time of a frame is that of [`SkipView::update`](tristrip::lod::SkipView::update): the
-//! criteria, the collapses and splits, and the display strips that they change. Drawing is not
-//! measured, nor is the copy of the changed ranges to a graphics processor.
+//! The time of a frame is the time of [`SkipView::update`](tristrip::lod::SkipView::update):
+//! evaluation of the criteria, collapses and splits, and the changed display strips. Drawing and
+//! the upload of changed ranges to the GPU are not measured.
 //!
-//! The first frame comes from the base mesh. It is reported by itself; medians and worst values are
-//! those of the frames after it.
+//! The first frame starts from the base mesh. It is reported separately. Medians and maxima cover
+//! the frames after it.
 //!
 //! # References
 //! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle
-//! Strips for Real-Time Rendering*, 2000, section 6, reports flights in the same quantities.
+//! Strips for Real-Time Rendering*, 2000. Section 6 reports flights in the same quantities.
 
 mod cameras;
 mod chart;

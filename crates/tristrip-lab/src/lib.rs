@@ -1,4 +1,4 @@
-//! Measurements: reproductions of the papers, charts of methods and of levels of detail, camera
+//! Measurements: reproductions of papers, charts of methods and levels of detail, and camera
 //! flights.
 //!
 //! ```text
@@ -10,8 +10,8 @@
 //! ProgressiveStrips ─▶ wire: the transmission of paper 001         ─▶ bytes
 //! baselines: level models that are needed only for comparison
 //! ```
-//! All texts and charts have the same bytes on every machine, except the times of `recovery` and
-//! `flight`.
+//! All texts and charts have the same bytes on every machine, except for the times of `recovery`
+//! and `flight`.
 
 #![forbid(unsafe_code)]
 

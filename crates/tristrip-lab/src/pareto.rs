@@ -1,9 +1,9 @@
-//! Compares all methods on a model by two conflicting figures, indices and misses.
+//! Compares all methods on a model by two conflicting metrics, indices and misses.
 //!
 //! ```text
-//!  misses per   │ ●───┐ best          a method is optimal if no other has at most as many of both and fewer of one
-//!  triangle     │   ○ └───● cache     a line joins the optimal methods: no method is below it
-//!               └───────────────
+//!  misses per   │ ●───┐ best          a method is optimal if no other method is better in
+//!  triangle     │   ○ └───● cache     one metric and at least as good in the other; a line
+//!               └───────────────      connects the optimal methods
 //!               indices per triangle
 //! ```
 //! Each result is proven before it becomes a point.
@@ -32,9 +32,9 @@ const EFFORTS: [u8; 2] = [2, 5];
 /// The label of the plain triangle list.
 const LIST: &str = "list";
 
-/// Learns which method is measured, in addition to the events of the pipeline.
+/// Receives which method is measured, in addition to the events of the pipeline.
 pub trait ParetoObserver: Observer {
-    /// Receives the label of the method that begins.
+    /// Receives the label of the method that starts.
     fn method(&self, _label: &str) {}
 }
 
@@ -45,32 +45,33 @@ impl ParetoObserver for () {}
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ParetoPoint {
-    /// The name in the chart.
+    /// The name of the method in the chart.
     pub label: String,
     /// The name of the method.
     pub method: String,
-    /// The objective of `cache`.
+    /// The objective of `cache`; `None` for other methods.
     pub objective: Option<String>,
-    /// The effort of a search.
+    /// The effort of a search; `None` for methods that do not search.
     pub effort: Option<u8>,
-    /// The vertex cache that is simulated.
+    /// The simulated vertex cache.
     pub vertex_cache: String,
     /// Indices with restarts per triangle.
     pub indices_restart_per_triangle: f64,
     /// Misses per triangle.
     pub acmr: f64,
-    /// Whether no other method has at most as many of both and fewer of one.
+    /// Whether no other method is better in one metric and at least as good in the other.
     pub optimal: bool,
-    /// Why the search was stopped early, if it was.
+    /// Why the search was stopped early; `None` if it was not.
     pub stopped: Option<SearchStop>,
-    /// Whether the point is the file's own order: no strips were searched for.
+    /// Whether the point is the triangle list in the order of the file, without a search for
+    /// strips.
     #[serde(skip)]
     is_file_order: bool,
     #[serde(skip)]
     cost: ParetoCost,
 }
 
-/// Indices with restarts, and misses, of the whole model. Costs are compared unrounded.
+/// Indices with restarts, and misses, of the whole model. Costs are compared without rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct ParetoCost {
     indices: usize,
@@ -78,22 +79,22 @@ struct ParetoCost {
 }
 
 impl ParetoCost {
-    /// Returns whether this cost is less in one figure and not greater in the other.
+    /// Returns whether this cost is lower in one metric and not higher in the other.
     fn dominates(self, other: Self) -> bool {
         self.indices <= other.indices && self.misses <= other.misses && self != other
     }
 }
 
-/// A method with its options, under its name in the chart.
+/// A method with its options and its name in the chart.
 #[derive(Debug, Clone)]
 struct Candidate {
     label: String,
     options: StripifyOptions,
 }
 
-/// Measures all methods, including the one of the options, and the plain list. The notes name the
-/// searches that were stopped early. The effort is that of all methods that search; `None` for the
-/// default efforts.
+/// Measures all methods, including the method of the options, and the plain list. Notes name the
+/// searches that were stopped early. `effort` applies to all methods that search; `None` uses their
+/// defaults.
 ///
 /// # Errors
 /// A result is not proven, or the observer cancelled.
@@ -138,7 +139,7 @@ pub fn measure(
 }
 
 /// Returns the methods of the chart, with the seed, welding and vertex cache of the options. The
-/// method of the options is added at the end unless it is one of them.
+/// method of the options is appended unless it is already included.
 fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidate> {
     let base = StripifyOptions::default()
         .with_weld(options.weld)
@@ -221,7 +222,7 @@ impl ParetoPoint {
     }
 }
 
-/// Sums the figures of strips over the parts. Each part starts with an empty vertex cache.
+/// Sums the metrics of strips over the parts. Each part starts with an empty vertex cache.
 fn figures(strips: &[Strips], cache: VertexCache) -> (Metrics, VertexCacheStatistics) {
     let measured = strips
         .par_iter()
@@ -230,7 +231,8 @@ fn figures(strips: &[Strips], cache: VertexCache) -> (Metrics, VertexCacheStatis
     (measured.iter().map(|m| m.0).sum(), measured.iter().map(|m| m.1).sum())
 }
 
-/// Measures the triangle list in the order of the file, polygons as fans, without degenerate faces.
+/// Measures the triangle list in the order of the file. Polygons count as fans, and degenerate
+/// faces are skipped.
 fn list(parts: &[PreparedPart<'_>], cache: VertexCache) -> ParetoPoint {
     let measured = parts
         .par_iter()
@@ -240,13 +242,13 @@ fn list(parts: &[PreparedPart<'_>], cache: VertexCache) -> ParetoPoint {
     ParetoPoint { label, method, is_file_order: true, ..ParetoPoint::of(3 * used.triangles, used, cache) }
 }
 
-/// Returns a line on the number of methods.
+/// Returns a line with the number of methods.
 pub fn line(points: &[ParetoPoint]) -> String {
     let optimal = points.iter().filter(|point| point.optimal).count();
     format!("{} compared, each proven; {optimal} optimal", counted(points.len(), "method"))
 }
 
-/// Returns the points as a table, the fewest indices first.
+/// Returns the points as a table, sorted by indices.
 pub fn as_text(points: &[ParetoPoint]) -> String {
     let mut sorted: Vec<&ParetoPoint> = points.iter().collect();
     sorted.sort_by_key(|point| (point.cost.indices, point.cost.misses));

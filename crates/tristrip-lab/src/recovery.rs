@@ -1,14 +1,14 @@
-//! Recovery of levels: how long each level model takes to move between levels, and its memory.
+//! Recovery of levels: the memory of each level model, and its time to move between levels.
 //!
-//! The tests are those of Ribelles et al. 1999, as Belmonte et al. 2006 use them: a share of all
-//! levels is recovered, from the full mesh down to the base mesh and up again, and the total time
-//! is averaged over the moves.
+//! The tests are those of Ribelles et al. 1999, as used by Belmonte et al. 2006: a fraction of all
+//! levels is recovered, from the full mesh down to the base mesh and up again. The total time is
+//! averaged over the moves.
 //!
 //! ```text
 //! linear         full ├──┼──┼──┼──┼──┼──┤ base     equal distances
 //! exponential    full ├┼┼─┼──┼────┼─────┤ base     close to each other near the full mesh
 //! ```
-//! Recovery is the move alone: afterwards the model has the vertices of all its strips. Drawing is
+//! Recovery is the move alone: after it, the model has the vertices of all its strips. Drawing is
 //! not measured.
 //!
 //! # References
@@ -30,46 +30,47 @@ pub use chart::draw;
 pub use sweep::Sweep;
 use tristrip_render::text::{bytes, table};
 
-/// The shares of all levels that the tests recover, in percent.
+/// The fractions of all levels that the tests recover, in percent.
 pub const SHARES: [usize; 6] = [1, 3, 6, 10, 15, 20];
 
-/// A round that takes longer is not repeated.
+/// A round that takes longer than this is not repeated.
 const LONG_ROUND: Duration = Duration::from_secs(1);
 
-/// What a level model needs.
+/// The measurements of a level model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ModelRecovery {
     /// The name of the model.
     pub model: String,
-    /// Why the model cannot be built, if it cannot; then nothing else is measured.
+    /// Why the model cannot be built; `None` if it can. If not, nothing else is measured.
     pub error: Option<String>,
     /// The memory of the model in bytes, shared by all cursors.
     pub memory: usize,
     /// The memory of a cursor that has drawn the full mesh.
     pub cursor_memory: usize,
-    /// The seconds that building takes.
+    /// The build time in seconds.
     pub build_seconds: f64,
     /// The tests.
     pub tests: Vec<RecoveryTest>,
 }
 
-/// A test of one model: a sweep over a share of all levels, down and up again.
+/// A test of one model: a sweep over a fraction of all levels, down and up again.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct RecoveryTest {
-    /// The distances of the levels.
+    /// The spacing of the levels.
     pub sweep: Sweep,
-    /// The share of all levels that is recovered, in percent.
+    /// The fraction of all levels that is recovered, in percent.
     pub share: usize,
-    /// The levels recovered, down and up.
+    /// The number of recovered levels, down and up.
     pub moves: usize,
     /// The mean time of a move in microseconds.
     pub microseconds: f64,
 }
 
 /// Measures every level model on all parts of a model, in `rounds` rounds that alternate between
-/// the models; times are medians. If a round takes longer than a second, there is no other.
+/// the models. Times are medians. After a round that takes longer than a second, no further round
+/// is run.
 ///
 /// # Errors
 /// The levels are inconsistent; no input is known that causes this.
@@ -143,7 +144,7 @@ fn build(levels: &ModelLevels, kind: ComparedModel) -> (ModelRecovery, Option<Mo
     (measured, Some(cursor))
 }
 
-/// Returns the seconds of a sweep down from the full mesh and up again.
+/// Returns the time of a sweep down from the full mesh and up again, in seconds.
 fn time(cursor: &mut ModelCursor, down: &[usize]) -> Result<f64, Error> {
     let full = cursor.level();
     let start = Instant::now();
@@ -191,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_model_that_refuses_a_mesh_does_not_stop_the_others() {
-        // A cone of 4000 triangles, which one strip surrounds.
+        // A cone of 4000 triangles, surrounded by one strip.
         let rim = 4000_u32;
         let corner = |i: u32| {
             let angle = f64::from(i) / f64::from(rim) * std::f64::consts::TAU;

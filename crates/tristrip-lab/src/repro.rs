@@ -1,12 +1,14 @@
 //! The tables and figures of papers, with published and measured values.
 //!
 //! ```text
-//! papers/*.json ─▶ paper ─▶ runner (all methods on all models, proven) ─▶ comparison, statistics ─▶ page ─▶ docs/reproduction/KEY.md
-//!  tables, claims, figures                                              └▶ draw, chart           ─▶       docs/reproduction/*.svg
+//! papers/*.json ─▶ runner: all methods on all models, proven ─┬▶ comparison, statistics ─▶ page
+//!  tables, claims, figures                                    │         docs/reproduction/KEY.md
+//!                                                             └▶ draw, chart
+//!                                                                       docs/reproduction/*.svg
 //! ```
-//! Pages contain no times and have the same bytes on every machine. If a model is not in the
-//! folder, its rows have no measured values, which is not an error; a result that is not proven is
-//! an error.
+//! Pages contain no times and have the same bytes on every machine. If a model is missing in the
+//! directory, its rows have no measured values; this is not an error. A result that is not proven
+//! is an error.
 
 mod comparison;
 mod components;
@@ -47,14 +49,14 @@ pub use papers::{keys, published, sections};
 use runner::Runner;
 use tristrip_pipeline::text::counted;
 
-/// The subfolder of the output directory for the pages.
+/// The subdirectory of the output directory for the pages.
 const FOLDER: &str = "reproduction";
 
-/// What was reproduced; the keys are those of the JSON report.
+/// The result of a reproduction; the keys are those of the JSON report.
 #[derive(Debug, Default, Serialize)]
 #[non_exhaustive]
 pub struct ReproReport {
-    /// The folder of the models.
+    /// The directory of the models.
     pub models: String,
     /// The papers, each with published and measured values.
     pub papers: Vec<PaperReport>,
@@ -63,7 +65,7 @@ pub struct ReproReport {
     pub notes: Vec<String>,
     /// The written files.
     pub outputs: Vec<String>,
-    /// Why the reproduction ended early, if it did.
+    /// Why the reproduction stopped early; `None` if it did not.
     pub error: Option<String>,
 }
 
@@ -81,7 +83,7 @@ pub struct VerdictCounts {
     pub without_model: usize,
 }
 
-/// What is reproduced: papers by their [`keys`], all [`sections`] of them or one.
+/// The selected papers, by their [`keys`], and all or one of their [`sections`].
 ///
 /// ```
 /// use tristrip_lab::repro::Selection;
@@ -92,7 +94,8 @@ pub struct VerdictCounts {
 pub struct Selection {
     /// The keys of the papers.
     pub papers: BTreeSet<String>,
-    /// The name of the section; of papers without one of this name nothing is reproduced.
+    /// The name of the section; `None` for all. Nothing is reproduced for papers without a section
+    /// of this name.
     pub section: Option<String>,
 }
 
@@ -103,10 +106,12 @@ impl Selection {
     }
 }
 
-/// Reproduces papers with the models of a folder: writes a page per paper and its figures into the
-/// folder `reproduction` of a directory. What a page has of sections that are not selected is kept.
-/// A page for which nothing was measured is not written, and a page that was measured on more
-/// models is kept, with a note. After an error, the report has what was written before.
+/// Reproduces papers with the models of a directory. Writes a page per paper, and its figures, into
+/// the subdirectory `reproduction` of an output directory.
+///
+/// Sections of a page that are not selected are kept. A page without any measurement is not
+/// written. A page that was measured on more models is kept, with a note. After an error, the
+/// report has the pages that were written before.
 ///
 /// # Errors
 /// A file or directory cannot be read or written, a result is not proven, or the observer
@@ -128,7 +133,7 @@ pub fn reproduce(
     report: &mut ReproReport,
 ) -> Result<(), Error> {
     report.models = models.display().to_string();
-    // Before the measurements, which take minutes.
+    // Create the directory before the measurements, which take minutes.
     let folder = create_folder(output)?;
     let papers = papers::load(&selection.papers)?;
     let is_selected = |paper: &Paper| selection.contains(&paper.key, &paper.section);
@@ -184,7 +189,7 @@ fn write_page(
     } else {
         for chart in &compared.charts {
             let path = folder.join(&chart.file);
-            // The page needs the file: an empty chart is written if there is none.
+            // The page refers to the file, so an empty chart is written if there is none.
             if chart.is_measured || !path.exists() {
                 report.outputs.push(write(&path, &chart.contents)?);
             }
@@ -197,7 +202,7 @@ fn write_page(
     Ok(())
 }
 
-/// Returns why a page is not written: nothing was measured for it, or the page that is there was
+/// Returns why a page is not written: nothing was measured for it, or the existing page was
 /// measured on more models.
 fn reason_to_keep(measured: &str, old: &str) -> Option<String> {
     let new = Coverage::of(measured);
@@ -209,14 +214,14 @@ fn reason_to_keep(measured: &str, old: &str) -> Option<String> {
     let why = |first: &&str| {
         let rows = counted(missing.len(), "row");
         format!(
-            "were kept: {rows} of the page have measurements on models that were not found now, the first is {first}"
+            "were kept: {rows} of the page were measured on models that were not found now; the first is {first}"
         )
     };
     missing.first().map(why)
 }
 
-/// Creates the folder of the pages and the output directory. A missing parent of the output
-/// directory is an error, because it is probably a typing mistake.
+/// Creates the output directory and its subdirectory for pages. A missing parent of the output
+/// directory is an error, because it is probably a typing error.
 fn create_folder(output: &Path) -> Result<PathBuf, Error> {
     let folder = output.join(FOLDER);
     for directory in [output, &folder] {
@@ -236,7 +241,7 @@ fn write(path: &Path, contents: &[u8]) -> Result<String, Error> {
 }
 
 impl PaperReport {
-    /// Returns the report with another section of the paper.
+    /// Adds another section of the paper to the report.
     fn with(mut self, section: Self) -> Self {
         self.tables.extend(section.tables);
         self.charts.extend(section.charts);

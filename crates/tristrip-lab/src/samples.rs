@@ -11,8 +11,8 @@ pub(crate) struct Sample {
     pub(crate) sequence: CollapseSequence,
 }
 
-/// A grid of quadrilaterals, with random diagonals and a random order of triangles, possibly closed
-/// to a torus.
+/// A grid of quadrilaterals, with random diagonals and a random order of triangles, optionally
+/// closed to a torus.
 fn grid() -> impl Strategy<Value = Vec<[u32; 3]>> {
     (2..6_u32, 2..6_u32, any::<bool>(), any::<u64>()).prop_map(|(w, h, is_torus, diagonals)| {
         let (columns, rows) = if is_torus { (w + 1, h + 1) } else { (w, h) };
@@ -33,7 +33,7 @@ fn grid() -> impl Strategy<Value = Vec<[u32; 3]>> {
     })
 }
 
-/// Triangles of any kind over a few vertices: edges of many triangles, doubles, both windings.
+/// Arbitrary triangles over a few vertices: edges of many triangles, duplicates, both windings.
 fn soup() -> impl Strategy<Value = Vec<[u32; 3]>> {
     prop::collection::vec((0..9_u32, 1..9_u32, 1..9_u32), 1..20).prop_map(|triangles| {
         let corners = triangles.into_iter().map(|(a, b, c)| [a, (a + b) % 9, (a + b + c) % 9]);
@@ -66,7 +66,7 @@ fn strips_of(triangles: &[[u32; 3]], method: usize) -> Strips {
     stripify(&mesh, &StripifyOptions::default().with_method(method)).unwrap()
 }
 
-/// Applies the chosen collapses, as far as they are possible.
+/// Applies the selected collapses that are possible.
 fn collapse(vertex_count: u32, list: &[u32], choices: &[[u16; 4]]) -> CollapseSequence {
     let mut now = list.to_vec();
     let mut collapses: Vec<Vec<Rename>> = Vec::new();

@@ -1,5 +1,5 @@
-//! What levels of detail send: the vertices of every filter at each level, and the updates between
-//! levels.
+//! The traffic of levels of detail: the vertices that every filter sends at each level, and the
+//! updates between levels.
 //!
 //! ```text
 //! ModelLevels ─▶ TrafficModel ─▶ measure_levels: rows of chosen levels    ─▶ table, chart

@@ -1,9 +1,10 @@
-//! Progressive strips as they are transmitted in the literature: the base mesh, and 12 + 2 u bytes
-//! for each vertex that is added to it.
+//! The transmission format for progressive strips from the literature: the base mesh, and 12 + 2 u
+//! bytes for each vertex that is added to it.
 //!
-//! The index map of the [progressive strips](tristrip::lod::ProgressiveStrips) arrives at the base
-//! level. A record restores one vertex: its position, and the u slots of the map that it is written
-//! into. What the other slots of the vertex are, followers of these, the map says already.
+//! The index map of the [progressive strips](tristrip::lod::ProgressiveStrips) is sent at the base
+//! level. A record restores one vertex: it has the position of the vertex, and the u slots of the
+//! map that it is written into. The map already defines the other slots of the vertex, which refer
+//! to these.
 //!
 //! ```text
 //! strip 0 1 2 3 4 5; vertex 4 collapses to 3, then 3 to 2; ◁ is the symbol R−1
@@ -16,28 +17,29 @@
 //! ```
 //!
 //! # Algorithm
-//! 1. Vertices get new numbers in the order in which they are sent: those of the base map by their
-//!    first slot, then each restored one. The paper inserts a vertex at its old index, and
-//!    increments all indices from there on; with this order it is always the last one, and neither
-//!    its index is sent nor another index changes. Vertices in no slot of any level are not sent.
+//! 1. Vertices are renumbered in the order in which they are sent: first those of the base map by
+//!    their first slot, then each restored vertex. The paper inserts a vertex at its old index and
+//!    increments all indices from there on. With our order, a restored vertex is always the last
+//!    one: its index is not sent, and no other index changes. Vertices that are in no slot at any
+//!    level are not sent.
 //! 2. The base map is sent: vertices, restarts, and the four symbols R−2, R−1, R+1, R+2 of
 //!    [`Encoding::Offsets`](tristrip::lod::Encoding). The exceptions of the paper, disjoint and
-//!    closed vertices, are slots that hold the vertex itself, at the base level or in a record.
-//! 3. For each level a record per restored vertex is sent, as equation 2 has it.
+//!    closed vertices, are slots that contain the vertex itself, at the base level or in a record.
+//! 3. For each level, a record per restored vertex is sent, as in equation 2.
 //!
-//! Departures from the paper:
-//! - A header of 20 bytes has the counts: the bytes describe themselves.
-//! - Equation 2 does not say where a record ends. Here the lowest bit of each slot does; a record
-//!   still takes 12 + 2 u bytes.
-//! - Two bytes hold slots up to 32,765. A larger map has slots of three bytes, and records of 12 +
-//!   3 u, or of four. The bunny of the paper has about 88,000 slots, which two bytes cannot name
-//!   either. Entries of the map have more than two bytes if the base mesh has more than 65,531
+//! Deviations from the paper:
+//! - A header of 20 bytes has the counts, so the data describes itself.
+//! - Equation 2 does not define where a record ends. Here, the lowest bit of each slot does; a
+//!   record still takes 12 + 2 u bytes.
+//! - Two bytes hold slots up to 32,765. Larger maps have slots of three bytes, and records of 12 +
+//!   3 u bytes, or slots of four bytes. The paper's bunny has about 88,000 slots, which also exceed
+//!   two bytes. Entries of the map take more than two bytes if the base mesh has more than 65,531
 //!   vertices.
-//! - A split on an attribute seam restores several vertices of one position. The record of each but
-//!   the last is longer by a slot. A vertex without a slot takes as many bytes as with one; that
-//!   occurs only where strips do not draw the triangles of the collapses.
-//! - Only positions are sent, no normals or texture coordinates: 12 bytes are "at least" the
-//!   geometry in the paper, and all that it counts.
+//! - A split on an attribute seam restores several vertices at one position. The record of each but
+//!   the last is one slot longer. A vertex without a slot takes as many bytes as one with a slot;
+//!   this occurs only if strips do not draw the triangles of the collapses.
+//! - Only positions are sent, without normals or texture coordinates. The paper calls 12 bytes "at
+//!   least" the geometry, and counts nothing else.
 //! - Errors of levels are not sent.
 //!
 //! # References
@@ -45,9 +47,10 @@
 //! 2005, section 3.
 //!
 //! # Complexity
-//! Both directions take one step per entry and per slot sent. A [`WireDecoder`] holds 12 bytes per
-//! position, 8 bytes per entry, 12 bytes per record and 8 bytes per slot, beside the display
-//! strips, 4 more per entry below the highest level, and nothing for bytes that have not arrived.
+//! Both directions take one step per entry and per slot sent. A [`WireDecoder`] uses 12 bytes per
+//! position, 8 bytes per entry, 12 bytes per record and 8 bytes per slot, in addition to the
+//! display strips. Below the highest level it uses 4 more bytes per entry. It allocates nothing for
+//! bytes that have not arrived.
 
 mod decode;
 mod encode;

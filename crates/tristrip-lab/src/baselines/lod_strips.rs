@@ -1,24 +1,24 @@
-//! `LodStrips`: strips as vectors of vertices, and the changes of each level, which are made and
-//! undone in place.
+//! `LodStrips`: strips as vectors of vertices. Each level has precomputed changes, which are
+//! applied and undone in place.
 //!
 //! # A reconstruction
-//! The paper of `LodStrips` is not at hand; this follows what the papers that build on it say: each
-//! strip is a vector, the changes of all levels are computed beforehand, and a move to another
-//! level makes those in between, one level after the other. What was filled in:
-//! - A change of a strip lists the places in its vector that are renamed, and those that are
-//!   removed with their vertices, which are inserted again when the change is undone. All places
-//!   are those before the collapse.
-//! - Vertices are removed as for SETS, which keeps the winding of the triangles; the paper does
-//!   not.
-//! - Its collapses are those of any sequence; the paper has a simplification of its own.
+//! The paper on `LodStrips` was not available. This implementation follows the papers that build on
+//! it: each strip is a vector, the changes of all levels are precomputed, and a move to another
+//! level applies those in between, one level at a time. Our additions:
+//! - A change of a strip lists the slots of its vector that are renamed, and those that are removed
+//!   with their vertices. Undoing the change inserts them again. All slots are numbered as before
+//!   the collapse.
+//! - Vertices are removed as in SETS, which keeps the winding of the triangles; the paper does not
+//!   keep it.
+//! - It accepts any sequence of collapses; the paper has its own simplification.
 //!
 //! # References
 //! Ramos, Chover: *`LodStrips`: Level of Detail Strips*, 2004. Belmonte, Aguado, Sancho: *Triangle
 //! Strip Multiresolution Modelling Using Sorted Edges*, 2006, section 2.
 //!
 //! # Complexity
-//! A move takes a step per changed slot of every level on the way, and moves the rest of a strip
-//! from which vertices are removed. The bunny's 69,451 triangles take 46 bytes each.
+//! A move takes one step per changed slot of every level in between. If vertices are removed, the
+//! rest of the strip is moved. The bunny's 69,451 triangles take 46 bytes each.
 
 use std::sync::Arc;
 
@@ -26,10 +26,10 @@ use tristrip::lod::strip_graphs::{Csr, NONE, StripState, edits_of};
 use tristrip::lod::{LevelCursor, LevelModel, LevelTable};
 use tristrip::{CollapseSequence, Error, Rename, Strips};
 
-/// The bit of a place whose vertex is removed; a strip has fewer places.
+/// Marks a slot whose vertex is removed. A strip has fewer slots.
 const REMOVED: u32 = 1 << 31;
 
-/// Strips at all levels as vectors and their changes (after Ramos and Chover 2004).
+/// Strips at all levels, as vectors and their changes (after Ramos and Chover 2004).
 ///
 /// ```
 /// use std::sync::Arc;
@@ -52,21 +52,21 @@ const REMOVED: u32 = 1 << 31;
 pub struct LodStrips {
     levels: LevelTable,
     full: Strips,
-    /// The end of each collapse among the renames and among the changes, from the full mesh on.
+    /// For each collapse, from the full mesh on, the end of its range of renames and of changes.
     ends: Vec<[u32; 2]>,
-    /// Those of a collapse rising by the removed vertex.
+    /// The renames of each collapse, sorted by the removed vertex.
     renames: Vec<Rename>,
-    /// The strip of each change, and the end of its places.
+    /// The strip of each change, and the end of its range of slots.
     changes: Vec<[u32; 2]>,
     places: Vec<Place>,
 }
 
-/// A changed place in the vector of a strip.
+/// A changed slot of the vector of a strip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Place {
-    /// Its position before the collapse, with the bit [`REMOVED`] if it is removed.
+    /// Its index before the collapse, with the bit [`REMOVED`] if it is removed.
     position: u32,
-    /// The vertex in it before the collapse.
+    /// Its vertex before the collapse.
     vertex: u32,
 }
 
@@ -84,8 +84,7 @@ impl LodStrips {
     /// Builds the model from strips of the full mesh.
     ///
     /// # Errors
-    /// A strip has a vertex that the sequence does not have, or the collapses rename too many
-    /// slots.
+    /// A strip has a vertex that is not in the sequence, or the collapses rename too many slots.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -106,7 +105,7 @@ impl LodStrips {
             });
         }
         let edits = edits_of(strips, sequence)?;
-        // 1. The places of each strip, with the step that changes them.
+        // 1. The slots of each strip, with the step that changes them.
         let mut places: Vec<(u32, (u32, Place))> = Vec::with_capacity(edits.item_count());
         let (mut state, mut live) = (StripState::default(), LiveSlots::default());
         for (number, strip) in (0..).zip(strips.iter()) {
@@ -127,7 +126,7 @@ impl LodStrips {
                 }
             }
         }
-        // 2. The same by step.
+        // 2. The same slots, grouped by step.
         let by_step = Csr::group_items(places.iter().copied(), sequence.len());
         let mut model = Self {
             levels: LevelTable::of(sequence),
@@ -150,14 +149,14 @@ impl LodStrips {
         Ok(model)
     }
 
-    /// Returns the renames and the changes of a collapse, counted from the full mesh.
+    /// Returns the renames of a collapse and its range of changes, counted from the full mesh.
     fn collapse(&self, number: usize) -> (&[Rename], std::ops::Range<usize>) {
         let start = if number == 0 { [0; 2] } else { self.ends[number - 1] };
         let end = self.ends[number];
         (&self.renames[start[0] as usize..end[0] as usize], start[1] as usize..end[1] as usize)
     }
 
-    /// Returns the strip and the places of a change.
+    /// Returns the strip and the slots of a change.
     fn change(&self, number: usize) -> (usize, &[Place]) {
         let start = if number == 0 { 0 } else { self.changes[number - 1][1] };
         let [strip, end] = self.changes[number];
@@ -198,7 +197,7 @@ struct LodStripsCursor {
 }
 
 impl LodStripsCursor {
-    /// Makes the changes of a collapse, counted from the full mesh.
+    /// Applies the changes of a collapse, counted from the full mesh.
     fn make(&mut self, number: usize) {
         let (renames, changes) = self.model.collapse(number);
         for change in changes {
@@ -208,7 +207,7 @@ impl LodStripsCursor {
             for (i, place) in places.iter().enumerate() {
                 let position = place.position();
                 if place.is_removed() {
-                    // What is kept up to the next removed place moves to its front.
+                    // Shift the kept slots before the next removed slot to the left.
                     let next = places[i + 1..].iter().find(|next| next.is_removed());
                     let end = next.map_or(vertices.len(), |next| next.position());
                     vertices.copy_within(position + 1..end, position - removed);
@@ -280,16 +279,16 @@ impl LevelCursor for LodStripsCursor {
     }
 }
 
-/// The slots of a strip that are not removed: a Fenwick tree.
+/// The slots of a strip that are not removed, as a Fenwick tree.
 #[derive(Debug, Default)]
 struct LiveSlots {
-    /// Item i counts the slots among as many as the lowest set bit of i, the last of them slot i −
-    /// 1.
+    /// Item i counts the present slots in a range that ends with slot i − 1. Its length is the
+    /// lowest set bit of i.
     tree: Vec<u32>,
 }
 
 impl LiveSlots {
-    /// Starts with all slots.
+    /// Marks all slots as present.
     fn start(&mut self, slot_count: usize) {
         self.tree.clear();
         self.tree.extend((0..=slot_count).map(|i| (i & i.wrapping_neg()) as u32));

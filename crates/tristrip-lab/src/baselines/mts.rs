@@ -1,17 +1,17 @@
-//! MTS, multiresolution triangle strips: for each vertex of a strip, the edges that lead to its
-//! successors at any level, not sorted by level. It is the baseline of SETS.
+//! MTS, multiresolution triangle strips: each vertex of a strip lists the edges to its successors
+//! at all levels, not sorted by level. It is the baseline of SETS.
 //!
 //! # A reconstruction
-//! The paper of MTS is not at hand; this follows what the paper of SETS says about it: strips as
-//! graphs of vertices and successors, whose lists are not sorted by level, and, as there, modified
-//! to keep the winding of the triangles. What was filled in:
-//! - An edge is a slot of the strip in which the vertex stands, the vertex that follows it, and the
-//!   first and the last state at which it does. The edges of a vertex stand in the order of the
-//!   slots: its valid edges are its visits in their order. The walk counts the visits; each of them
-//!   searches the list linearly for its valid edge.
-//! - Strips are walked only when their own vertices change, as for SETS. Table 3 of that paper has
-//!   the times of both models fall as more levels are recovered, "due to the use of coherence".
-//! - Labels, states and packed arrays are those of SETS; the two differ only in their lists.
+//! The paper on MTS was not available. This implementation follows the description in the paper on
+//! SETS: strips are graphs of vertices and successors, with lists that are not sorted by level. As
+//! there, it is modified to keep the winding of the triangles. Our additions:
+//! - An edge is a slot of the strip that contains the vertex, the vertex that follows it, and the
+//!   first and last state at which it does. The edges of a vertex are in the order of the slots, so
+//!   its valid edges are its visits in order. The walk counts the visits. Each visit searches the
+//!   list linearly for its valid edge.
+//! - Strips are walked only when their own vertices change, as in SETS. In table 3 of that paper,
+//!   the times of both models decrease as more levels are recovered, "due to the use of coherence".
+//! - Labels, states and packed arrays are those of SETS. Only the lists differ.
 //!
 //! # References
 //! Belmonte, Remolar, Ribelles, Chover, Fernández: *Efficiently Using Connectivity Information
@@ -20,8 +20,8 @@
 //! section 4.
 //!
 //! # Complexity
-//! A move takes a step per strip, and one per edge of the vertices of the strips that changed. The
-//! bunny's 69,451 triangles take 22 bytes each.
+//! A move takes one step per strip, and one per edge of the vertices of changed strips. The bunny's
+//! 69,451 triangles take 22 bytes each.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ use tristrip::lod::strip_graphs::{
 use tristrip::lod::{LevelCursor, LevelModel, LevelTable};
 use tristrip::{CollapseSequence, Error, Strips};
 
-/// Strips at all levels as lists of edges (after Belmonte et al. 2004).
+/// Strips at all levels, as lists of edges (after Belmonte et al. 2004).
 ///
 /// ```
 /// use std::sync::Arc;
@@ -55,9 +55,9 @@ impl Mts {
     /// Builds the model from strips of the full mesh.
     ///
     /// # Errors
-    /// A strip has a vertex that the sequence does not have, the collapses rename too many slots,
-    /// or a walk would examine too many edges: as where one strip surrounds a vertex of thousands
-    /// of triangles, of which each visit searches all edges.
+    /// A strip has a vertex that is not in the sequence, the collapses rename too many slots, or a
+    /// walk would examine too many edges. The latter occurs if one strip surrounds a vertex of
+    /// thousands of triangles, because each visit searches all its edges.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -71,12 +71,12 @@ impl Mts {
         StripGraphs::new(strips, sequence).map(|graphs| Self(Arc::new(graphs)))
     }
 
-    /// Counts the entries of lists that a move between two levels reads: beginnings, labels and
-    /// successors of the strips that differ between them. They take most of the time of the move,
-    /// and are the same on every machine.
+    /// Counts the list entries that a move between two levels reads: beginnings, labels and
+    /// successors of the strips that differ between them. These reads take most of the time of a
+    /// move, and their number is the same on every machine.
     ///
     /// # Errors
-    /// There is no such level.
+    /// The level does not exist.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -104,8 +104,8 @@ impl LevelModel for Mts {
     }
 }
 
-/// The lists of a strip: the end of each node among the edges; the edges, each the first and the
-/// last state and the node that follows.
+/// The lists of a strip: for each node the end of its range of edges, and the edges. An edge has
+/// the first and last state, and the next node.
 #[derive(Debug, Clone, PartialEq)]
 struct UnsortedEdges;
 
@@ -171,7 +171,7 @@ struct Edge {
 
 #[derive(Debug, Default)]
 struct EdgeBuilder {
-    /// The edge of each slot at the current state; its node is [`NONE`] if the slot is removed.
+    /// The edge of each slot in the current state. Its node is [`NONE`] if the slot is removed.
     open: Vec<Edge>,
     edges: Vec<Edge>,
     cost: usize,
@@ -203,7 +203,7 @@ impl ListBuilder for EdgeBuilder {
         }
     }
 
-    /// Sorts the edges by node and slot, too.
+    /// Also sorts the edges by node and slot.
     fn end(&mut self, last: u32) {
         let open = self.open.iter().filter(|edge| edge.node != NONE);
         self.edges.extend(open.map(|&edge| Edge { last, ..edge }));
@@ -221,7 +221,8 @@ impl ListBuilder for EdgeBuilder {
         0
     }
 
-    /// The most edges that a walk examines: for each visit of a node all edges of it.
+    /// The maximum number of edges that a walk examines: all edges of a node for each of its
+    /// visits.
     fn cost(&self) -> usize {
         self.cost
     }
@@ -245,7 +246,7 @@ mod tests {
 
     #[test]
     fn a_vertex_of_thousands_of_triangles_is_refused() {
-        // One strip around vertex 0: each visit of it would search thousands of edges.
+        // One strip around vertex 0: each visit of the vertex would search thousands of edges.
         let rim = 5_000_u32;
         let mut strips = Strips::default();
         strips.push(&(1..=rim).flat_map(|v| [v, 0]).collect::<Vec<_>>());

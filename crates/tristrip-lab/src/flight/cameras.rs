@@ -1,4 +1,4 @@
-//! Where a camera flies: a path by its name, or a file of cameras.
+//! The source of a flight's cameras: a named path, or a file of cameras.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use super::lens::{Axis, Lens};
 use super::path::FlightPath;
 use crate::error::Error;
 
-/// Where a camera flies.
+/// The source of a flight's cameras.
 ///
 /// ```
 /// use tristrip_lab::flight::{Axis, CameraPath, Lens};
@@ -19,22 +19,22 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CameraPath {
-    /// Around the model.
+    /// One turn around the model.
     Orbit(Axis),
-    /// Towards the model.
+    /// Straight toward the model.
     Dolly(Axis),
-    /// Over the model; without an axis, its shortest side is vertical.
+    /// Over the model. Without an axis, the shortest side of the model is vertical.
     Flyover(Option<Axis>),
-    /// Through the cameras of a JSON file.
+    /// The cameras of a JSON file.
     File(PathBuf),
 }
 
 impl CameraPath {
-    /// Reads a path: a name, or a JSON file of cameras. `up` is its vertical axis, y unless the
-    /// path finds one.
+    /// Parses the name of a path, or the name of a JSON file of cameras. `up` is the vertical axis;
+    /// the default is y, except for a flyover.
     ///
     /// # Errors
-    /// It is neither, or an axis is given for a file.
+    /// The text is neither, or an axis is given for a file.
     pub fn new(path: &Path, up: Option<Axis>) -> Result<Self, Error> {
         Ok(match path.to_str() {
             Some("orbit") => Self::Orbit(up.unwrap_or(Axis::Y)),
@@ -45,7 +45,7 @@ impl CameraPath {
                 return Err(Error::Data(format!("path: found {}, {expected}", path.display())));
             }
             _ if up.is_some() => {
-                let message = "up cannot be used with a file of cameras: it has their axes";
+                let message = "up cannot be used with a file of cameras, which has its own up vectors";
                 return Err(Error::Data(message.into()));
             }
             _ => Self::File(path.to_owned()),
@@ -62,10 +62,10 @@ impl CameraPath {
         }
     }
 
-    /// Returns the cameras of a number of frames over a model with these positions.
+    /// Returns the cameras of `frame_count` frames over a model with these positions.
     ///
     /// # Errors
-    /// The file cannot be read or has no valid cameras, the number is 0 or more than
+    /// The file cannot be read or has no valid cameras, the number of frames is 0 or exceeds
     /// [`MAX_FRAMES`](super::MAX_FRAMES), or there are no positions.
     pub fn cameras(
         &self,
@@ -80,7 +80,7 @@ impl CameraPath {
         self.over(positions).and_then(|path| path.cameras(frame_count, lens)).map_err(named)
     }
 
-    /// Reads the file, if there is one, to find its faults before a model is built.
+    /// Reads the file, if there is one, to report its errors before a model is built.
     ///
     /// # Errors
     /// The file cannot be read, or has no valid cameras.

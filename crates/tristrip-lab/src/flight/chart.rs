@@ -4,10 +4,11 @@ use super::frames::FrameRow;
 use crate::error::Error;
 use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
-/// The most points of a curve. Of more frames, each point is the greatest value of several.
+/// The maximum number of points of a curve. With more frames, each point is the maximum of several
+/// frames.
 const POINTS: usize = 600;
 
-/// Draws the frames of a flight under a name.
+/// Draws the frames of a named flight.
 ///
 /// # Errors
 /// The drawing library fails; no input is known that causes this.
@@ -30,7 +31,7 @@ pub fn draw(name: &str, rows: &[FrameRow]) -> Result<String, Error> {
         series("triangles", &|row| row.triangles as f64),
         series("vertices sent", &|row| row.vertices_sent as f64),
     ];
-    // The first frame comes from the base mesh, and would hide all others.
+    // Skip the first frame: it starts from the base mesh, and would dominate the scale.
     let updates = rows.iter().skip(usize::from(rows.len() > 1));
     let updates: Vec<&FrameRow> = updates.collect();
     let point = |frames: &[&FrameRow]| {

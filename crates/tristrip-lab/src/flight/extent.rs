@@ -1,26 +1,25 @@
-//! The extent of a model as the paths of a camera need it: its bounding box, and its outline while
-//! it turns.
+//! The extent of a model, for camera paths: its bounding box, and its outline during a turn.
 
 use super::lens::{Axis, Lens};
 use crate::error::Error;
 
-/// The tangent of the angle from which an orbit and a dolly look down: 20 degrees.
+/// The tangent of the angle by which orbit and dolly look down: 20°.
 const ELEVATION: f64 = 0.364;
-/// The share of the image that a model in orbit fills.
+/// The fraction of the image that a model in orbit fills.
 const FILLED: f64 = 0.92;
-/// The slices of a model, and the points of their rings, by which the distance of an orbit is
-/// determined.
+/// The number of slices of a model, and of points on each ring. They determine the distance of an
+/// orbit.
 const SLICES: usize = 64;
 const ANGLES: usize = 64;
-/// The height of a flyover above the box, how far ahead and how far down it looks, in lengths of
-/// the box.
+/// The height of a flyover above the box, and how far ahead and down the camera looks, relative to
+/// the length of the box.
 const HEIGHT: f64 = 0.03;
 const AHEAD: f64 = 0.25;
 const DOWN: f64 = 0.06;
 
-/// Returns the direction of length 1 from a model to the eye at a share of a turn. It begins at the
-/// axis before the vertical one in the order of x, y, z, which is the front for a vertical y axis:
-/// z.
+/// Returns the unit direction from a model to the eye at a fraction of a turn. The turn starts at
+/// the axis that follows the vertical axis in the cyclic order x, y, z. For a vertical y axis this
+/// is z, the front.
 pub(super) fn towards(up: Axis, turn: f64) -> [f64; 3] {
     let up = up as usize;
     let angle = std::f64::consts::TAU * turn;
@@ -40,7 +39,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Returns the bounding box of positions; one without extent is as large as 1.
+    /// Returns the bounding box of positions. A box without extent gets size 1.
     pub(super) fn of(positions: &[[f32; 3]]) -> Result<Self, Error> {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (vertex, position) in positions.iter().enumerate() {
@@ -83,7 +82,7 @@ impl Bounds {
         ways.map(way).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the eye and what it looks at on the way over the box, at a share of the way.
+    /// Returns the eye and the point that it looks at, at a fraction of the way over the box.
     pub(super) fn over(&self, up: Axis, share: f64) -> [[f64; 3]; 2] {
         let others = Axis::ALL.into_iter().filter(|&axis| axis != up);
         let along = others.max_by(|&a, &b| self.side(a).total_cmp(&self.side(b))).unwrap_or(Axis::X);
@@ -91,7 +90,7 @@ impl Bounds {
         let (up, along) = (up as usize, along as usize);
         let mut eye = self.center();
         eye[up] = self.high[up] + HEIGHT * length;
-        // From a little before the box until what is ahead ends.
+        // Starts a little before the box, and stops before the point ahead leaves it.
         let (first, last) = (self.low[along] - 0.05 * length, self.high[along] - 0.15 * length);
         eye[along] = first + share * (last - first);
         let mut look_at = eye;
@@ -101,24 +100,24 @@ impl Bounds {
     }
 }
 
-/// The outline of a model that turns around its vertical axis: a few of its widest points.
+/// The outline of a model that turns around its vertical axis: the widest point of each slice.
 ///
 /// ```text
-///      up                    ring: the height over the center, and the distance from the axis
+///      up                    ring: the height above the center, and the distance from the axis
 ///       │   ●
-///       │  ●     ● eye       a ring at a height over the axis of the view, and at a depth towards the eye, is inside
-///   ────┼────●───            at a distance of height / tangent + depth
+///       │  ●     ● eye       a ring at a height above the view axis and a depth toward the eye
+///   ────┼────●───            is visible from the distance height / tangent + depth
 ///       │   ●
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rings {
     pub(super) up: Axis,
-    /// Heights and distances.
+    /// The height and the radius of each point.
     points: Vec<[f64; 2]>,
 }
 
 impl Rings {
-    /// Returns the widest point of each of some slices of a model.
+    /// Returns the widest point of each slice of a model.
     #[allow(clippy::cast_sign_loss, reason = "positions are above the lowest one")]
     pub(super) fn of(positions: &[[f32; 3]], up: Axis) -> Result<Self, Error> {
         let bounds = Bounds::of(positions)?;
@@ -143,7 +142,7 @@ impl Rings {
         Ok(Self { up, points })
     }
 
-    /// Returns the least distance from the center at which the camera of an orbit sees all rings.
+    /// Returns the minimum distance from the center at which the camera of an orbit sees all rings.
     pub(super) fn filling_distance(&self, lens: Lens) -> f64 {
         let tangents = lens.tangents().map(|tangent| FILLED * tangent);
         let length = (1.0 + ELEVATION * ELEVATION).sqrt();

@@ -1,4 +1,4 @@
-//! The frames of a flight: what each update did, and what the view draws then.
+//! The frames of a flight: the changes of each update, and the resulting view.
 
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use tristrip_pipeline::view_model::prove_view;
 
 use crate::error::Error;
 
-/// How a flight is measured.
+/// Options for measuring a flight.
 ///
 /// ```
 /// use tristrip::lod::Filter;
@@ -20,12 +20,12 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlightOptions {
-    /// What detail the view needs.
+    /// The criteria that decide the detail.
     pub criteria: ViewCriteria,
-    /// The filter of its display strips.
+    /// The filter of the display strips.
     pub filter: Filter,
-    /// The most frames whose display strips are proven, at equal distances; the last one is among
-    /// them. 0 for none.
+    /// The maximum number of frames whose display strips are proven. They are evenly spaced and
+    /// include the last frame. 0 disables the proofs.
     pub proof_count: usize,
 }
 
@@ -38,32 +38,32 @@ impl Default for FlightOptions {
 /// A frame; the keys are those of the JSON report of `tristrip-lab fly`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrameRow {
-    /// The number of the frame, from 0.
+    /// The index of the frame, from 0.
     pub frame: usize,
-    /// Triangles drawn.
+    /// The number of triangles drawn.
     pub triangles: usize,
-    /// Vertices that have not collapsed.
+    /// The number of vertices that have not collapsed.
     pub active_vertices: usize,
-    /// Collapses done.
+    /// The number of collapses.
     pub collapses: usize,
-    /// Splits done.
+    /// The number of splits.
     pub splits: usize,
-    /// Collapses whose criteria were looked at.
+    /// The number of collapses whose criteria were evaluated.
     pub looked_at: usize,
-    /// Segments of strips that were scanned.
+    /// The number of strip segments that were scanned.
     pub segments: usize,
-    /// Indices of the display strips, without restarts.
+    /// The number of indices of the display strips, without restarts.
     pub vertices_sent: usize,
-    /// The same per triangle.
+    /// `vertices_sent` divided by `triangles`.
     pub vertices_per_triangle: f64,
-    /// Display strips.
+    /// The number of display strips.
     pub strips: usize,
-    /// Bytes of the ranges of the index buffer that changed, at four bytes per index.
+    /// The size of the changed ranges of the index buffer, in bytes, with four bytes per index.
     pub bytes_changed: usize,
-    /// Whether everything wanted was done: no limit of steps ended the update.
+    /// Whether the update finished within the limit of steps.
     pub complete: bool,
-    /// Whether the display strips are proven to draw exactly the triangles of the frame; none if
-    /// that was not checked.
+    /// Whether the display strips are proven to draw exactly the triangles of the frame; `None` if
+    /// this was not checked.
     pub proven: Option<bool>,
     /// The time of the frame.
     pub seconds: FrameSeconds,
@@ -76,22 +76,22 @@ pub struct FrameSeconds {
     pub update: f64,
 }
 
-/// What a flight tells while it runs.
+/// Receives the frames of a flight while it runs.
 ///
 /// ```
 /// use tristrip_lab::flight::FlightObserver;
 /// assert!(!FlightObserver::is_cancelled(&()));
 /// ```
 pub trait FlightObserver {
-    /// Learns what a frame is, after its time was taken. An error ends the flight.
+    /// Called for each frame, after its time was measured. An error stops the flight.
     ///
     /// # Errors
-    /// Those of the observer.
+    /// The errors of the observer.
     fn frame(&mut self, _row: &FrameRow, _camera: &Camera, _view: &SkipView) -> Result<(), Error> {
         Ok(())
     }
 
-    /// Returns whether the flight is to end with [`Error::Interrupted`].
+    /// Returns whether to stop the flight with [`Error::Interrupted`].
     fn is_cancelled(&self) -> bool {
         false
     }
@@ -99,7 +99,7 @@ pub trait FlightObserver {
 
 impl FlightObserver for () {}
 
-/// Moves a view of a model from camera to camera, and measures each frame. The view begins at the
+/// Moves a view of a model from camera to camera, and measures each frame. The view starts at the
 /// base mesh.
 ///
 /// # Errors
@@ -168,19 +168,21 @@ fn prove(frame: usize, view: &SkipView) -> Result<(), Error> {
     }
 }
 
-/// A flight; the keys are those of the JSON report of `tristrip-lab fly`. All are `None` before it.
+/// A flight; the keys are those of the JSON report of `tristrip-lab fly`. All values are `None`
+/// before the flight.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[non_exhaustive]
 pub struct FlightReport {
-    /// The collapses of the model.
+    /// The number of collapses of the model.
     pub collapses: Option<usize>,
-    /// The triangles of the base mesh.
+    /// The number of triangles of the base mesh.
     pub triangles_base: Option<usize>,
-    /// The triangles of the full mesh.
+    /// The number of triangles of the full mesh.
     pub triangles_full: Option<usize>,
-    /// The most collapses, one into a result of the one before, from a vertex to a root.
+    /// The height of the vertex tree: the maximum number of collapses on a path from a vertex to a
+    /// root.
     pub tree_height: Option<u32>,
-    /// What the frames have in common.
+    /// The summary of all frames.
     pub summary: Option<FlightSummary>,
     /// The frames.
     pub frames: Option<Vec<FrameRow>>,
@@ -190,7 +192,7 @@ impl FlightReport {
     /// Returns the counts of a model, before a flight.
     ///
     /// # Errors
-    /// None for a model that was built.
+    /// Cannot fail for a model that was built by this library.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -212,54 +214,53 @@ impl FlightReport {
         })
     }
 
-    /// Sets the frames.
+    /// Sets the frames and their summary.
     #[must_use]
     pub fn with_frames(self, frames: Vec<FrameRow>) -> Self {
         Self { summary: Some(FlightSummary::of(&frames)), frames: Some(frames), ..self }
     }
 }
 
-/// Checks whether a frame is one of `chosen` frames at equal distances, of which the last one is
-/// the last of all.
+/// Checks whether a frame is one of `chosen` evenly spaced frames, which include the last frame.
 pub(crate) fn is_among(frame: usize, frame_count: usize, chosen: usize) -> bool {
     (frame + 1) * chosen / frame_count > frame * chosen / frame_count
 }
 
-/// Values of a frame that stand for many: medians or worst ones.
+/// Summary values over frames: medians or maxima.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct FrameValues {
-    /// Triangles drawn.
+    /// The number of triangles drawn.
     pub triangles: usize,
-    /// Vertices sent per triangle.
+    /// The number of vertices sent per triangle.
     pub vertices_per_triangle: f64,
     /// Collapses and splits, in percent of the vertices that have not collapsed.
     pub changes_percent: f64,
-    /// Bytes of the ranges of the index buffer that changed.
+    /// The size of the changed ranges of the index buffer, in bytes.
     pub bytes_changed: usize,
     /// The time of the update.
     pub seconds: FrameSeconds,
 }
 
-/// What the frames of a flight have in common.
+/// The summary of the frames of a flight.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct FlightSummary {
     /// The number of frames.
     pub frame_count: usize,
-    /// Frames that are proven.
+    /// The number of proven frames.
     pub frames_proven: usize,
-    /// Frames that a limit of steps ended.
+    /// The number of frames that were stopped by the limit of steps.
     pub frames_incomplete: usize,
-    /// The first frame, which comes from the base mesh.
+    /// The first frame, which starts from the base mesh.
     pub first: FrameValues,
     /// The median of each value, over the frames after the first.
     pub median: FrameValues,
-    /// The greatest of each value, over the frames after the first.
+    /// The maximum of each value, over the frames after the first.
     pub worst: FrameValues,
 }
 
 impl FlightSummary {
-    /// Returns what frames have in common. Of a flight of one frame, this frame is the median and
-    /// the worst one.
+    /// Returns the summary of frames. For a single frame, the median and the maximum are its own
+    /// values.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

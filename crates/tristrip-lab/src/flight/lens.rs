@@ -1,4 +1,4 @@
-//! The axes of a model, and the image of a camera.
+//! The axes of a model, and the lens of a camera.
 
 use std::str::FromStr;
 
@@ -30,7 +30,7 @@ impl Axis {
         ["x", "y", "z"][self as usize]
     }
 
-    /// Returns a line on the axis.
+    /// Returns a one-line description of the axis.
     ///
     /// ```
     /// assert_eq!(tristrip_lab::flight::Axis::Y.summary(), "The second coordinate");
@@ -53,7 +53,7 @@ impl FromStr for Axis {
     }
 }
 
-/// The image of a camera: its vertical angle and its size.
+/// The lens of a camera: its vertical field of view and image size.
 ///
 /// ```
 /// use tristrip_lab::flight::Lens;
@@ -61,9 +61,9 @@ impl FromStr for Axis {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
-    /// The vertical angle in degrees, between 0 and 180.
+    /// The vertical field of view in degrees, between 0 and 180.
     pub field_of_view: f32,
-    /// The columns and rows in pixels.
+    /// The width and height of the image in pixels.
     pub image: [u32; 2],
 }
 
@@ -74,10 +74,10 @@ impl Default for Lens {
 }
 
 impl Lens {
-    /// Checks the angle and the size.
+    /// Checks the field of view and the size.
     ///
     /// # Errors
-    /// The angle is not between 0 and 180 degrees, or a size is 0.
+    /// The field of view is not between 0 and 180 degrees, or a size is 0.
     ///
     /// ```
     /// use tristrip_lab::flight::Lens;
@@ -87,13 +87,13 @@ impl Lens {
         self.camera([0.0; 3], [1.0; 3], Axis::Y.direction()).map(drop)
     }
 
-    /// Returns the tangents of half of the horizontal and of the vertical angle.
+    /// Returns the tangents of half of the horizontal and vertical field of view.
     pub(super) fn tangents(self) -> [f64; 2] {
         let vertical = libm::tan(f64::from(self.field_of_view).to_radians() / 2.0);
         [vertical * f64::from(self.image[0]) / f64::from(self.image[1]), vertical]
     }
 
-    /// Returns a camera with this image.
+    /// Returns a camera with this lens.
     pub(super) fn camera(
         self,
         eye: [f64; 3],

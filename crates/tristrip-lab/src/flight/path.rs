@@ -1,4 +1,4 @@
-//! Paths of a camera: around a model, towards it, over it, or through cameras of a file.
+//! Camera paths: around a model, toward it, over it, or through the cameras of a file.
 
 use serde::Deserialize;
 use tristrip::lod::Camera;
@@ -7,15 +7,16 @@ use super::extent::{Bounds, Rings, towards};
 use super::lens::{Axis, Lens};
 use crate::error::Error;
 
-/// The most frames of a flight.
+/// The maximum number of frames of a flight.
 pub const MAX_FRAMES: usize = 100_000;
-/// The most cameras of a file.
+/// The maximum number of cameras of a file.
 const MAX_CAMERAS: usize = 10_000;
-/// The distance from which a dolly begins, in distances at which the model fills the image.
+/// The start distance of a dolly, relative to the distance at which the model fills the image.
 const FAR: f64 = 20.0;
-/// The share of the way from the box to that distance at which it ends.
+/// The end distance of a dolly, as a fraction of the way from the surface of the box to the
+/// distance at which the model fills the image.
 const CLOSE: f64 = 0.1;
-/// A path of a camera, which gives any number of frames.
+/// A camera path, which can be sampled with any number of frames.
 ///
 /// ```
 /// use tristrip_lab::flight::{Axis, FlightPath, Lens};
@@ -51,8 +52,8 @@ fn upward() -> [f64; 3] {
 }
 
 impl FlightPath {
-    /// Returns one turn around a model, at the distance at which it fills the image, seen from 20
-    /// degrees above.
+    /// Returns one turn around a model, at the distance where it fills the image, seen from 20°
+    /// above.
     ///
     /// # Errors
     /// There are no positions, or one is not finite.
@@ -65,8 +66,8 @@ impl FlightPath {
         Ok(Self(Kind::Orbit(Bounds::of(positions)?, Rings::of(positions, up)?)))
     }
 
-    /// Returns a way straight towards a model, from far away until close to it. Each frame shortens
-    /// the distance by the same factor.
+    /// Returns a straight path toward a model, from far away to close up. Each frame reduces the
+    /// distance by the same factor.
     ///
     /// # Errors
     /// There are no positions, or one is not finite.
@@ -82,7 +83,7 @@ impl FlightPath {
         Ok(Self(Kind::Dolly(Bounds::of(positions)?, Rings::of(positions, up)?)))
     }
 
-    /// Returns a way low over a model such as a terrain, along the longest side of its bounding
+    /// Returns a low path over a model such as a terrain, along the longest side of its bounding
     /// box. Without an axis, its shortest side is vertical.
     ///
     /// # Errors
@@ -100,12 +101,12 @@ impl FlightPath {
         Ok(Self(Kind::Flyover(bounds, up.or(shortest).unwrap_or(Axis::Y))))
     }
 
-    /// Reads a path through cameras from JSON: an array of at least one object with `eye` and
-    /// `look_at`, and, if wanted, `up` and the vertical angle `field_of_view` in degrees. The
-    /// cameras are at equal distances in time.
+    /// Parses a path through cameras from JSON: a non-empty array of objects with `eye` and
+    /// `look_at`, and optionally `up` and the vertical field of view `field_of_view` in degrees.
+    /// The cameras are equally spaced in time.
     ///
     /// # Errors
-    /// The text is no such array, or a camera is not valid.
+    /// The text is not such an array, or a camera is invalid.
     ///
     /// ```
     /// use tristrip_lab::flight::{FlightPath, Lens};
@@ -127,12 +128,12 @@ impl FlightPath {
         Ok(Self(Kind::Through(stops)))
     }
 
-    /// Returns the cameras of a number of frames, with the image of a lens. The last frame of an
-    /// orbit is the one before the first.
+    /// Returns the cameras of `frame_count` frames, with a lens. The last frame of an orbit is one
+    /// step before the first.
     ///
     /// # Errors
-    /// The number is 0 or more than [`MAX_FRAMES`], the lens is not valid, or a camera between two
-    /// of a file has no direction.
+    /// The number of frames is 0 or exceeds [`MAX_FRAMES`], the lens is invalid, or a camera
+    /// between two cameras of a file has no direction.
     ///
     /// ```
     /// use tristrip_lab::flight::{Axis, FlightPath, Lens};
@@ -145,7 +146,7 @@ impl FlightPath {
         if !(1..=MAX_FRAMES).contains(&frame_count) {
             return Err(Error::Data(format!("frames: found {frame_count}, expected 1 to {MAX_FRAMES}")));
         }
-        // Errors of the lens alone are not those of a frame.
+        // Check the lens first, because its errors do not belong to a frame.
         lens.check()?;
         let share = |frame: usize| frame as f64 / (frame_count - 1).max(1) as f64;
         let camera: Box<dyn Fn(usize) -> Result<Camera, tristrip::Error> + '_> = match &self.0 {
@@ -184,13 +185,13 @@ impl FlightPath {
 }
 
 impl Stop {
-    /// Returns the camera with the image of a lens.
+    /// Returns the camera with a lens.
     pub(crate) fn camera(&self, lens: Lens) -> Result<Camera, tristrip::Error> {
         let field_of_view = self.field_of_view.map_or(lens.field_of_view, |degrees| degrees as f32);
         Lens { field_of_view, ..lens }.camera(self.eye, self.look_at, self.up)
     }
 
-    /// Returns the camera at a share of the way to another one.
+    /// Returns the camera at a fraction of the way to another one.
     fn towards(&self, other: &Self, share: f64, lens: Lens) -> Self {
         let mix = |a: f64, b: f64| a + share * (b - a);
         let mixed = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| mix(a[k], b[k]));
@@ -267,7 +268,7 @@ mod tests {
         assert!(say(r#"[{"eye": [0, 0], "look_at": [1, 1, 1]}]"#).contains("line 1"));
         let narrow = r#"[{"eye": [0, 0, 0], "look_at": [1, 1, 1], "field_of_view": 0}]"#;
         assert!(say(narrow).contains("`field_of_view`: found 0"), "{}", say(narrow));
-        // Halfway the camera stands in what it looks at.
+        // Halfway, the camera is at the point that it looks at.
         let through =
             r#"[{"eye": [0, 0, 0], "look_at": [2, 0, 0]}, {"eye": [2, 0, 0], "look_at": [0, 0, 0]}]"#;
         let cameras = FlightPath::from_json(through).unwrap().cameras(3, Lens::default());

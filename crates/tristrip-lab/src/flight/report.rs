@@ -5,7 +5,7 @@ use tristrip_pipeline::text::{count, counted};
 use super::frames::{FlightSummary, FrameRow, FrameValues};
 use tristrip_render::text::{bytes, markdown, table};
 
-/// The most rows of the table of frames.
+/// The maximum number of rows of the table of frames.
 const TABLE_ROWS: usize = 60;
 
 /// Formats the summary of a flight as a text table.
@@ -20,8 +20,8 @@ pub fn as_text(summary: &FlightSummary) -> String {
     format!("  {}\n{}", heading(summary), table(&summary_rows(summary, "  "), 1..4))
 }
 
-/// Formats a flight as a page in Markdown: the title, a paragraph on how it was measured, the
-/// summary, and a table of at most 60 frames.
+/// Formats a flight as a Markdown page: the title, a paragraph about the measurement, the summary,
+/// and a table of at most 60 frames.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -56,7 +56,7 @@ pub fn as_markdown(title: &str, how: &str, rows: &[FrameRow]) -> String {
     )
 }
 
-/// Returns a line on the frames, their proofs, and those that are not complete.
+/// Returns a line with the number of frames, proven frames, and incomplete frames.
 fn heading(summary: &FlightSummary) -> String {
     let frames = counted(summary.frame_count, "frame");
     let proven = match summary.frames_proven {

@@ -1,15 +1,16 @@
-//! The chart of all methods: one panel per model. The optimal methods are joined by steps and
-//! labelled, the others are grey.
+//! The chart of all methods, with one panel per model. Optimal methods are connected by steps and
+//! labelled; the others are grey.
 
 use super::{LIST, ParetoPoint};
 use crate::error::Error;
 use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
-/// A point of the file's own order is drawn unless it makes an axis longer than the range of the
+/// The point of the file's own order is drawn unless it stretches an axis beyond the range of the
 /// methods by more than this factor.
 const MAX_STRETCH: f64 = 2.0;
 
-/// The maximum number of names in the label of points at the same position; the others are counted.
+/// The maximum number of names in the label of points at the same position. The rest is only
+/// counted.
 const MAX_NAMES: usize = 3;
 
 /// Draws the points of each named model, one panel below the other.
@@ -93,7 +94,7 @@ fn note(outside: &[&ParetoPoint]) -> String {
     }
 }
 
-/// The ranges of both axes that the methods need.
+/// The ranges of both axes that cover the methods.
 struct AxisRanges {
     low: (f64, f64),
     high: (f64, f64),
@@ -108,7 +109,7 @@ impl AxisRanges {
         })
     }
 
-    /// Returns whether a point stretches neither axis too far.
+    /// Returns whether a point fits both axes without stretching them too far.
     fn hold(&self, point: &ParetoPoint) -> bool {
         let fits = |low: f64, high: f64, at: f64| high.max(at) - low.min(at) <= MAX_STRETCH * (high - low);
         let (x, y) = position(point);

@@ -5,13 +5,13 @@ use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 
-/// The distances between the levels that a sweep recovers.
+/// The spacing of the levels that a sweep recovers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Sweep {
-    /// Equal distances.
+    /// Equal spacing.
     Linear,
-    /// Distances that grow by a constant factor from the full mesh to the base mesh, and are at
-    /// least one level.
+    /// Spacing that grows by a constant factor from the full mesh to the base mesh, with a minimum
+    /// of one level.
     Exponential,
 }
 
@@ -27,8 +27,8 @@ impl Sweep {
         }
     }
 
-    /// Returns the levels that a sweep over a share of all levels, in percent, recovers after the
-    /// full mesh, falling; the last one is 0.
+    /// Returns the levels that a sweep over a fraction of all levels, in percent, recovers after
+    /// the full mesh. They are descending, and the last one is 0.
     ///
     /// ```
     /// use tristrip_lab::recovery::Sweep;
@@ -55,8 +55,8 @@ impl Sweep {
     }
 }
 
-/// Returns the root of a number of at least 1, to a relative error of 1e-13. Only products decide:
-/// it is the same on every machine.
+/// Returns the n-th root of a number of at least 1, with a relative error of 1e-13. It uses only
+/// products, so the result is the same on every machine.
 fn root(number: f64, degree: usize) -> f64 {
     let power = |base: f64| {
         let (mut power, mut square, mut left) = (1.0, base, degree);

@@ -176,7 +176,7 @@ mod tests {
         let measured: Vec<Option<f64>> = same.columns.iter().map(|cell| cell.measured).collect();
         assert_eq!(measured[0], model.strips(&"--method sgi".into(), "vertices_sent"));
         assert_eq!(measured[1..], [Some(0.0), Some(6090.0)]);
-        // A column of ours has no verdict.
+        // Columns without published values have no verdict.
         let verdicts: Vec<bool> = same.columns.iter().map(|cell| cell.verdict.is_some()).collect();
         assert_eq!(verdicts, [true, true, false]);
         assert_eq!(same.verdict, "better: SGI; worse: saving");

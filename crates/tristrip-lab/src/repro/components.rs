@@ -1,4 +1,4 @@
-//! Connected components of a model, and those that one strip draws.
+//! Connected components of a model, and the components that one strip draws.
 
 use std::collections::HashMap;
 
@@ -18,8 +18,8 @@ pub(super) fn of_two_triangles(prepared: &PreparedModel<'_>) -> usize {
     prepared.parts().iter().map(of_part).sum()
 }
 
-/// Counts the components that one strip draws. Only for parts of triangles; of doubled triangles
-/// the last counts.
+/// Counts the components that one strip draws. Works only for parts of triangles; of duplicate
+/// triangles, the last one counts.
 pub(super) fn drawn_by_one_strip(prepared: &PreparedModel<'_>, strips: &[Strips]) -> usize {
     let of_part = |(part, strips): (&PreparedPart<'_>, &Strips)| {
         let (component, count) = part.graph.components();

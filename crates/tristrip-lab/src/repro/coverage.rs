@@ -1,16 +1,17 @@
-//! What a page was measured on: a run without all models must not replace it by a page with less.
+//! The coverage of a page: the models that it was measured on. A run without all models must not
+//! replace a page by one with less coverage.
 //!
-//! The coverage is read from the page itself, old or new: for each row of a table whether it was
-//! measured, and for each claim on how many models.
+//! The coverage is read from the page itself, old or new: whether each row of a table was measured,
+//! and the number of models of each claim.
 
 use std::collections::BTreeMap;
 
-/// What stands in place of a value that was not measured.
+/// The placeholder for a value that was not measured.
 const UNMEASURED: &str = "–";
-/// The column of the numbers of models in the table of claims.
+/// The column with the number of models in the table of claims.
 const CLAIM_MODELS: usize = 4;
 
-/// The rows of a page, each with the number of models on which it was measured.
+/// The rows of a page, each with its number of measured models.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Coverage(BTreeMap<String, usize>);
 
@@ -45,21 +46,21 @@ impl Coverage {
         self.0.values().all(|&models| models == 0)
     }
 
-    /// Returns the rows that were measured on more models in another page. Rows that only one of
-    /// the pages has do not count.
+    /// Returns the rows that another page measured on more models. Rows that are on only one of the
+    /// pages are ignored.
     pub(super) fn missing<'a>(&'a self, other: &'a Self) -> Vec<&'a str> {
         let more = |(row, models): &(&String, &usize)| self.0.get(*row).is_some_and(|here| here < *models);
         other.0.iter().filter(more).map(|(row, _)| row.as_str()).collect()
     }
 }
 
-/// Returns the most models of the cells of a claim: `15`, or `11.2 % on 15 models`.
+/// Returns the maximum number of models in the cells of a claim: `15`, or `11.2 % on 15 models`.
 fn most_models(cells: &[&str]) -> usize {
     let models = |cell: &&str| cell.split(" models").next()?.rsplit(' ').next()?.parse().ok();
     cells.iter().filter_map(models).max().unwrap_or(0)
 }
 
-/// The title of the tables of claims, or its beginning.
+/// The title of the tables of claims, or its prefix.
 pub(super) const CLAIMS: &str = "Claims in the text";
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ struct PanelData {
     x: Axis,
     y: Axis,
     mark: Mark,
-    /// Whether the last value of each series is written beside it.
+    /// Whether the last value of each series is labelled.
     label_last: bool,
     series: Vec<SeriesReport>,
 }
@@ -82,7 +82,7 @@ pub(super) fn draw(chart: &ChartData, runner: &Runner) -> Result<ChartReport, Er
     })
 }
 
-/// Returns the picture of views; an empty one if the model is missing.
+/// Returns the image of views; an empty one if the model is missing.
 fn picture(chart: &ChartData, model: &str, flags: &str, runner: &Runner) -> Result<ChartReport, Error> {
     let views = runner.model(model).and_then(|model| model.views(&flags.into()));
     let drawn = views.and_then(|views| views.picture(&chart.file));
@@ -105,7 +105,7 @@ impl PanelData {
     }
 }
 
-/// Returns labels of which only the last is not empty.
+/// Returns labels that are empty except for the last.
 fn last_label(points: &[(f64, f64)]) -> Vec<String> {
     let label = |(index, point): (usize, &(f64, f64))| {
         if index + 1 == points.len() { format!("{:.0}", point.1) } else { String::new() }
@@ -113,7 +113,7 @@ fn last_label(points: &[(f64, f64)]) -> Vec<String> {
     points.iter().enumerate().map(label).collect()
 }
 
-/// Returns one point per model, by its number of triangles.
+/// Returns one point per model, with its number of triangles as x.
 fn corpus(panel: &CorpusPanel, series: &[MethodSeries], runner: &Runner) -> PanelData {
     let points = |variant: &MethodSeries| {
         let recipe = Recipe::from(variant.flags.as_str());
@@ -146,7 +146,7 @@ fn corpus(panel: &CorpusPanel, series: &[MethodSeries], runner: &Runner) -> Pane
     }
 }
 
-/// Returns the vertices transmitted by the size of the vertex cache.
+/// Returns the number of transmitted vertices by the size of the vertex cache.
 fn by_cache_size(name: &str, flags: &str, runner: &Runner) -> Option<PanelData> {
     let model = runner.model(name)?;
     let of = |rule, flush_policy| -> Vec<(f64, f64)> {
@@ -172,7 +172,7 @@ fn by_cache_size(name: &str, flags: &str, runner: &Runner) -> Option<PanelData> 
     })
 }
 
-/// Returns figures of levels, from the base mesh to the full mesh.
+/// Returns metrics of levels, from the base mesh to the full mesh.
 fn by_level(
     name: &str,
     panel: &LevelPanel,

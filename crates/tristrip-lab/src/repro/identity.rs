@@ -3,8 +3,8 @@
 use super::paper::{ModelSize, PublishedRow};
 use super::runner::Runner;
 
-/// A file is the published model if its numbers of vertices, all or those of faces, and of
-/// triangles are within this many percent of the published ones.
+/// A file is the published model if its number of triangles, and its number of all vertices or of
+/// used vertices, differ from the published numbers by at most this many percent.
 const NEAR_PERCENT: f64 = 3.0;
 
 /// The relation of a measured file to a published model.
@@ -21,7 +21,7 @@ pub(super) enum Identity {
     Missing,
 }
 
-/// Determines by size whether the file of a row is the row's model.
+/// Determines by size whether the file of a row is the published model.
 pub(super) fn identify(row: &PublishedRow, runner: &Runner) -> Identity {
     let Some((name, model)) = row.file.as_ref().and_then(|name| Some((name, runner.model(name)?))) else {
         return Identity::Missing;

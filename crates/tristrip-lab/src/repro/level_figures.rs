@@ -1,24 +1,24 @@
-//! Levels of detail as in Kim et al. 2005: base meshes of 5 % of the triangles, the cow's of 254,
-//! and the vertices that each filter sends.
+//! Levels of detail as in Kim et al. 2005: base meshes with 5 % of the triangles (254 triangles for
+//! the cow), and the vertices that each filter sends.
 //!
-//! Figures of a model over all levels, each drawn once:
+//! Metrics of a model over all levels, each drawn once:
 //! - `collapses`, `triangles_base`, `vertices_base`;
-//! - `gbits_triangles`, and for each filter `gbits_…`: the vertices sent, in the published unit
+//! - `gbits_triangles`, and `gbits_…` for each filter: the vertices sent, in the published unit
 //!   ([`gigabits`]);
-//! - `percent_…`: in percent of the vertices sent as single triangles; `percent_base_…`,
-//!   `percent_full_…`: at the base and full mesh;
-//! - `saving_dtfs`: by how many percent dtfs sends less than stss; `saving_triangles_dtfs`,
-//!   `saving_full_dtfs`: less than single triangles, at all levels and at the full mesh;
+//! - `percent_…`: the vertices sent in percent of single triangles; `percent_base_…` and
+//!   `percent_full_…`: at the base mesh and the full mesh;
+//! - `saving_dtfs`: by how many percent dtfs sends less than stss; `saving_triangles_dtfs` and
+//!   `saving_full_dtfs`: less than single triangles, over all levels and at the full mesh;
 //! - `crossing_stss`: the highest level at which stss sends more than single triangles, in percent,
 //!   in steps of 1 %;
 //! - `updates_naive`, `updates_encoded`: index-map slots written per vertex split;
-//! - `saving_updates`, `saving_bytes`: percent of the slots and of the bytes that the encoding
-//!   saves; `saving_bytes_with_id` with two bytes more for the id of each split's vertex;
-//! - `bytes_naive`, `bytes_encoded`: bytes of all splits by equation 2, 12 and 2 per slot; what is
-//!   sent, by `wire_figures.rs`.
+//! - `saving_updates` and `saving_bytes`: the percentage of slots and bytes that the encoding
+//!   saves; `saving_bytes_with_id`: with two more bytes for the vertex id of each split;
+//! - `bytes_naive` and `bytes_encoded`: the bytes of all splits by equation 2, with 12 bytes per
+//!   position and 2 per slot. For the transmitted bytes see `wire_figures.rs`.
 //!
-//! Curves by level: `triangles` and the names of the filters for vertices sent; `updates_naive` and
-//! `updates_encoded` per 5 %.
+//! Curves by level: `triangles`; the vertices sent, by the names of the filters; `updates_naive`
+//! and `updates_encoded` per 5 %.
 
 use std::collections::BTreeMap;
 
@@ -32,24 +32,23 @@ use crate::traffic::{LevelRow, TrafficModel, gigabits, measure_levels, totals};
 
 /// The size of the paper's base meshes, as a ratio of the triangles.
 const BASE: &str = "5%";
-/// The triangles of a model whose base mesh has another size, the cow, and that size: 254
-/// triangles.
+/// The number of triangles of the cow, whose base mesh has another ratio, and this ratio.
 const OTHER_BASE: (usize, &str) = (5804, "4.377%");
-/// Steps of the curves of vertices sent, and of the averages of updates.
+/// The number of steps of the curves of vertices sent, and of the averages of updates.
 const CURVE_STEPS: usize = 100;
 const BIN_STEPS: usize = 20;
 
-/// Bytes of the id of a vertex.
+/// The bytes of a vertex id.
 const ID_BYTES: usize = 2;
-/// Figures and curves of levels, by their names.
+/// Metrics and curves of levels, by name.
 #[derive(Debug, Default)]
 pub(super) struct LevelFigures {
     pub(super) figures: BTreeMap<String, f64>,
     pub(super) curves: BTreeMap<String, Vec<(f64, f64)>>,
 }
 
-/// Measures the levels of a model, drawn with the strips of its full mesh, by the collapses of the
-/// options.
+/// Measures the levels of a model, drawn with the strips of its full mesh. The options select the
+/// strips and the collapses.
 ///
 /// # Errors
 /// A level is not proven.
@@ -119,7 +118,7 @@ impl LevelFigures {
         self.figures.insert(name.into(), figure);
     }
 
-    /// Adds by how many percent one figure is below another.
+    /// Adds the percentage by which one metric is below another.
     fn add_saving(&mut self, name: &str, of: &str, than: &str) {
         if let (Some(of), Some(than)) = (self.figures.get(of), self.figures.get(than))
             && *than > 0.0
@@ -128,7 +127,7 @@ impl LevelFigures {
         }
     }
 
-    /// Adds the percentages of the base mesh and of the full mesh.
+    /// Adds the percentages of the base mesh and the full mesh.
     fn add_ends(&mut self, base: &LevelRow, full: &LevelRow) {
         for (end, row) in [("base", base), ("full", full)] {
             for (filter, sent) in row.vertices_sent.filters() {
@@ -152,7 +151,7 @@ impl LevelFigures {
         }
     }
 
-    /// Adds the index-map updates per split, averaged over bins of equal numbers of levels.
+    /// Adds the index-map updates per split, averaged over bins with equal numbers of levels.
     fn add_bins(&mut self, traffic: &TrafficModel<'_>, levels: &ModelLevels) -> Result<(), Error> {
         for pair in levels.order.evenly(BIN_STEPS).windows(2) {
             let all = traffic.refinement(pair[0], pair[1])?;

@@ -1,5 +1,5 @@
-//! Measurements of one model: figures of its mesh, and of the strips of each recipe, proven before
-//! they are measured.
+//! The measurements of one model: metrics of its mesh, and of the strips of each recipe, which are
+//! proven first.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -23,20 +23,21 @@ use super::view_data::TreeOrder;
 use super::view_figures::{self, ViewFigures, ViewRequests};
 use crate::error::Error;
 
-/// Vertex caches for which misses per triangle are measured in addition to those of every report.
+/// The vertex caches for which misses per triangle are measured, in addition to those of every
+/// report.
 const CACHES: [VertexCache; 4] =
     [VertexCache::fifo(64), VertexCache::lru(16), VertexCache::lru(32), VertexCache::lru(64)];
-/// Vertex-cache sizes for which generalized triangle meshes are measured.
+/// The vertex-cache sizes for which generalized triangle meshes are measured.
 pub(super) const CACHE_ENTRIES: std::ops::RangeInclusive<u32> = 2..=64;
 
-/// The figure of the components that one strip draws.
+/// The metric for the number of components that one strip draws.
 pub(super) const ONE_STRIP_COMPONENTS: &str = "one_strip_components";
 
-/// What is measured for a recipe in addition to the figures of its strips.
+/// The measurements of a recipe in addition to the metrics of its strips.
 #[allow(clippy::struct_excessive_bools, reason = "each is asked for by itself")]
 #[derive(Debug, Clone, Default)]
 pub(super) struct Extras {
-    /// Generalized triangle meshes, for every size of the vertex cache.
+    /// Generalized triangle meshes for every size of the vertex cache.
     pub(super) generalized: bool,
     /// Levels of detail.
     pub(super) levels: bool,
@@ -61,11 +62,10 @@ pub(super) struct MeasuredModel {
 #[derive(Debug, Default)]
 struct MeasuredStrips {
     figures: BTreeMap<String, f64>,
-    /// Node accesses and the number of strips after them, during the search; for models of one
-    /// part.
+    /// The number of strips by node accesses, during the search; only for models of one part.
     progress: Vec<(u64, usize)>,
-    /// Vertices transmitted for each of [`CACHE_ENTRIES`]: LRU and FIFO, flushed between strips,
-    /// then LRU and FIFO, kept.
+    /// The vertices transmitted for each of [`CACHE_ENTRIES`]: LRU and FIFO with a flush between
+    /// strips, then LRU and FIFO without.
     transmitted: Vec<[usize; 4]>,
     levels: LevelFigures,
     recovery: BTreeMap<String, f64>,
@@ -73,8 +73,8 @@ struct MeasuredStrips {
 }
 
 impl MeasuredModel {
-    /// Measures a model with the recipes that `wanted` returns for it, given whether it has
-    /// polygons.
+    /// Measures a model with the recipes that `wanted` returns for it. The argument of `wanted` is
+    /// whether the model has polygons.
     ///
     /// # Errors
     /// Strips are not proven, flags are invalid, or the user interrupts.
@@ -113,7 +113,7 @@ impl MeasuredModel {
         Ok(measured)
     }
 
-    /// Returns a figure of the mesh.
+    /// Returns a metric of the mesh.
     pub(super) fn mesh(&self, figure: &str) -> Option<f64> {
         self.mesh.get(figure).copied()
     }
@@ -124,34 +124,34 @@ impl MeasuredModel {
         self.size.vertices - self.mesh("unreferenced_vertices").unwrap_or(0.0) as usize
     }
 
-    /// Returns a figure of strips.
+    /// Returns a metric of strips.
     pub(super) fn strips(&self, recipe: &Recipe, figure: &str) -> Option<f64> {
         self.by_recipe.get(recipe)?.figures.get(figure).copied()
     }
 
-    /// Returns a figure of levels of detail.
+    /// Returns a metric of levels of detail.
     pub(super) fn levels(&self, recipe: &Recipe, figure: &str) -> Option<f64> {
         self.by_recipe.get(recipe)?.levels.figures.get(figure).copied()
     }
 
-    /// Returns a figure of the recovery of levels.
+    /// Returns a metric of the recovery of levels.
     pub(super) fn recovery(&self, recipe: &Recipe, figure: &str) -> Option<f64> {
         self.by_recipe.get(recipe)?.recovery.get(figure).copied()
     }
 
-    /// Returns what was measured of Skip Strips.
+    /// Returns the measurements of Skip Strips.
     pub(super) fn views(&self, recipe: &Recipe) -> Option<&ViewFigures> {
         self.by_recipe.get(recipe).map(|measured| &measured.views)
     }
 
-    /// Returns a figure of levels of detail as points: the level in percent of the collapses, and
+    /// Returns a metric of levels of detail as points: the level in percent of the collapses, and
     /// the value.
     pub(super) fn level_curve(&self, recipe: &Recipe, figure: &str) -> Vec<(f64, f64)> {
         let curves = self.by_recipe.get(recipe).map(|measured| &measured.levels.curves);
         curves.and_then(|curves| curves.get(figure)).cloned().unwrap_or_default()
     }
 
-    /// Returns node accesses and the number of strips after them, during the search.
+    /// Returns the number of strips by node accesses, during the search.
     pub(super) fn progress(&self, recipe: &Recipe) -> &[(u64, usize)] {
         self.by_recipe.get(recipe).map_or(&[], |measured| &measured.progress)
     }
@@ -171,7 +171,7 @@ fn numbers_of(report: &impl Serialize) -> BTreeMap<String, f64> {
     object.into_iter().filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
 }
 
-/// Computes the strips of a recipe, proves and measures them.
+/// Builds the strips of a recipe, then proves and measures them.
 fn measure_strips(
     prepared: &PreparedModel<'_>,
     recipe: &Recipe,
@@ -196,7 +196,7 @@ fn measure_strips(
     prepared.prove(&strips)?;
     let mut progress = watch.progress.into_inner().unwrap_or_default();
     let searches = watch.searches.into_inner().unwrap_or_default();
-    // The watch is asked at intervals and may have missed the last joins.
+    // The watch is called at intervals and may have missed the last joins.
     if let Some(accesses) = searches.accesses() {
         progress.push((accesses, strips.iter().map(Strips::len).sum()));
     }
@@ -265,7 +265,7 @@ struct ProgressRecorder<'a> {
 impl Watch for ProgressRecorder<'_> {
     fn go_on(&self, progress: Progress) -> bool {
         if let Ok(mut recorded) = self.progress.lock() {
-            // A search may keep its number of strips for a long time: record only changes.
+            // A search may not change the number of strips for a long time: record only changes.
             if recorded.last().is_none_or(|last| last.1 != progress.strips) {
                 recorded.push((progress.steps, progress.strips));
             }

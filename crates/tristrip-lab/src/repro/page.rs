@@ -1,4 +1,4 @@
-//! Formats a paper's page as Markdown: published and measured values side by side.
+//! Formats the page of a paper as Markdown, with published and measured values side by side.
 
 use std::fmt::Write as _;
 
@@ -12,14 +12,14 @@ use tristrip_render::text::markdown;
 /// A section of a paper on its page.
 pub(super) struct PageSection<'a> {
     pub(super) paper: &'a Paper,
-    /// None if it was not measured now.
+    /// `None` if it was not measured in this run.
     pub(super) report: Option<&'a PaperReport>,
-    /// Whether it is the first one of the paper.
+    /// Whether it is the first section of the paper.
     pub(super) is_first: bool,
 }
 
-/// Formats the page; charts are in the same folder. What was not measured now is taken from the old
-/// page, if it is there.
+/// Formats the page. Charts are in the same directory. Sections that were not measured in this run
+/// are copied from the old page, if it has them.
 pub(super) fn page(sections: &[PageSection<'_>], old: &str) -> String {
     let Some(paper) = sections.first().map(|section| section.paper) else { return String::new() };
     let mut out = format!(
@@ -64,7 +64,7 @@ impl PageSection<'_> {
         if self.is_first { CLAIMS.into() } else { format!("{CLAIMS}: {}", self.paper.section) }
     }
 
-    /// Returns the titles of the section's blocks, in their order.
+    /// Returns the titles of the section's blocks, in order.
     fn titles(&self) -> Vec<String> {
         let tables = self.paper.tables.iter().map(|table| capital(&table.name));
         let claims = (!self.paper.claims.is_empty()).then(|| self.claims_title());
@@ -103,7 +103,7 @@ impl PageSection<'_> {
     }
 }
 
-/// Returns the block of a title on a page, with the title.
+/// Returns the block of a page with a title, including the title.
 fn block<'a>(page: &'a str, title: &str) -> Option<&'a str> {
     let start = page.find(&format!("\n## {title}\n"))? + 1;
     let rest = &page[start..];
@@ -276,7 +276,7 @@ fn with_unit(text: String, claim: &ClaimReport) -> String {
     if claim.unit.is_empty() { text } else { format!("{text} {}", claim.unit) }
 }
 
-/// Formats a number of models; stand-ins among them are named.
+/// Formats a number of models, with the number of stand-ins among them.
 fn models(count: usize, stand_ins: usize, in_words: bool) -> String {
     match (stand_ins, in_words) {
         (0, false) => count.to_string(),
@@ -319,7 +319,7 @@ mod tests {
         let both = page(&with(Some(&table_1), Some(&table_3)), "");
         assert_eq!(page(&with(Some(&table_1), None), &both), both);
         assert_eq!(page(&with(None, Some(&table_3)), &both), both);
-        // Without an old page, only what was measured is on the new one, and the remarks of all
+        // Without an old page, the new page has only the measured sections, and the remarks of all
         // sections.
         let one = page(&with(None, Some(&table_3)), "");
         assert!(!one.contains("## Table 1\n") && one.contains("## Table 3\n"), "{one}");

@@ -1,18 +1,19 @@
-//! The published results of a paper as data: tables, figures and claims, and the measurements with
-//! which they are compared.
+//! The published results of a paper as data: tables, figures and claims, and the measurements that
+//! they are compared with.
 //!
-//! A paper is a JSON file in `papers/`. A new table, figure or claim is an entry there; a new kind
-//! of measurement is a variant of [`Quantity`], [`ChartKind`] or [`Statistic`]. Strips are given by
-//! the flags of the command that computes them: each measured value can be reproduced by hand:
-//! `tristrip strip MODEL` with the same flags. A part of a paper that is measured by itself, a
-//! *section*, is a file of its own with the same key.
+//! A paper is a JSON file in `papers/`. A new table, figure or claim is an entry there. A new kind
+//! of measurement is a variant of [`Quantity`], [`ChartKind`] or [`Statistic`]. Strips are
+//! specified by flags of the command, so each measured value can be reproduced by hand:
+//! `tristrip strip MODEL` with the same flags. A part of a paper that is measured separately is
+//! called a *section*. It is a separate file with the same key.
 
 use serde::{Deserialize, Deserializer, Serialize};
 use tristrip::vertex_cache::FlushPolicy;
 
 use super::view_data::{Detail, PublishedView, TreeOrder, ViewPanel};
 
-/// A section of a paper: what is compared with measurements. Most papers have one.
+/// A section of a paper: published results that are compared with measurements. Most papers have
+/// one section.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Paper {
@@ -24,8 +25,8 @@ pub(crate) struct Paper {
     pub(crate) tables: Vec<PublishedTable>,
     pub(crate) charts: Vec<ChartData>,
     pub(crate) claims: Vec<Claim>,
-    /// What a reader must know to compare: departures of the measured methods, gaps and
-    /// contradictions of the text.
+    /// Remarks that a reader needs for the comparison: deviations of the measured methods, and gaps
+    /// and contradictions of the text.
     #[serde(default)]
     pub(crate) remarks: Vec<String>,
     pub(crate) left_out: Vec<LeftOut>,
@@ -37,14 +38,15 @@ pub(crate) struct Paper {
 pub(crate) struct PublishedTable {
     pub(crate) name: String,
     pub(crate) shows: String,
-    /// Whether the published models have polygons; a page must then note files with triangles only.
+    /// Whether the published models have polygons. A page must then mark files that have only
+    /// triangles.
     #[serde(default)]
     pub(crate) polygons: bool,
     pub(crate) columns: Vec<PublishedColumn>,
     pub(crate) rows: Vec<PublishedRow>,
 }
 
-/// A column of a table, and the measurement with which it is compared.
+/// A column of a table, and the measurement that it is compared with.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PublishedColumn {
@@ -54,7 +56,7 @@ pub(crate) struct PublishedColumn {
     pub(crate) tolerance: Tolerance,
     /// The number of decimals.
     pub(crate) digits: usize,
-    /// Whether the paper has no such column.
+    /// Whether the column is an addition of this project, without published values.
     #[serde(default)]
     pub(crate) ours: bool,
 }
@@ -63,28 +65,28 @@ pub(crate) struct PublishedColumn {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Quantity {
-    /// A figure of strips: a key of the report of `tristrip strip`, or the misses per triangle of a
-    /// vertex cache: `acmr_lru_32`.
+    /// A metric of strips: a key of the report of `tristrip strip`, or the misses per triangle of a
+    /// vertex cache, such as `acmr_lru_32`.
     Strips {
         flags: String,
         figure: String,
         /// The number of node accesses after which a search is stopped.
         steps: Option<u64>,
     },
-    /// A figure of levels of detail, drawn with the strips of these flags; `level_figures.rs` lists
-    /// the figures.
+    /// A metric of levels of detail, drawn with the strips of these flags. `level_figures.rs` lists
+    /// the metrics.
     Levels { flags: String, figure: String },
-    /// A figure of the recovery of all levels, over the strips of these flags;
-    /// `recovery_figures.rs` lists the figures.
+    /// A metric of the recovery of all levels, over the strips of these flags.
+    /// `recovery_figures.rs` lists the metrics.
     Recovery { flags: String, figure: String },
-    /// A figure of Skip Strips over the strips of these flags, and of the row's view if it has one;
-    /// `view_figures.rs` lists the figures.
+    /// A metric of Skip Strips over the strips of these flags, and of the row's view if it has one.
+    /// `view_figures.rs` lists the metrics.
     Views { flags: String, order: TreeOrder, figure: String },
-    /// A figure of the mesh: a key of `mesh` in that report.
+    /// A metric of the mesh: a key of `mesh` in that report.
     Mesh(String),
-    /// By how many percent one column is below another, by their indices.
+    /// The percentage by which one column is below another, by their indices.
     Saving { of: usize, than: usize },
-    /// None: the column cannot be reproduced.
+    /// The column cannot be reproduced.
     Unmeasured,
 }
 
@@ -95,15 +97,15 @@ pub(crate) struct PublishedRow {
     pub(crate) model: String,
     /// The file of the model, or of its stand-in.
     pub(crate) file: Option<String>,
-    /// Whether the file is a stand-in although its size is that of the model.
+    /// Whether the file is a stand-in even though it has the size of the model.
     #[serde(default)]
     pub(crate) stand_in: bool,
-    /// None where the paper does not print it.
+    /// The number of vertices; `None` if the paper does not print it.
     pub(crate) vertices: Option<usize>,
     pub(crate) triangles: usize,
-    /// The view, where the row is of one.
+    /// The view of the row; `None` if it has none.
     pub(crate) view: Option<PublishedView>,
-    /// One value per column that is not ours.
+    /// The published value of each column, except for added columns.
     pub(crate) published: Vec<f64>,
 }
 
@@ -120,7 +122,7 @@ impl PublishedRow {
     }
 }
 
-/// The published numbers of vertices, if there is one, and triangles of a model.
+/// The published numbers of vertices, if printed, and triangles of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub(crate) struct PublishedSize {
     pub(crate) vertices: Option<usize>,
@@ -144,11 +146,11 @@ pub(crate) enum Better {
     Neither,
 }
 
-/// The difference up to which two values match.
+/// The maximum difference of two values that match.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Tolerance {
-    /// Percent of the published value.
+    /// In percent of the published value.
     Percent(f64),
     /// In the unit of the value.
     Absolute(f64),
@@ -168,16 +170,16 @@ pub(crate) struct ChartData {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum ChartKind {
-    /// A figure of each model in the folder by model size; one series per method.
+    /// A metric of each model in the directory by model size; one series per method.
     Corpus { panels: Vec<CorpusPanel>, series: Vec<MethodSeries> },
     /// The cost of generalized triangle meshes by the size of the vertex cache; one panel per
     /// model.
     VertexCaches { flags: String, models: Vec<String>, columns: usize },
-    /// Figures of levels of detail by level; one panel per method, one series per figure.
+    /// Metrics of levels of detail by level; one panel per method, one series per metric.
     Levels { model: String, panels: Vec<LevelPanel>, axis: String, series: Vec<LevelSeries> },
     /// The number of strips by node accesses; one panel per model, one series per method.
     Convergence { models: Vec<String>, steps: u64, series: Vec<MethodSeries> },
-    /// Pictures of the display strips of a model at some detail.
+    /// Images of the display strips of a model at some detail.
     Views { model: String, flags: String, order: TreeOrder, panels: Vec<ViewPanel> },
 }
 
@@ -190,7 +192,7 @@ pub(crate) struct CorpusPanel {
     pub(crate) per_triangle: bool,
 }
 
-/// The flags for the strips of the full mesh, with the panel's title.
+/// The flags for the strips of the full mesh, with the title of the panel.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LevelPanel {
@@ -198,7 +200,7 @@ pub(crate) struct LevelPanel {
     pub(crate) flags: String,
 }
 
-/// A figure of levels, with its name in the legend.
+/// A metric of levels, with its name in the legend.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LevelSeries {
@@ -220,19 +222,20 @@ pub(crate) struct MethodSeries {
 pub(crate) struct Claim {
     pub(crate) at: String,
     pub(crate) says: String,
-    /// The number, where the paper prints it.
+    /// The number, if the paper prints it.
     pub(crate) published: Option<f64>,
-    /// The higher end, where the paper prints a range.
+    /// The upper end, if the paper prints a range.
     pub(crate) up_to: Option<f64>,
-    /// The number, where it follows from a table.
+    /// The number, if it follows from a table.
     pub(crate) follows: Option<PrintedNumber>,
-    /// The range, where it follows from a table.
+    /// The range, if it follows from a table.
     pub(crate) range_of: Option<PrintedSavings>,
-    /// The number, where it is the ratio of two printed ones, in percent.
+    /// The two printed numbers, if the number is their ratio in percent.
     pub(crate) percent_of: Option<[f64; 2]>,
     #[serde(default)]
     pub(crate) expects: Expects,
-    /// Whether the number is a bar of this project for what the paper says in words.
+    /// Whether the number is a target of this project for a statement that the paper makes in
+    /// words.
     #[serde(default)]
     pub(crate) is_our_bar: bool,
     pub(crate) unit: String,
@@ -242,7 +245,7 @@ pub(crate) struct Claim {
     #[serde(default = "exact")]
     pub(crate) tolerance: Tolerance,
     pub(crate) statistic: Statistic,
-    /// A wider set of models for which the value is shown beside, without a verdict.
+    /// A wider set of models. Its value is shown next to the result, without a verdict.
     pub(crate) beside: Option<ModelSet>,
 }
 
@@ -252,8 +255,7 @@ pub(crate) struct Claim {
 pub(crate) struct PrintedNumber {
     pub(crate) table: String,
     pub(crate) column: String,
-    /// What is combined: the cells, or by how many percent they are above the number of triangles
-    /// plus 2.
+    /// The input: the cells, or the percentage by which they exceed the number of triangles plus 2.
     #[serde(default)]
     pub(crate) cells: PrintedCells,
     pub(crate) over: PrintedOver,
@@ -274,20 +276,21 @@ pub(crate) enum PrintedCells {
 pub(crate) enum PrintedOver {
     Mean,
     Greatest,
-    /// The exponent with which the cells grow with the number of triangles.
+    /// The exponent of the growth of the cells with the number of triangles.
     Exponent,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum PrintedRows {
-    /// The rows whose model is in the folder and no stand-in.
+    /// The rows whose model is in the directory and is not a stand-in.
     #[default]
     Available,
     All,
 }
 
-/// By how many percent the printed cells of a column are below those of another one, over all rows.
+/// The percentage by which the printed cells of a column are below those of another column, over
+/// all rows.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PrintedSavings {
@@ -300,7 +303,7 @@ fn exact() -> Tolerance {
     Tolerance::Absolute(0.0)
 }
 
-/// How a claim bounds the measured value.
+/// The bound that a claim sets for the measured value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Expects {
@@ -314,56 +317,56 @@ pub(crate) enum Expects {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Statistic {
-    /// By how many percent a figure is below that of another method.
+    /// The percentage by which a metric is below that of another method.
     Saving { over: SavingOver, figure: String, flags: String, than: String, models: ModelSet },
-    /// By how many percent a figure is above the number of triangles plus 2, on average.
+    /// The mean percentage by which a metric exceeds the number of triangles plus 2.
     Excess { figure: String, flags: String, models: ModelSet },
-    /// The mean of a figure.
+    /// The mean of a metric.
     Mean { figure: String, flags: String, models: ModelSet },
-    /// The exponent with which a figure grows with the number of triangles: the slope of the
+    /// The exponent of the growth of a metric with the number of triangles: the slope of the
     /// regression line of their logarithms.
     Exponent { figure: String, flags: String, models: ModelSet },
-    /// The rank among variants by the sum of a figure per triangle, from 1.
+    /// The rank among variants, from 1, by the sum of a metric per triangle.
     Rank { figure: String, flags: String, among: StripeVariants, models: ModelSet },
-    /// The mean of a figure of levels of detail.
+    /// The mean of a metric of levels of detail.
     Levels { figure: String, flags: String, models: ModelSet },
-    /// A figure of the levels of detail of a model.
+    /// A metric of the levels of detail of a model.
     LevelsOf { figure: String, flags: String, model: String },
-    /// A figure of the recovery of the levels of a model.
+    /// A metric of the recovery of the levels of a model.
     RecoveryOf { figure: String, flags: String, model: String },
-    /// A figure of Skip Strips of a model, without a view.
+    /// A metric of Skip Strips of a model, without a view.
     ViewsOf { figure: String, flags: String, order: TreeOrder, model: String },
-    /// By how many percent the measured cells of a column are below those of another one, over the
-    /// rows of a table.
+    /// The percentage by which the measured cells of a column are below those of another column,
+    /// over the rows of a table.
     Columns { over: SavingOver, table: String, of: String, than: String },
-    /// A figure of a mesh.
+    /// A metric of a mesh.
     Mesh { figure: String, model: String },
-    /// A figure of the strips of a model, divided by that of another method if there is one.
+    /// A metric of the strips of a model, divided by that of another method if there is one.
     StripsOf { figure: String, flags: String, than: Option<String>, model: String },
-    /// The components of a model that one strip draws.
+    /// The number of components of a model that one strip draws.
     OneStripComponents { flags: String, model: String },
-    /// By how many percent LRU transmits less than FIFO, on average over a range of vertex-cache
-    /// sizes and a chart's models.
+    /// The percentage by which LRU transmits less than FIFO, as the mean over a range of
+    /// vertex-cache sizes and the models of a chart.
     LruSaving {
         chart: String,
         entries: (u32, u32),
         #[serde(deserialize_with = "flush_policy")]
         flush_policy: FlushPolicy,
     },
-    /// The saving of an LRU vertex cache of a size in percent of the saving of the largest, on
-    /// average over a chart's models.
+    /// The saving of an LRU vertex cache of one size, in percent of the saving of the largest size,
+    /// as the mean over the models of a chart.
     SavedBy {
         chart: String,
         entries: u32,
         #[serde(deserialize_with = "flush_policy")]
         flush_policy: FlushPolicy,
     },
-    /// The steps of the first series of a chart divided by those after which the second series has
-    /// as few strips.
+    /// The steps of the first series of a chart, divided by the steps after which the second series
+    /// has as few strips.
     Speed { chart: String, model: String },
 }
 
-/// Reads a flush policy by its name: `flush` or `keep`.
+/// Parses the name of a flush policy: `flush` or `keep`.
 fn flush_policy<'de, D: Deserializer<'de>>(deserializer: D) -> Result<FlushPolicy, D::Error> {
     #[derive(Deserialize)]
     #[serde(rename_all = "snake_case")]
@@ -384,7 +387,7 @@ pub(crate) enum SavingOver {
     Mean,
     Least,
     Greatest,
-    /// The saving of the sums of the figures per triangle.
+    /// The saving between the sums of the metrics per triangle.
     Sum,
 }
 
@@ -392,10 +395,10 @@ pub(crate) enum SavingOver {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum ModelSet {
-    /// The models of the paper's tables that are in the folder; no stand-ins.
+    /// The models of the paper's tables that are in the directory, without stand-ins.
     Table,
-    /// Those of them that have a face of more than three corners, for papers whose models have
-    /// polygons.
+    /// Those of the paper's models that have a face of more than three corners, for papers whose
+    /// models have polygons.
     Own,
     /// All models that have a face of more than three corners.
     Polygons,
@@ -464,7 +467,7 @@ mod tests {
             assert_eq!(flags.iter().collect::<BTreeSet<_>>().len(), count);
             assert!(flags.iter().all(|flags| parse_flags(flags).is_ok()));
         }
-        // What table 1 names as `stripe`.
+        // The variant that table 1 calls `stripe`.
         let published = "--method stripe-global:patches=rows,cutoff=5,ties=sequential";
         let parsed = |flags| parse_flags(flags).unwrap().stripify;
         assert_eq!(parsed("--method stripe"), parsed(published));

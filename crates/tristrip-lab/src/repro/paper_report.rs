@@ -1,4 +1,4 @@
-//! The results of a paper: what becomes JSON and pages.
+//! The results of a paper, which become JSON and pages.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use super::verdict::Verdict;
 #[derive(Debug, Default, Serialize)]
 #[non_exhaustive]
 pub struct PaperReport {
-    /// The number of the paper.
+    /// The key of the paper.
     pub key: String,
     pub(crate) authors: String,
     pub(crate) title: String,
@@ -62,15 +62,16 @@ pub(crate) struct ClaimReport {
     pub(crate) unit: String,
     pub(crate) expects: &'static str,
     pub(crate) published: f64,
-    /// The higher end of a published range.
+    /// The upper end of a published range.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) published_to: Option<f64>,
-    /// The difference up to which the values match, where the claim is not a bound.
+    /// The maximum difference of values that match; `None` if the claim is a bound.
     pub(crate) tolerance: Option<Tolerance>,
-    /// Whether `published` is a bar of this project for what the paper says in words.
+    /// Whether `published` is a target of this project for a statement that the paper makes in
+    /// words.
     pub(crate) is_our_bar: bool,
     pub(crate) measured: Option<f64>,
-    /// The number of models, and how many of them are not known to be a model of the paper.
+    /// The number of models, and how many of them may not be a model of the paper.
     pub(crate) models: usize,
     pub(crate) stand_ins: usize,
     /// The value on a wider set of models, which has no verdict.
@@ -92,9 +93,9 @@ pub(crate) struct BesideReport {
 pub(crate) struct ChartReport {
     pub(crate) name: String,
     pub(crate) file: String,
-    /// None for a picture.
+    /// `None` for an image.
     pub(crate) panels: Vec<PanelReport>,
-    /// Whether any panel has a point, or a picture its model.
+    /// Whether any panel has a point, or an image has its model.
     #[serde(skip)]
     pub(crate) is_measured: bool,
     #[serde(skip)]

@@ -1,11 +1,11 @@
-//! The papers, each section with its published results.
+//! The papers with the published results of each section.
 
 use std::collections::BTreeSet;
 
 use super::paper::Paper;
 use crate::error::Error;
 
-/// Key and text of each section, in the order of the papers.
+/// The key and the JSON text of each section, in the order of the papers.
 const PAPERS: [(&str, &str); 6] = [
     ("000", include_str!("papers/000.json")),
     ("000", include_str!("papers/000_skip_strips.json")),
@@ -25,7 +25,7 @@ pub fn keys() -> impl Iterator<Item = &'static str> {
     PAPERS.iter().map(|(key, _)| *key).filter(move |key| std::mem::replace(&mut last, key) != *key)
 }
 
-/// Returns the sections of a paper by its key, in their order; none for an unknown key.
+/// Returns the sections of a paper by its key, in order; empty for an unknown key.
 ///
 /// ```
 /// assert_eq!(tristrip_lab::repro::sections("000"), ["strips", "skip-strips"]);

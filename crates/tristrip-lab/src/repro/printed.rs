@@ -1,7 +1,7 @@
 //! Published numbers that follow from other published numbers: means, extremes, excesses and growth
 //! of the printed cells of a table.
 //!
-//! A claim does not repeat such a number; it names the cells, and the number is computed. The tests
+//! A claim does not repeat such a number. It names the cells, and the number is computed. The tests
 //! recompute those that papers print.
 
 use super::paper::{
@@ -13,7 +13,7 @@ use super::verdict::rounded;
 
 impl Claim {
     /// Returns the number that the paper prints, or that follows from others; NaN if the claim has
-    /// neither. Of a range it is the lower end.
+    /// neither. For a range, returns the lower end.
     pub(super) fn number(&self, paper: &Paper) -> f64 {
         if let Some(number) = &self.follows {
             return number.compute(paper, self.digits);
@@ -27,7 +27,7 @@ impl Claim {
         }
     }
 
-    /// Returns the higher end of a range.
+    /// Returns the upper end of a range.
     pub(super) fn number_to(&self, paper: &Paper) -> Option<f64> {
         let Some(savings) = &self.range_of else { return self.up_to };
         savings.all(paper).into_iter().reduce(f64::max).map(|greatest| rounded(greatest, self.digits))
@@ -35,7 +35,7 @@ impl Claim {
 }
 
 impl PrintedSavings {
-    /// Returns the savings of all rows, in their order.
+    /// Returns the savings of all rows, in order.
     fn all(&self, paper: &Paper) -> Vec<f64> {
         let Some(table) = paper.tables.iter().find(|known| known.name == self.table) else {
             return Vec::new();
@@ -49,7 +49,7 @@ impl PrintedSavings {
 }
 
 impl PrintedNumber {
-    /// Computes the number, with the decimals with which it is shown; NaN without cells.
+    /// Computes the number, rounded to the shown decimals; NaN without cells.
     fn compute(&self, paper: &Paper, digits: usize) -> f64 {
         let table = paper.tables.iter().find(|known| known.name == self.table);
         let cells = table.map(|table| self.cells(table)).unwrap_or_default();
@@ -102,13 +102,14 @@ mod tests {
         load(&keys().map(String::from).collect()).unwrap()
     }
 
-    /// Checks whether a number is another one rounded to a number of decimals, with a margin for
+    /// Checks whether a number is another number rounded to some decimals, with a margin for
     /// halves.
     fn is_rounded(printed: f64, exact: f64, digits: usize) -> bool {
         (printed - exact).abs() <= 0.51 * 0.1_f64.powi(i32::try_from(digits).unwrap())
     }
 
-    /// Returns the number that follows for a cell, if it follows from other cells of its paper.
+    /// Returns the number that follows from other cells of the paper for a cell; `None` if none
+    /// does.
     fn follows(paper: &Paper, table: &PublishedTable, column: &PublishedColumn, row: usize) -> Option<f64> {
         let figure = |quantity: &Quantity| match quantity {
             Quantity::Levels { figure, .. } => Some(figure.clone()),
@@ -119,8 +120,7 @@ mod tests {
                 let published = &table.rows[row].published;
                 Some(100.0 * (1.0 - published[*of] / published[*than]))
             }
-            // A share of the vertices that single triangles take, which another table of the paper
-            // has.
+            // A fraction of the vertices of single triangles, which another table of the paper has.
             Quantity::Levels { figure: share, .. } => {
                 let filter = share.strip_prefix("percent_")?;
                 let cell = |wanted: &str| {
@@ -159,7 +159,7 @@ mod tests {
             }
         }
         assert!(count >= 48, "{count} cells");
-        // Both are in the remarks of the page.
+        // The remarks of the page mention both.
         assert_eq!(others, ["000 skyscraper 13.7", "004 porsche 13.1"]);
     }
 
@@ -176,8 +176,8 @@ mod tests {
                     claim.percent_of.is_some(),
                 ];
                 assert_eq!(sources.into_iter().filter(|&is| is).count(), 1, "{}", claim.says);
-                // What is compared on the models of a table as it prints them is computed from its
-                // cells, not typed.
+                // Numbers that are compared on the models of a table as printed are computed from
+                // its cells, not typed.
                 if let Statistic::Saving { models: ModelSet::Table, .. }
                 | Statistic::Excess { models: ModelSet::Table, .. }
                 | Statistic::Exponent { models: ModelSet::Table, .. } = &claim.statistic

@@ -1,10 +1,10 @@
-//! Recipes: how strips are computed for a measurement, in the flags of the command.
+//! Recipes: how strips are built for a measurement, as flags of the command.
 
 use tristrip::Error;
 use tristrip_pipeline::{levels, parse_method};
 
-/// How strips are computed: flags of `tristrip strip`, and the number of node accesses after which
-/// a search is stopped.
+/// How strips are built: flags of `tristrip strip`, and the number of node accesses after which a
+/// search is stopped.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Recipe {
     pub(crate) flags: String,
@@ -17,7 +17,8 @@ impl From<&str> for Recipe {
     }
 }
 
-/// Parses the flags of a recipe: `--method METHOD`, and `--price PRICE` of the collapses of levels.
+/// Parses the flags of a recipe: `--method METHOD`, and `--price PRICE` for the collapses of
+/// levels.
 pub(crate) fn parse_flags(flags: &str) -> Result<levels::Options, Error> {
     let words: Vec<&str> = flags.split_whitespace().collect();
     let mut options = levels::Options::default();

@@ -1,23 +1,23 @@
-//! Recovery of levels as in Belmonte et al. 2006, tables 2 and 3: the memory of the models, and
-//! what their moves read.
+//! Recovery of levels as in Belmonte et al. 2006, tables 2 and 3: the memory of the models, and the
+//! entries that their moves read.
 //!
-//! The paper prints times, which pages do not have. What a move reads stands for its time: the
-//! entries of lists (`Sets::accesses`), on average over the moves of a sweep. Drawing, which the
-//! published times contain, is not in it.
+//! The paper prints times, which pages do not contain. The number of list entries that a move reads
+//! (`Sets::accesses`) replaces its time, as the mean over the moves of a sweep. The published times
+//! include drawing; this number does not.
 //!
-//! Figures:
+//! Metrics:
 //! - `mb_…`: the memory of a model in 2²⁰ bytes;
-//! - `accesses_MODEL_SWEEP_SHARE`, for `sets` and `mts`, and the recovered share of all levels in
-//!   percent: entries per move;
-//! - `ratio_SWEEP_SHARE`: those of SETS relative to those of MTS; `ratio_mb` the same for the
-//!   memory;
+//! - `accesses_MODEL_SWEEP_SHARE`, for `sets` and `mts`: entries per move, at a recovered share of
+//!   all levels in percent;
+//! - `ratio_SWEEP_SHARE`: entries per move of SETS relative to MTS; `ratio_mb`: memory of SETS
+//!   relative to MTS;
 //! - `fall_MODEL_SWEEP`: entries per move at 20 % of the levels, in percent of those at 1 %;
-//! - `exponential_MODEL_SHARE`: those of the exponential sweep in percent of those of the linear
-//!   one;
+//! - `exponential_MODEL_SHARE`: entries per move of the exponential sweep, in percent of the linear
+//!   sweep;
 //! - `faster`: by how many percent MTS reads more than SETS, in the best case;
 //! - `triangles_SWEEP_SHARE`: triangles per recovered level;
-//! - `drawn_SHARE`: triangles per recovered level of the exponential sweep in percent of those of
-//!   the linear one.
+//! - `drawn_SHARE`: triangles per recovered level of the exponential sweep, in percent of the
+//!   linear sweep.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ use crate::baselines::{ComparedModel, Mts};
 use crate::error::Error;
 use crate::recovery::{SHARES, Sweep};
 
-/// The published megabytes count 2²⁰ bytes.
+/// The published megabytes have 2²⁰ bytes.
 const MEGABYTE: f64 = 1_048_576.0;
 
 /// Measures the recovery of all levels, drawn with the strips of the full mesh.
@@ -88,7 +88,7 @@ pub(super) fn measure(
         }
     }
 
-    // 3. What the paper says of them.
+    // 3. The statements of the paper.
     for model in ["sets", "mts"] {
         for sweep in Sweep::ALL {
             let [few, most] = [1, 20].map(|share| format!("accesses_{model}_{sweep}_{share}"));
@@ -113,7 +113,7 @@ pub(super) fn measure(
     Ok(figures)
 }
 
-/// Adds one figure relative to another, times a factor.
+/// Adds one metric relative to another, times a factor.
 fn add_relative(figures: &mut BTreeMap<String, f64>, name: &str, of: &str, than: &str, factor: f64) {
     if let (Some(&of), Some(&than)) = (figures.get(of), figures.get(than))
         && than > 0.0

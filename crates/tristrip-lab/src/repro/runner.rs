@@ -1,7 +1,7 @@
 //! The runner: measures each requested recipe on each requested model.
 //!
-//! First all measurements are requested, then every model is read once and all its measurements are
-//! taken, then the results are available. A model that is not in the folder has none.
+//! First all measurements are requested. Then every model is read once and all its measurements are
+//! taken. After that the results are available. A model that is missing in the directory has none.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -17,21 +17,21 @@ use super::view_figures::ViewRequests;
 use crate::error::Error;
 use tristrip_io::system_message;
 
-/// The models on which something is measured.
+/// The models for each kind of measurement.
 #[derive(Debug, Default)]
 struct ModelScope {
     all: bool,
     polygons: bool,
     names: BTreeSet<String>,
-    /// Models for which generalized triangle meshes are measured, too.
+    /// Models for which generalized triangle meshes are also measured.
     generalized: BTreeSet<String>,
-    /// Models for which levels of detail are measured, too.
+    /// Models for which levels of detail are also measured.
     levels: BTreeSet<String>,
-    /// Models for which the recovery of all levels is measured, too.
+    /// Models for which the recovery of all levels is also measured.
     recovery: BTreeSet<String>,
-    /// Models for which components are measured, too.
+    /// Models for which components are also measured.
     components: BTreeSet<String>,
-    /// Models for which Skip Strips are measured, too, by the order of their merge trees.
+    /// Models for which Skip Strips are also measured, by the order of their merge trees.
     views: BTreeMap<String, BTreeMap<TreeOrder, ViewRequests>>,
 }
 
@@ -51,7 +51,7 @@ impl ModelScope {
     }
 }
 
-/// The models of a folder, the requests and the measurements.
+/// The models of a directory, the requests and the measurements.
 #[derive(Debug)]
 pub(crate) struct Runner {
     models: BTreeMap<String, PathBuf>,
@@ -61,10 +61,10 @@ pub(crate) struct Runner {
 }
 
 impl Runner {
-    /// Lists the models of a folder.
+    /// Lists the models of a directory.
     ///
     /// # Errors
-    /// The folder cannot be read.
+    /// The directory cannot be read.
     pub(crate) fn new(folder: &Path) -> Result<Self, Error> {
         let entries = std::fs::read_dir(folder).map_err(|error| Error::io(folder, error))?;
         let mut paths = Vec::new();
@@ -74,7 +74,7 @@ impl Runner {
                 paths.push(path);
             }
         }
-        // Of two files with the same stem, the first in order of their names is used.
+        // If two files have the same stem, the first one by name is used.
         paths.sort_unstable_by(|a, b| b.cmp(a));
         let named = |path: PathBuf| Some((path.file_stem()?.to_str()?.to_owned(), path));
         Ok(Self {
@@ -110,8 +110,8 @@ impl Runner {
         self.request(recipe, model);
     }
 
-    /// Requests the merge tree of a model over the strips of a recipe, and returns what is
-    /// requested of its views.
+    /// Requests the merge tree of a model over the strips of a recipe. Returns the requests for its
+    /// views.
     pub(super) fn request_views(
         &mut self,
         recipe: Recipe,
@@ -123,14 +123,14 @@ impl Runner {
         views.entry(model.into()).or_default().entry(order).or_default()
     }
 
-    /// Requests the strips of a recipe, and which components one of them draws.
+    /// Requests the strips of a recipe, and the components that one strip draws.
     pub(super) fn request_components(&mut self, recipe: Recipe, model: &str) {
         self.requested.entry(recipe.clone()).or_default().components.insert(model.into());
         self.request(recipe, model);
     }
 
-    /// Requests the strips of a recipe for a set of models. The models of tables are requested one
-    /// by one instead.
+    /// Requests the strips of a recipe for a set of models. The models of tables are requested
+    /// individually instead.
     pub(super) fn request_set(&mut self, recipe: Recipe, set: ModelSet) {
         let scope = self.requested.entry(recipe).or_default();
         match set {
@@ -141,7 +141,7 @@ impl Runner {
         self.requested_meshes.all = true;
     }
 
-    /// Requests the figures of a mesh.
+    /// Requests the metrics of a mesh.
     pub(super) fn request_mesh(&mut self, model: &str) {
         self.requested_meshes.names.insert(model.into());
     }
@@ -187,7 +187,7 @@ impl Runner {
     }
 }
 
-/// Reads a model; returns the reason if it cannot be read, without the name of the file.
+/// Reads a model. If it cannot be read, returns the reason without the file name.
 fn read(path: &Path) -> Result<Model, String> {
     tristrip_io::read_path(path).map_err(|error| match error {
         tristrip_io::Error::Io { path: at, source } if at == path.display().to_string() => {
@@ -203,7 +203,7 @@ pub(super) mod tests {
     use super::*;
     use tristrip::vertex_cache::{FlushPolicy, Replacement};
 
-    /// Measures models of `testdata`, after `request` has made its requests.
+    /// Measures models of `testdata`. `request` makes the requests.
     fn measured(request: impl FnOnce(&mut Runner)) -> Runner {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models");
         let mut runner = Runner::new(&folder).unwrap();

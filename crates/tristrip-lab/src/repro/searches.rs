@@ -1,11 +1,11 @@
-//! The searches of `eta` from single ends of strips: how their accesses to nodes are distributed.
+//! The searches of `eta` that start at one end of a strip: the distribution of their node accesses.
 
 use std::cmp::Reverse;
 
-/// One search in this many counts as expensive, as in Porcu and Scateni 2006, section 4.2.
+/// One in this many searches counts as expensive, as in Porcu and Scateni 2006, section 4.2.
 const EXPENSIVE: usize = 10;
 
-/// The accesses of each search, and whether it found a tunnel.
+/// The node accesses of each search, and whether it found a tunnel.
 #[derive(Debug, Default)]
 pub(super) struct Searches(Vec<(u64, bool)>);
 
@@ -15,14 +15,16 @@ impl Searches {
         self.0.push((accesses, has_found));
     }
 
-    /// Returns the sum of the accesses of all searches, if there are any.
+    /// Returns the total number of node accesses; `None` without searches.
     pub(super) fn accesses(&self) -> Option<u64> {
         (!self.0.is_empty()).then(|| self.0.iter().map(|search| search.0).sum())
     }
 
-    /// Returns the figures of the searches, none without searches: `search_accesses`;
-    /// `percent_expensive`, the percentage of the accesses that the tenth of the searches with most
-    /// accesses takes; `percent_expensive_not_found`, the percentage of these that found nothing.
+    /// Returns the metrics of the searches; empty without searches.
+    ///
+    /// `search_accesses` is the total number of node accesses. `percent_expensive` is the
+    /// percentage of accesses by the most expensive tenth of the searches.
+    /// `percent_expensive_not_found` is the percentage of these searches that found nothing.
     pub(super) fn figures(mut self) -> Vec<(String, f64)> {
         if self.0.is_empty() {
             return Vec::new();

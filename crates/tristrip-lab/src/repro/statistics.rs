@@ -15,7 +15,7 @@ use super::table_values::measured_values;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Computed {
     pub(super) value: f64,
-    /// The number of models, and how many of them are not known to be a model of the paper.
+    /// The number of models, and how many of them may not be a model of the paper.
     pub(super) models: usize,
     pub(super) stand_ins: usize,
 }
@@ -67,8 +67,8 @@ fn request_set(flags: &str, set: ModelSet, paper: &Paper, runner: &mut Runner) {
     }
 }
 
-/// Requests levels of detail of the models of the paper's tables; they take too long for all
-/// models.
+/// Requests levels of detail of the models of the paper's tables. For all models they would take
+/// too long.
 fn request_levels(flags: &str, set: ModelSet, paper: &Paper, runner: &mut Runner) {
     let rows = paper.tables.iter().flat_map(|table| &table.rows).filter(|_| set == ModelSet::Table);
     rows.filter_map(|row| row.file.as_ref()).for_each(|file| runner.request_levels(flags.into(), file));
@@ -104,7 +104,7 @@ pub(super) fn compute(
     Some(Computed { value, models, stand_ins: stand_ins(statistic, other, paper, runner) })
 }
 
-/// Counts the models of a statistic that are not known to be a model of the paper.
+/// Counts the models of a statistic that may not be a model of the paper.
 fn stand_ins(statistic: &Statistic, other: Option<ModelSet>, paper: &Paper, runner: &Runner) -> usize {
     let is_other = |name: &str| !is_own(name, paper, runner);
     match statistic {
@@ -128,7 +128,7 @@ fn stand_ins(statistic: &Statistic, other: Option<ModelSet>, paper: &Paper, runn
             let files = cells(table, (of, than), paper, runner).into_iter().map(|(file, _)| file);
             files.collect::<BTreeSet<_>>().into_iter().filter(|file| is_other(file)).count()
         }
-        // They leave stand-ins out.
+        // These statistics skip stand-ins.
         Statistic::LruSaving { .. } | Statistic::SavedBy { .. } => 0,
     }
 }
@@ -229,8 +229,8 @@ fn value(
     }
 }
 
-/// Returns the measured cells of two columns of a table, with the file of each row. Rows without
-/// one of them are left out.
+/// Returns the measured cells of two columns of a table, with the file of each row. Rows with a
+/// missing cell are skipped.
 fn cells<'a>(
     table: &str,
     (of, than): (&str, &str),
@@ -248,7 +248,7 @@ fn cells<'a>(
 }
 
 /// Returns the transmitted vertices by vertex-cache size, for LRU and FIFO, of each measured model
-/// of a chart that is no stand-in.
+/// of a chart, without stand-ins.
 fn transmitted(
     chart: &str,
     flush_policy: FlushPolicy,
@@ -291,7 +291,7 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
     (count > 0).then(|| (sum / count as f64, count))
 }
 
-/// Returns by how many percent the first values of pairs are below the second values.
+/// Returns the percentage by which the first values of pairs are below the second values.
 fn saving(pairs: &[(f64, f64)], over: SavingOver) -> Option<f64> {
     let percent = |(a, b): (f64, f64)| if b == 0.0 { 0.0 } else { 100.0 * (1.0 - a / b) };
     match over {

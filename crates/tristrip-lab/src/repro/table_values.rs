@@ -4,7 +4,7 @@ use super::paper::{PublishedColumn, PublishedRow, Quantity};
 use super::recipe::Recipe;
 use super::runner::Runner;
 
-/// Returns how the strips of a measurement are computed, if it needs strips.
+/// Returns the recipe for the strips of a measurement; `None` if it needs no strips.
 pub(super) fn recipe(quantity: &Quantity) -> Option<Recipe> {
     match quantity {
         Quantity::Strips { flags, steps, .. } => Some(Recipe { flags: flags.clone(), steps: *steps }),
@@ -15,7 +15,7 @@ pub(super) fn recipe(quantity: &Quantity) -> Option<Recipe> {
     }
 }
 
-/// Returns the measured values of a row; savings are computed from the other columns.
+/// Returns the measured values of a row. Savings are computed from the other columns.
 pub(super) fn measured_values(
     row: &PublishedRow,
     columns: &[PublishedColumn],

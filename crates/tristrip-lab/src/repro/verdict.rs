@@ -11,13 +11,13 @@ pub(crate) enum Verdict {
     Matched,
     Better,
     Worse,
-    /// Not equal, where neither direction is better, or outside the bound of the claim.
+    /// Different, if neither direction is better, or outside the bound of the claim.
     Differs,
-    /// The model is not in the folder.
+    /// The model is missing in the directory.
     NotAvailable,
     /// The project does not measure it.
     NotMeasured,
-    /// A different model was measured; the values are not comparable.
+    /// A different model was measured, so the values are not comparable.
     StandIn(String),
 }
 
@@ -35,7 +35,7 @@ impl Verdict {
             Tolerance::Percent(percent) => percent / 100.0 * published.abs(),
             Tolerance::Absolute(units) => units,
         };
-        // The margin is far below the last printed digit; with it, 0.74 is within 0.03 of 0.71.
+        // The margin is far below the last printed digit. With it, 0.74 is within 0.03 of 0.71.
         if (measured - published).abs() <= allowed + 1e-9 {
             return Self::Matched;
         }
@@ -55,7 +55,7 @@ impl Verdict {
     ) -> Self {
         let holds = match expects {
             Expects::About => {
-                // The number of the range that is nearest as printed.
+                // The number of the range that is closest to the measured value, as printed.
                 let nearest = match up_to {
                     Some(end) if measured > published => rounded(measured, digits).min(end),
                     _ => published,

@@ -1,4 +1,4 @@
-//! Views of Skip Strips as data: how much detail they have, and from where they are seen.
+//! Views of Skip Strips as data: their detail and their cameras.
 
 use serde::Deserialize;
 use tristrip::simplify::MergeOrder;
@@ -9,14 +9,14 @@ use crate::flight::{Axis, Stop};
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PublishedView {
-    /// The published number of triangles of its frame.
+    /// The published number of triangles of the frame.
     pub(crate) triangles: usize,
     /// The vertical axis of the measured file.
     pub(crate) up: Axis,
 }
 
-/// How much detail the frames of a flight around a vertical axis have: published triangles of those
-/// of the full mesh.
+/// The detail of the frames of a flight around a vertical axis: the published number of triangles,
+/// out of that of the full mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Detail {
     pub(crate) triangles: usize,
@@ -30,7 +30,7 @@ pub(crate) struct Detail {
 pub(crate) enum TreeOrder {
     /// As published.
     ShortestEdge,
-    /// Ours.
+    /// By quadric errors, as in this project.
     Quadric,
 }
 
@@ -43,16 +43,16 @@ impl From<TreeOrder> for MergeOrder {
     }
 }
 
-/// A picture of a view, in a sheet of several.
+/// An image of a view, in a sheet of several images.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ViewPanel {
-    /// The detail in percent of the triangles of the full mesh; the full mesh for 100.
+    /// The detail in percent of the triangles of the full mesh; 100 is the full mesh.
     pub(crate) percent: f64,
-    /// The camera that needs this detail.
+    /// The camera that decides the detail.
     pub(crate) camera: Stop,
-    /// The camera of the picture, if it is another one.
+    /// The camera of the image, if it differs.
     pub(crate) seen_from: Option<Stop>,
-    /// Whether each strip has a colour; otherwise the surface has one.
+    /// Whether each strip has its own colour; otherwise the surface has one colour.
     pub(crate) strips: bool,
 }

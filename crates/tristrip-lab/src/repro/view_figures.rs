@@ -1,36 +1,38 @@
-//! Skip Strips as in El-Sana et al. 2000, section 6.3: what views send, and what an update takes.
+//! Skip Strips as in El-Sana et al. 2000, section 6.3: the vertices that views send, and the cost
+//! of an update.
 //!
-//! A view of some detail is an orbit around the model, which fills the image. The allowed error in
-//! pixels is the one by which the sampled frames have the published number of triangles, on
-//! average; of a stand-in, the published share of them. At the detail of the full mesh there is no
-//! camera, and no update.
+//! A view of some detail is an orbit at the distance where the model fills the image. The allowed
+//! error in pixels is chosen to give the sampled frames the published mean number of triangles; for
+//! a stand-in, the published fraction. At the detail of the full mesh there is no camera and no
+//! update.
 //!
-//! The paper prints times, which pages do not have. What is counted stands for them: an update
-//! looks at collapses, does and undoes some and scans segments of strips; strips that are computed
-//! again begin with all triangles of the frame.
+//! The paper prints times, which pages do not contain. Counts replace them: the collapses that an
+//! update examines, applies or undoes, and the strip segments that it scans. Strips that are
+//! computed from scratch start with all triangles of the frame.
 //!
-//! Figures of the merge tree:
+//! Metrics of the merge tree:
 //! - `collapses`, `levels`, `triangles_base`;
-//! - `height`, `depth`: the most collapses one above the other, and the most ancestors of a vertex;
-//!   `expected_height`: the logarithm of the vertices to the base 1.25; `percent_height`: the
+//! - `height` and `depth`: the maximum number of collapses on a path, and of ancestors of a vertex;
+//!   `expected_height`: the logarithm of the number of vertices to base 1.25; `percent_height`: the
 //!   height in percent of it;
-//! - `children`: the most collapses into one vertex; `dependencies`: the collapses that a collapse
-//!   needs by its list, on average;
-//! - `hops_parents`, `hops_skips`: pointers from a vertex of the strips to its first active
-//!   ancestor in the base mesh, on average, by parents alone and by pointers that skip ancestors.
+//! - `children`: the maximum number of collapses into one vertex; `dependencies`: the mean number
+//!   of collapses that a collapse requires according to its list;
+//! - `hops_parents` and `hops_skips`: the mean number of pointers from a vertex of the strips to
+//!   its first active ancestor in the base mesh, by parents alone and by pointers that skip
+//!   ancestors.
 //!
-//! Figures of a view, on average over the sampled frames:
+//! Metrics of a view, as means over the sampled frames:
 //! - `pixels`: the allowed error; `triangles`; `vertices_list`: the vertices of single triangles;
 //! - `vertices_stss`, `vertices_dtfs`, `vertices_linked`: the vertices sent by Skip Strips with
 //!   each filter;
-//! - `vertices_again`: those of strips that are computed again for the frame, by the method of the
-//!   flags.
+//! - `vertices_again`: the vertices sent by strips that the method of the flags computes from
+//!   scratch for the frame.
 //!
-//! Figures of an update, on average over all frames but the first:
-//! - `active`: the vertices that the published update looks at; `looked_at`: the collapses that
-//!   ours looks at;
-//! - `moved`: the collapses and splits; `segments`: the segments of strips that are scanned, of up
-//!   to 64 entries; `entries`: the sum of what is looked at, moved and scanned.
+//! Metrics of an update, as means over all frames but the first:
+//! - `active`: the vertices that the published update examines; `looked_at`: the collapses that our
+//!   update examines;
+//! - `moved`: the collapses and splits; `segments`: the scanned strip segments, of up to 64
+//!   entries; `entries`: the sum of examined, moved and scanned items.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -45,29 +47,29 @@ use crate::error::Error;
 use crate::flight::{FlightObserver, FlightOptions, FlightPath, FrameRow, Lens, fly, is_among};
 use tristrip_render::images::SheetImage;
 
-/// The frames of an orbit, and how many of them are proven and sampled.
+/// The number of frames of an orbit, and how many of them are proven and sampled.
 const FRAMES: usize = 300;
 const SAMPLES: usize = 5;
-/// The errors in pixels between which the one of a view is searched, and the steps of the search:
-/// each halves the logarithm of their ratio.
+/// The range of the search for the error in pixels of a view, and its number of steps. Each step
+/// halves the logarithm of the ratio of its ends.
 const PIXELS: [f64; 2] = [1e-5, 1e4];
 const STEPS: usize = 18;
-/// The base of the logarithm of the vertices that the height of a merge tree is expected to be.
+/// The base of the logarithm in the expected height of a merge tree.
 const BASE: f64 = 1.25;
-/// The most entries of a segment.
+/// The maximum number of entries of a segment.
 const SEGMENT: usize = 64;
-/// The size of a panel of a picture.
+/// The size of a panel of an image.
 pub(super) const PANEL: [u32; 2] = [400, 300];
 
-/// What is measured of the merge trees of one order.
+/// The requested measurements of the merge trees of one order.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ViewRequests {
     pub(super) details: BTreeSet<Detail>,
-    /// Panels of pictures, by the file of the picture.
+    /// Panels of images, by the file of the image.
     pub(super) pictures: BTreeMap<String, Vec<ViewPanel>>,
 }
 
-/// The figures of a model and its pictures.
+/// The metrics and images of a model.
 #[derive(Debug, Default)]
 pub(super) struct ViewFigures {
     trees: BTreeMap<TreeOrder, BTreeMap<String, f64>>,
@@ -76,21 +78,21 @@ pub(super) struct ViewFigures {
 }
 
 impl ViewFigures {
-    /// Returns a figure of a view, or of the merge tree.
+    /// Returns a metric of a view, or of the merge tree.
     pub(super) fn get(&self, order: TreeOrder, detail: Option<Detail>, figure: &str) -> Option<f64> {
         let of_tree = || self.trees.get(&order)?.get(figure);
         let of_view = detail.and_then(|detail| self.views.get(&(order, detail))?.get(figure));
         of_view.or_else(of_tree).copied()
     }
 
-    /// Returns a picture by its file.
+    /// Returns an image by its file.
     pub(super) fn picture(&self, file: &str) -> Option<&[u8]> {
         self.pictures.get(file).map(Vec::as_slice)
     }
 }
 
-/// Measures views of a model over the strips of its full mesh. A model of several parts, or without
-/// triangles, has no figures.
+/// Measures views of a model over the strips of its full mesh. A model with several parts, or
+/// without triangles, has no metrics.
 ///
 /// # Errors
 /// A frame is not proven, or a model cannot be built.
@@ -120,7 +122,7 @@ pub(super) fn measure(
     Ok(measured)
 }
 
-/// Returns the figures of a merge tree.
+/// Returns the metrics of a merge tree.
 fn of_tree(tree: &MergeTree, model: &Arc<SkipStrips>) -> Result<BTreeMap<String, f64>, Error> {
     let full = model.full_view().active_vertex_count();
     let expected = libm::log(full as f64) / libm::log(BASE);
@@ -158,7 +160,7 @@ impl BuiltModel<'_> {
         Ok(self.model.levels().triangle_count(self.model.levels().collapse_count())?)
     }
 
-    /// Returns the figures of views of some detail.
+    /// Returns the metrics of views of some detail.
     fn view(&self, detail: Detail) -> Result<BTreeMap<String, f64>, Error> {
         if detail.triangles >= detail.of {
             let mut full = Samples::new(self);
@@ -191,7 +193,7 @@ impl BuiltModel<'_> {
         Ok(figures)
     }
 
-    /// Draws a picture of some panels.
+    /// Draws an image with some panels.
     fn picture(&self, panels: &[ViewPanel]) -> Result<Vec<u8>, Error> {
         let mut views = Vec::new();
         for panel in panels {
@@ -222,14 +224,14 @@ impl BuiltModel<'_> {
     }
 }
 
-/// Returns the criteria of a view. Without hysteresis, as published, the detail depends on the
-/// camera alone.
+/// Returns the criteria of a view. They have no hysteresis, as in the paper, so the detail depends
+/// only on the camera.
 fn criteria(pixels: f32) -> Result<ViewCriteria, Error> {
     Ok(ViewCriteria::default().with_pixels(pixels).with_hysteresis(Hysteresis::new(1.0)?))
 }
 
-/// Searches the error in pixels by which the views of some cameras have a number of triangles, on
-/// average.
+/// Searches the error in pixels at which the views of some cameras have a given mean number of
+/// triangles.
 #[allow(clippy::cast_possible_truncation, reason = "pixels are f32")]
 fn pixels_of(model: &Arc<SkipStrips>, cameras: &[Camera], target: f64) -> Result<f32, Error> {
     let mut views: Vec<SkipView> = cameras.iter().map(|_| model.view_without_strips()).collect();
@@ -281,7 +283,8 @@ impl<'a> Samples<'a> {
         Ok(())
     }
 
-    /// Counts the vertices sent by strips that are computed again for the triangles of a frame.
+    /// Counts the vertices sent by strips that are computed from scratch for the triangles of a
+    /// frame.
     fn computed_again(&self, triangles: Vec<[u32; 3]>) -> Result<usize, Error> {
         let faces = Faces::from_triangles(triangles.into_flattened())?;
         let drawn = Mesh::new(self.built.mesh.shared_positions(), faces)?;
@@ -318,7 +321,7 @@ mod tests {
         Detail { triangles: 6000, ..half() }
     }
 
-    /// Measures two details, and two panels of a picture, with both orders.
+    /// Measures two details, and two panels of an image, with both orders.
     fn measured(model: &tristrip_io::Model) -> Result<ViewFigures, Error> {
         let prepared = PreparedModel::new(model, false);
         let options = parse_method("sgi")?;
@@ -349,7 +352,7 @@ mod tests {
             assert!(of_half("moved") > 0.0 && of_half("moved") < of_half("active"));
             assert!(of_half("entries") > of_half("looked_at") + of_half("moved") + of_half("segments"));
             assert_eq!((of(full(), "triangles"), of(full(), "moved")), (Some(6090.0), None));
-            // Of a view or not, a figure of the tree is the same.
+            // With or without a view, a metric of the tree is the same.
             let height = figures.get(order, None, "height").unwrap();
             assert_eq!(of(half(), "height"), Some(height));
             assert!(height > 8.0 && height < figures.get(order, None, "expected_height").unwrap());

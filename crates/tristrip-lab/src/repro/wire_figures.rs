@@ -1,9 +1,9 @@
 //! The bytes of a progressive transmission as in Kim et al. 2005, section 3, written and read back.
 //!
-//! Figures of a model, in bytes:
+//! Metrics of a model, in bytes:
 //! - `wire_positions`: the positions of the base mesh; `wire_map`: its index map with symbols;
 //! - `wire_records_naive`, `wire_records_encoded`: the records of all vertex splits;
-//! - `wire_total`: everything that is sent with symbols, the header included.
+//! - `wire_total`: all bytes sent with symbols, including the header.
 
 use tristrip::Strips;
 use tristrip::lod::Encoding;
@@ -12,13 +12,13 @@ use tristrip_pipeline::{Error as PipelineError, PreparedModel, levels::LevelPart
 use crate::error::Error;
 use crate::wire::{Encoded, Sizes, WireDecoder, encode_part};
 
-/// Levels of each part that are proven, in equal steps.
+/// The number of evenly spaced levels of each part that are proven.
 const PROVEN_STEPS: usize = 8;
 
-/// Encodes all parts of a model, proves what is decoded, and counts the bytes.
+/// Encodes all parts of a model, proves the decoded levels, and counts the bytes.
 ///
 /// # Errors
-/// What is decoded does not draw the triangles of a level.
+/// The decoded data does not draw the triangles of a level.
 pub(super) fn measure(
     prepared: &PreparedModel<'_>,
     levels: &ModelLevels,
@@ -43,7 +43,7 @@ pub(super) fn measure(
     ])
 }
 
-/// Decodes the bytes of a part, and proves some of its levels, the first and the last one included.
+/// Decodes the bytes of a part, and proves some of its levels, including the first and the last.
 fn prove(part: &LevelPart, encoded: &Encoded) -> Result<(), Error> {
     let mut decoder = WireDecoder::default();
     decoder.update(&encoded.bytes).map_err(PipelineError::from)?;

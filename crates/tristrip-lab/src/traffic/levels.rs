@@ -1,33 +1,33 @@
 //! The cost of all levels of detail: vertices sent at each level, and slots renamed between levels.
 //!
 //! The literature measures a progressive transmission by drawing each intermediate mesh once, from
-//! the base mesh to the full one: as a progressive mesh, three vertices per triangle, and as strips
-//! through each [`Filter`].
+//! the base mesh to the full mesh. It is drawn as a progressive mesh, with three vertices per
+//! triangle, and as strips through each [`Filter`].
 //!
 //! # The published unit
-//! Table 2 of Kim et al. gives totals in Gbits, without the bits of a vertex. The sums of 3 T over
-//! all levels, from the counts in table 1, are 24.7, 363, 1929 and 3618 million vertices; the
-//! published totals are 2.6, 37.9, 201.3 and 377.1 Gbits. That is [`VERTEX_BITS`] = 112 within 0.3
-//! % or the printed digits, with a Gbit of 2³⁰ bits: 12 bytes of a position and 2 of an index, the
-//! sizes that the paper names elsewhere.
+//! Table 2 of Kim et al. gives totals in Gbit, but not the bits per vertex. The sums of 3 T over
+//! all levels, from the counts in table 1, are 24.7, 363, 1929 and 3618 million vertices. The
+//! published totals are 2.6, 37.9, 201.3 and 377.1 Gbit. This corresponds to [`VERTEX_BITS`] = 112,
+//! within 0.3 % or the printed digits, if a Gbit has 2³⁰ bits. These are 12 bytes for a position
+//! and 2 for an index, the sizes that the paper uses elsewhere.
 //!
 //! # References
 //! Kim et al. 2005, section 5, tables 1 and 2, figures 9 and 11.
 //!
 //! # Complexity
-//! That of [`FilterCosts`]: the bunny's 33,000 levels take 0.25 seconds, and 0.35 as two strips in
-//! total.
+//! That of [`FilterCosts`]: the 33,000 levels of the bunny take 0.25 seconds, or 0.35 seconds with
+//! two strips in total.
 
 use std::sync::Arc;
 
 use tristrip::lod::{DrawCost, Encoding, Filter, FilterCosts, LevelCursor, ProgressiveStrips};
 use tristrip::{CollapseSequence, Error, Strips};
 
-/// Bits per vertex sent in the published totals: a position of three 32-bit numbers and an index of
-/// 16 bits.
+/// Bits per vertex sent in the published totals: a position of three 32-bit numbers, and a 16-bit
+/// index.
 pub const VERTEX_BITS: u64 = 112;
 
-/// The number of bins of a transmission: each has a twentieth of all splits.
+/// The number of bins of a transmission. Each bin has a twentieth of all splits.
 pub const BIN_COUNT: usize = 20;
 
 /// The cost of one level.
@@ -35,7 +35,7 @@ pub const BIN_COUNT: usize = 20;
 pub struct LevelTraffic {
     /// The level, from 0 for the base mesh.
     pub level: usize,
-    /// Triangles drawn.
+    /// The number of triangles drawn.
     pub triangles: usize,
     /// The cost by filter, in the order of [`Filter::ALL`].
     sent: [DrawCost; 4],
@@ -46,18 +46,18 @@ pub struct LevelTraffic {
 /// The cost of one vertex split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SplitTraffic {
-    /// Restored vertices.
+    /// The number of restored vertices.
     pub vertices: usize,
-    /// Slots renamed in the naive encoding, swaps included.
+    /// The number of slots renamed in the naive encoding, including swaps.
     pub naive_slots: usize,
-    /// Slots renamed in the encoding by offsets.
+    /// The number of slots renamed in the encoding by offsets.
     pub encoded_slots: usize,
 }
 
 impl LevelTraffic {
     /// Returns the cost of a filter at this level.
     ///
-    /// Filters that are not in [`Filter::ALL`] have no cost here.
+    /// Filters outside [`Filter::ALL`] have no cost here.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -72,7 +72,7 @@ impl LevelTraffic {
         of_filter.map_or_else(DrawCost::default, |(_, sent)| sent)
     }
 
-    /// Returns the vertices of a progressive mesh: three per triangle.
+    /// Returns the number of vertices of a progressive mesh: three per triangle.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -87,7 +87,7 @@ impl LevelTraffic {
 }
 
 impl SplitTraffic {
-    /// Returns the slots renamed in an encoding: the u of the literature.
+    /// Returns the number of slots renamed in an encoding, which is u in the literature.
     ///
     /// ```
     /// use tristrip::lod::Encoding;
@@ -102,7 +102,7 @@ impl SplitTraffic {
         }
     }
 
-    /// Returns the bytes of its record as published: 12 per vertex position, 2 per slot.
+    /// Returns the size of its record as published: 12 bytes per vertex position, and 2 per slot.
     ///
     /// ```
     /// use tristrip::lod::Encoding;
@@ -118,31 +118,31 @@ impl SplitTraffic {
 /// Sums over all levels, each drawn once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TrafficTotals {
-    /// Levels drawn, one more than there are collapses.
+    /// The number of levels drawn, one more than the number of collapses.
     pub levels: usize,
-    /// Triangles drawn.
+    /// The number of triangles drawn.
     pub triangles: u64,
     /// Vertices sent by each filter, in the order of [`Filter::ALL`].
     sent: [u64; 4],
-    /// The cost of the splits, from the base mesh on, in bins of a twentieth each.
+    /// The cost of the splits, in bins of a twentieth each, starting at the base mesh.
     bins: [TrafficBin; BIN_COUNT],
 }
 
 /// The cost of a twentieth of the splits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TrafficBin {
-    /// Splits.
+    /// The number of splits.
     pub splits: usize,
-    /// Restored vertices.
+    /// The number of restored vertices.
     pub vertices: u64,
-    /// Slots renamed in the naive encoding.
+    /// The number of slots renamed in the naive encoding.
     pub naive_slots: u64,
-    /// Slots renamed in the encoding by offsets.
+    /// The number of slots renamed in the encoding by offsets.
     pub encoded_slots: u64,
 }
 
 impl TrafficBin {
-    /// Returns the slots per split, the average u; 0 if there is no split.
+    /// Returns the mean number of slots per split, which is the mean of u; 0 if there is no split.
     ///
     /// ```
     /// use tristrip::lod::Encoding;
@@ -160,7 +160,7 @@ impl TrafficBin {
 }
 
 impl TrafficTotals {
-    /// Returns the vertices that a filter sends over all levels.
+    /// Returns the number of vertices that a filter sends over all levels.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -173,7 +173,7 @@ impl TrafficTotals {
         Filter::ALL.iter().zip(self.sent).find(|(other, _)| **other == filter).map_or(0, |(_, sent)| sent)
     }
 
-    /// Returns the vertices that a progressive mesh sends over all levels.
+    /// Returns the number of vertices that a progressive mesh sends over all levels.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -185,8 +185,8 @@ impl TrafficTotals {
         3 * self.triangles
     }
 
-    /// Returns the vertices of a filter divided by those of a progressive mesh; 0 if there is no
-    /// triangle.
+    /// Returns the vertices of a filter divided by those of a progressive mesh; 0 if there are no
+    /// triangles.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -199,7 +199,7 @@ impl TrafficTotals {
         if whole == 0 { 0.0 } else { self.vertices(filter) as f64 / whole as f64 }
     }
 
-    /// Returns the bins of the splits, from the base mesh on.
+    /// Returns the bins of the splits, starting at the base mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -244,7 +244,7 @@ impl TrafficTotals {
     }
 }
 
-/// Converts a number of vertices of [`VERTEX_BITS`] each to the published unit of 2³⁰ bits.
+/// Converts a number of vertices, with [`VERTEX_BITS`] each, to the published unit of 2³⁰ bits.
 ///
 /// ```
 /// use tristrip_lab::traffic::gigabits;
@@ -259,7 +259,7 @@ pub fn gigabits(vertices: u64) -> f64 {
 /// returns the sums.
 ///
 /// # Errors
-/// As for [`ProgressiveStrips::new`].
+/// The errors of [`ProgressiveStrips::new`].
 ///
 /// ```
 /// use tristrip::lod::Filter;
@@ -376,7 +376,7 @@ mod tests {
 
     #[test]
     fn the_published_totals_fit_one_unit() {
-        // Triangles of the base mesh and of the full mesh, collapses, and the printed Gbits of the
+        // Triangles of the base mesh and of the full mesh, collapses, and the printed Gbit of the
         // progressive mesh.
         let models = [
             (254, 5804, 2722, 2.6),

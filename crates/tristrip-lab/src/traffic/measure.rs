@@ -14,7 +14,7 @@ use tristrip_render::text::table;
 /// are proven.
 ///
 /// # Errors
-/// There is no such level, or a level is not proven.
+/// The level does not exist, or a level is not proven.
 ///
 /// ```
 /// use tristrip_io::{Format, read};

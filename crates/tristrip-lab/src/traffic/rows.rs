@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 use tristrip_pipeline::levels::DisplayFilter;
 
-/// The name of the mesh drawn as single triangles, beside the names of the filters.
+/// The name of the mesh drawn as single triangles, used like the name of a filter.
 pub const SINGLE_TRIANGLES: &str = "triangles";
 
 /// A level, and the vertices that each filter sends for it.
@@ -11,34 +11,36 @@ pub const SINGLE_TRIANGLES: &str = "triangles";
 pub struct LevelRow {
     /// The level, from 0 for the base mesh.
     pub level: usize,
-    /// Undone collapses, in percent of all collapses.
+    /// The undone collapses, in percent of all collapses.
     pub percent: f64,
-    /// Triangles of the level.
+    /// The number of triangles of the level.
     pub triangles: usize,
-    /// Vertices sent by filter.
+    /// The number of vertices sent, by filter.
     pub vertices_sent: VerticesSent,
     /// The refinement from the previous row to this one.
     pub refinement: Refinement,
 }
 
-/// The vertex splits from one level to another, and what they write.
+/// The vertex splits from one level to another, and their writes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Refinement {
-    /// Vertex splits.
+    /// The number of vertex splits.
     pub splits: usize,
-    /// Index-map slots written per split if collapses write the kept vertex.
+    /// The index-map slots written per split if collapses write the kept vertex.
     pub updates_naive: f64,
-    /// Index-map slots written per split if collapses write symbols that refer to a nearby slot.
+    /// The index-map slots written per split if collapses write symbols that refer to a nearby
+    /// slot.
     pub updates_encoded: f64,
-    /// Bytes of the refinement of the mesh as single triangles.
+    /// The size of the refinement of the mesh as single triangles, in bytes.
     pub bytes_triangles: usize,
-    /// Bytes of the refinement of the naive index map.
+    /// The size of the refinement of the naive index map, in bytes.
     pub bytes_naive: usize,
-    /// Bytes of the refinement of the encoded index map.
+    /// The size of the refinement of the encoded index map, in bytes.
     pub bytes_encoded: usize,
 }
 
-/// Vertices sent as single triangles, and by each filter, in the order of [`DisplayFilter::ALL`].
+/// The number of vertices sent as single triangles, and by each filter, in the order of
+/// [`DisplayFilter::ALL`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct VerticesSent {
     /// As single triangles.
@@ -63,15 +65,15 @@ impl Serialize for VerticesSent {
     }
 }
 
-/// The vertices that a filter sends for all levels of a model together.
+/// The number of vertices that a filter sends over all levels of a model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FilterTotal {
     /// The name of the filter, or [`SINGLE_TRIANGLES`].
     pub filter: String,
-    /// Vertices sent for all levels.
+    /// The number of vertices sent over all levels.
     pub vertices_sent: u64,
-    /// The same per triangle.
+    /// The number of vertices sent per triangle.
     pub vertices_per_triangle: f64,
-    /// In percent of the vertices sent as single triangles.
+    /// The number of vertices in percent of single triangles.
     pub percent: f64,
 }

@@ -1,8 +1,8 @@
-//! The vertices that every filter sends from the base mesh to the full mesh, when each level is
-//! drawn once.
+//! The number of vertices that every filter sends from the base mesh to the full mesh, if each
+//! level is drawn once.
 //!
-//! `repair` follows the collapses from the full mesh; the other filters read the strips of each
-//! level independently. A model of several parts has the collapses of all of them in one order; a
+//! `repair` follows the collapses from the full mesh. The other filters read the strips of each
+//! level independently. A model of several parts has the collapses of all parts in one order; a
 //! collapse of one part leaves the others unchanged.
 
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::error::Error;
 use tristrip_render::text::table;
 
 /// Counts the vertices that every filter sends for a part, at each of its levels from the full mesh
-/// to the base mesh; the filters are in the order of [`DisplayFilter::ALL`].
+/// to the base mesh. Filters are in the order of [`DisplayFilter::ALL`].
 fn sent_by_level(part: &LevelPart, options: RepairOptions) -> Result<Vec<Vec<usize>>, MeshError> {
     let (strips, sequence) = (part.strips(), part.sequence());
     let mut counts: Vec<Vec<usize>> = Vec::with_capacity(sequence.len() + 1);
@@ -38,8 +38,8 @@ fn sent_by_level(part: &LevelPart, options: RepairOptions) -> Result<Vec<Vec<usi
     Ok(counts)
 }
 
-/// Sums the vertices that every filter sends over all levels of a model; the first total is of the
-/// mesh as single triangles.
+/// Sums the vertices that every filter sends over all levels of a model. The first total is that of
+/// single triangles.
 ///
 /// # Errors
 /// A part is too large.

@@ -20,8 +20,8 @@ const INDEX_BYTES: usize = 2;
 /// vertices of its triangles.
 const SPLIT_INDICES: usize = 4;
 
-/// The levels of a model with what is needed to count their updates; it is built when they are
-/// counted for the first time.
+/// The levels of a model, with the data for counting their updates. This data is built on first
+/// use.
 #[derive(Debug)]
 pub struct TrafficModel<'a> {
     /// The levels.
@@ -39,7 +39,7 @@ impl<'a> TrafficModel<'a> {
     /// Computes the refinement from one level of the model to a higher one.
     ///
     /// # Errors
-    /// There are no such levels.
+    /// A level does not exist.
     pub fn refinement(&self, from: usize, to: usize) -> Result<Refinement, Error> {
         let (from, to) = (self.levels.order.of_parts(from)?, self.levels.order.of_parts(to)?);
         let ranges = from.into_iter().zip(to).map(|(from, to)| from..to);
@@ -60,15 +60,15 @@ impl<'a> TrafficModel<'a> {
     }
 }
 
-/// The number of vertex splits, and what they write into the index map.
+/// The number of vertex splits, and their writes into the index map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct SplitUpdates {
     splits: usize,
-    /// Vertices that are added: one per split, more on attribute seams.
+    /// The number of added vertices: one per split, or more on attribute seams.
     vertices: usize,
-    /// Slots written if collapses write the kept vertex.
+    /// The number of slots written if collapses write the kept vertex.
     naive: usize,
-    /// Slots written if collapses write symbols that refer to a nearby slot.
+    /// The number of slots written if collapses write symbols that refer to a nearby slot.
     encoded: usize,
 }
 
@@ -103,8 +103,8 @@ fn updates(
     Ok(SplitUpdates { splits: levels.len(), vertices, naive, encoded })
 }
 
-/// Counts the vertices that `repair` sends at ascending levels of a part, when it follows the
-/// collapses from the full mesh.
+/// Counts the vertices that `repair` sends at ascending levels of a part. It follows the collapses
+/// from the full mesh.
 pub(super) fn sent_by_repair(
     part: &LevelPart,
     levels: &[usize],
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_split_writes_the_slots_of_its_vertex() {
-        // A flat strip of four triangles: the collapses shorten it.
+        // A flat strip of four triangles, which the collapses shorten.
         let positions: Vec<[f32; 3]> = (0..6).map(|i| [(i / 2) as f32, (i % 2) as f32, 0.0]).collect();
         let faces = Faces::from_triangles(vec![0, 2, 1, 1, 2, 3, 2, 4, 3, 3, 4, 5]).unwrap();
         let mesh = Mesh::new(positions, faces).unwrap();

@@ -1,13 +1,13 @@
-//! Bytes become progressive strips as they arrive, in pieces of any size: each item is read once,
-//! whole.
+//! Decodes progressive strips as their bytes arrive, in pieces of any size. Each item is decoded
+//! once it is complete.
 //!
 //! ```text
 //! header ─▶ positions ─▶ entries ─▶ base mesh ─▶ position ─▶ slots ─▶ one level more ─▶ end
 //!                                                   ▲          │           │
 //!                                                   └──────────┴───────────┘
 //! ```
-//! An item is the header, a position, an entry or a slot. An item that ends beyond a piece waits in
-//! `partial`, and a split of which records are missing in `split`; nothing else is kept back.
+//! An item is the header, a position, an entry or a slot. An item that continues in the next piece
+//! is kept in `partial`, and a split with missing records in `split`. Nothing else is buffered.
 
 mod items;
 mod references;
@@ -18,7 +18,7 @@ use tristrip::Error;
 use tristrip::Strips;
 use tristrip::lod::{Filter, decode_entries};
 
-/// What the next bytes are.
+/// The kind of the next item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Next {
     #[default]
@@ -32,11 +32,11 @@ enum Next {
     End,
 }
 
-/// The records of a split that is not complete.
+/// The records of an incomplete split.
 #[derive(Debug, Clone, Default)]
 struct OpenSplit {
     slots: Vec<u32>,
-    /// The end of each whole record among the slots.
+    /// For each complete record, the end of its range of slots.
     record_ends: Vec<usize>,
 }
 
@@ -47,8 +47,8 @@ struct Lower {
     level: usize,
 }
 
-/// Progressive strips that arrive in pieces. It has all levels whose records have arrived, and
-/// stands at the highest one, or at one that was chosen.
+/// Progressive strips that arrive in pieces. The decoder has all levels whose records have arrived.
+/// Its current level is the highest one, or a selected one.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -66,7 +66,7 @@ struct Lower {
 pub struct WireDecoder {
     next: Next,
     header: Header,
-    /// The bytes of an item of which some are missing.
+    /// The bytes of an incomplete item.
     partial: Vec<u8>,
     /// The offset of the item.
     offset: u64,
@@ -76,13 +76,13 @@ pub struct WireDecoder {
     /// The entries at the highest level that has arrived.
     entries: Vec<u32>,
     records: WireRecords,
-    /// Where the decoder stands, if it is not the highest level.
+    /// The selected level, if it is not the highest one.
     lower: Option<Lower>,
     split: OpenSplit,
     filter: Filter,
-    /// Memory for the decoded map.
+    /// A buffer for the decoded map.
     map: Vec<u32>,
-    /// The display strips, and whether they are those of the level.
+    /// The display strips, and whether they belong to the current level.
     display: Strips,
     is_current: bool,
 }
@@ -105,13 +105,13 @@ impl WireDecoder {
         self
     }
 
-    /// Reads the next bytes, as many as there are. A decoder that stands at the highest level stays
-    /// at the highest one; at a lower level that was chosen it stays there.
+    /// Decodes the next bytes, any number of them. If the current level is the highest one, it
+    /// follows the new levels; a selected lower level does not change.
     ///
     /// # Errors
     /// [`Error::Format`]: the bytes are not what [`encode`](super::encode()) writes. The levels
-    /// before them stay, and all later updates return the same error. [`Error::LimitExceeded`]: the
-    /// records have more than 256 slots per entry of the map.
+    /// before them are kept, and all later updates return the same error. [`Error::LimitExceeded`]:
+    /// the records have more than 256 slots per entry of the map.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -136,8 +136,8 @@ impl WireDecoder {
         result
     }
 
-    /// Goes to a level that has arrived. Time: one step per slot of the records between, and per
-    /// entry of the map from the highest level.
+    /// Selects a level that has arrived. Takes one step per slot of the records in between, and per
+    /// entry of the map when leaving the highest level.
     ///
     /// # Errors
     /// The level has not arrived.
@@ -160,8 +160,8 @@ impl WireDecoder {
         Ok(())
     }
 
-    /// Returns the level at which the decoder stands, from 0 for the base mesh; `None` before the
-    /// base mesh has arrived.
+    /// Returns the current level, from 0 for the base mesh; `None` before the base mesh has
+    /// arrived.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -175,7 +175,7 @@ impl WireDecoder {
         self.has_base().then(|| self.current())
     }
 
-    /// Counts the levels that have arrived, the base mesh included.
+    /// Returns the number of levels that have arrived, including the base mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -208,8 +208,8 @@ impl WireDecoder {
         self.next == Next::End
     }
 
-    /// Returns the counts of all that arrives, for progress and for buffers; `None` before the
-    /// header has arrived.
+    /// Returns the total counts, for progress and buffer sizes; `None` before the header has
+    /// arrived.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -224,8 +224,8 @@ impl WireDecoder {
         (self.next != Next::Header).then_some(self.header)
     }
 
-    /// Returns the positions of the vertices at the level, in the order in which they were sent:
-    /// those of a lower level are its first ones.
+    /// Returns the positions of the vertices at the current level, in the order in which they were
+    /// sent. A lower level uses a prefix of them.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -244,8 +244,8 @@ impl WireDecoder {
         &self.positions[..count]
     }
 
-    /// Returns the display strips at the level, over the vertices of [`WireDecoder::positions`]; none
-    /// before the base mesh has arrived.
+    /// Returns the display strips at the current level, over the vertices of
+    /// [`WireDecoder::positions`]; empty before the base mesh has arrived.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -283,11 +283,11 @@ impl WireDecoder {
         }
     }
 
-    /// Returns the memory of the decoder in bytes, which is bounded by the bytes that have arrived.
+    /// Returns the memory of the decoder in bytes. It is bounded by the bytes that have arrived.
     ///
     /// ```
     /// use tristrip_lab::wire::WireDecoder;
-    /// // A header that promises four billion splits.
+    /// // A header that announces four billion splits.
     /// let mut decoder = WireDecoder::default();
     /// decoder.update(&[0x89, b'P', b'S', 1, 3, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0xF0, 0, 0, 0, 0xF0])?;
     /// assert!(decoder.memory() < 1000);
@@ -308,12 +308,12 @@ impl WireDecoder {
         matches!(self.next, Next::RestoredPosition | Next::Slot | Next::End)
     }
 
-    /// Returns the level, if the base mesh has arrived.
+    /// Returns the current level; 0 before the base mesh has arrived.
     fn current(&self) -> usize {
         self.lower.as_ref().map_or(self.records.len(), |lower| lower.level)
     }
 
-    /// Goes to a level that has arrived.
+    /// Moves to a level that has arrived.
     fn go_to(&mut self, level: usize) {
         let highest = self.records.len();
         self.is_current &= level == self.current();

@@ -1,5 +1,5 @@
-//! Progressive strips become bytes: vertices are numbered in the order in which they are sent, then
-//! header, base mesh and records are written.
+//! Encodes progressive strips: vertices are numbered in sending order, then header, base mesh and
+//! records are written.
 
 use std::sync::Arc;
 
@@ -15,20 +15,20 @@ use tristrip::{Error, MeshProblem};
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Encoded {
-    /// What is sent.
+    /// The encoded bytes.
     pub bytes: Vec<u8>,
-    /// The vertex of the mesh of each vertex sent, in the order in which they are sent.
+    /// For each sent vertex, in sending order, the vertex of the mesh.
     pub vertices: Vec<u32>,
-    /// The bytes of each section.
+    /// The size of each section.
     pub sizes: Sizes,
 }
 
-/// Encodes the strips of a mesh and its collapses, with a position per vertex of the sequence. The
-/// same input gives the same bytes.
+/// Encodes the strips of a mesh and its collapses, with one position per vertex of the sequence.
+/// The output is deterministic.
 ///
 /// # Errors
-/// There is not one position per vertex, or one that is sent is not finite; a collapse renames no
-/// vertex; or the errors of [`ProgressiveStrips::new`].
+/// The number of positions differs from the number of vertices, a sent position is not finite, a
+/// collapse renames no vertex, or [`ProgressiveStrips::new`] fails.
 ///
 /// ```
 /// use tristrip::lod::Encoding;
@@ -82,11 +82,11 @@ pub fn encode(
 /// The order in which vertices are sent.
 #[derive(Debug)]
 struct Numbers {
-    /// The vertices in their order.
+    /// The vertices in this order.
     vertices: Vec<u32>,
-    /// How many of them are in the base map.
+    /// The number of these vertices that are in the base map.
     base_count: usize,
-    /// The number of each vertex; `RESTART` if it has none.
+    /// The new index of each vertex; `RESTART` if it has none.
     number_of: Vec<u32>,
 }
 
@@ -111,7 +111,7 @@ impl Numbers {
         self.vertices.push(vertex);
     }
 
-    /// Returns an entry with the new number of its vertex.
+    /// Returns an entry with the new index of its vertex.
     fn entry(&self, entry: u32) -> u32 {
         let is_special = entry == RESTART || encoded_offset(entry).is_some();
         if is_special { entry } else { self.number_of[entry as usize] }
@@ -151,7 +151,7 @@ fn append_position(position: [f32; 3], out: &mut Vec<u8>) {
     out.extend_from_slice(&bytes);
 }
 
-/// Checks that there is a position per vertex.
+/// Checks that there is one position per vertex.
 fn check_count(positions: &[[f32; 3]], vertex_count: usize) -> Result<(), Error> {
     if positions.len() != vertex_count {
         let (found, expected) = (positions.len() as u64, vertex_count as u64);
@@ -160,7 +160,7 @@ fn check_count(positions: &[[f32; 3]], vertex_count: usize) -> Result<(), Error>
     Ok(())
 }
 
-/// Checks the positions of vertices that are sent.
+/// Checks the positions of the vertices that are sent.
 fn check_sent(positions: &[[f32; 3]], vertices: &[u32]) -> Result<(), Error> {
     for &vertex in vertices {
         if let Some(&found) = positions[vertex as usize].iter().find(|x| !x.is_finite()) {

@@ -1,4 +1,4 @@
-//! The layout that encoder and decoder share: the header, the widths of numbers, the reserved
+//! The layout that encoder and decoder share: the header, the sizes of numbers, and the reserved
 //! slots.
 
 use tristrip::Error;
@@ -8,13 +8,13 @@ use tristrip::text::counted;
 /// A byte that is not ASCII, `PS` for progressive strips, and the version.
 const SIGNATURE: [u8; 4] = [0x89, b'P', b'S', 1];
 
-/// Bytes of the header, and of a position.
+/// The bytes of the header, and of a position.
 pub(super) const HEADER_BYTES: usize = 20;
 pub(super) const POSITION_BYTES: usize = 12;
 
-/// The number of entries that are not vertices: the restart and four symbols.
+/// The number of entry values that are not vertices: the restart and four symbols.
 const SPECIAL_ENTRIES: u32 = 5;
-/// The number of slots that have another meaning.
+/// The number of slot values with a special meaning.
 const RESERVED_SLOTS: u32 = 2;
 
 /// The number of bytes of an entry of the map, or of a slot: 2, 3 or 4.
@@ -22,7 +22,7 @@ const RESERVED_SLOTS: u32 = 2;
 pub(super) struct Width(usize);
 
 impl Width {
-    /// Returns the fewest bytes that hold a number.
+    /// Returns the minimum number of bytes for a number.
     fn of(largest: u32) -> Self {
         Self((2..4).find(|bytes| largest >> (8 * bytes) == 0).unwrap_or(4))
     }
@@ -35,57 +35,57 @@ impl Width {
         u32::MAX >> (32 - 8 * self.0)
     }
 
-    /// Appends the low bytes of a number: the restart and the symbols are the highest numbers of
+    /// Appends the low bytes of a number. The restart and the symbols are the highest numbers of
     /// every width.
     pub(super) fn append(self, number: u32, out: &mut Vec<u8>) {
         out.extend_from_slice(&number.to_le_bytes()[..self.0]);
     }
 
-    /// Returns the entry that a number stands for.
+    /// Returns the entry that a number represents.
     pub(super) fn entry(self, number: u32) -> u32 {
         let below_end = self.largest() - number;
         if below_end < SPECIAL_ENTRIES { u32::MAX - below_end } else { number }
     }
 
-    /// Returns the slot that ends the record of a vertex, not the split: a record of the same split
-    /// follows.
+    /// Returns the slot value that ends the record of a vertex, but not the split: another record
+    /// of the split follows.
     pub(super) fn goes_on(self) -> u32 {
         (self.largest() >> 1) - 1
     }
 
-    /// Returns the slot that ends the split of a vertex without slots.
+    /// Returns the slot value that ends the split of a vertex without slots.
     pub(super) fn no_slot(self) -> u32 {
         self.largest() >> 1
     }
 }
 
-/// Returns the number that bytes are, the lowest first.
+/// Decodes a little-endian number.
 pub(super) fn number(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |number, &byte| number << 8 | u32::from(byte))
 }
 
-/// Returns whether an entry is a vertex below a number, a restart or a symbol.
+/// Returns whether an entry is a vertex below `vertex_count`, a restart or a symbol.
 pub(super) fn is_entry(entry: u32, vertex_count: u32) -> bool {
     entry < vertex_count || entry == RESTART || encoded_offset(entry).is_some()
 }
 
-/// The counts at the beginning of the bytes.
+/// The counts at the beginning of the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Header {
-    /// Vertices of the base mesh.
+    /// The number of vertices of the base mesh.
     pub base_vertex_count: u32,
-    /// Entries of the index map: vertices, symbols and restarts.
+    /// The number of entries of the index map: vertices, symbols and restarts.
     pub entry_count: u32,
-    /// Vertex splits, which is the level of the full mesh.
+    /// The number of vertex splits, which is the level of the full mesh.
     pub split_count: u32,
-    /// Vertices that the splits restore: one per split, more on attribute seams.
+    /// The number of vertices that the splits restore: one per split, or more on attribute seams.
     pub restored_vertex_count: u32,
 }
 
 impl Header {
-    /// Returns the bytes of an entry of the map: 2 for a base mesh of at most 65,531 vertices, 3
-    /// for at most 16,777,211, otherwise 4.
+    /// Returns the size of an entry of the map in bytes: 2 for a base mesh of at most 65,531
+    /// vertices, 3 for at most 16,777,211, otherwise 4.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -98,8 +98,8 @@ impl Header {
         self.entry_width().bytes()
     }
 
-    /// Returns the bytes of a slot of a record: 2 for a map of at most 32,766 entries, 3 for at
-    /// most 8,388,606, otherwise 4.
+    /// Returns the size of a slot of a record in bytes: 2 for a map of at most 32,766 entries, 3
+    /// for at most 8,388,606, otherwise 4.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -121,7 +121,7 @@ impl Header {
         Width::of(highest_slot.saturating_mul(2).saturating_add(1))
     }
 
-    /// Returns the header of counts that bytes can have.
+    /// Returns the header for counts, if the format can represent them.
     pub(super) fn of_counts(counts: [usize; 4]) -> Result<Self, Error> {
         let limits = [Self::MAX_VERTICES, Self::MAX_ENTRIES, u32::MAX, Self::MAX_VERTICES];
         let what =
@@ -136,9 +136,9 @@ impl Header {
         Ok(Self { base_vertex_count, entry_count, split_count, restored_vertex_count })
     }
 
-    /// Vertices whose numbers are below the symbols.
+    /// The maximum number of vertices: their indices must be below the symbols.
     const MAX_VERTICES: u32 = u32::MAX - SPECIAL_ENTRIES + 1;
-    /// Entries whose slots are below the reserved ones.
+    /// The maximum number of entries: their slots must be below the reserved ones.
     const MAX_ENTRIES: u32 = (u32::MAX >> 1) + 1 - RESERVED_SLOTS;
 
     pub(super) fn append(&self, out: &mut Vec<u8>) {
@@ -147,7 +147,7 @@ impl Header {
         counts.iter().for_each(|count| out.extend_from_slice(&count.to_le_bytes()));
     }
 
-    /// Reads the header; an error has the offset in the bytes.
+    /// Decodes the header. An error has the byte offset.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, Error> {
         let wrong = |offset, found: String, expected: String| Error::Format { offset, found, expected };
         let (signature, counts) = bytes.split_at_checked(4).unwrap_or_default();
@@ -180,7 +180,7 @@ impl Header {
     }
 }
 
-/// The bytes of each section.
+/// The size of each section.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -193,18 +193,18 @@ impl Header {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Sizes {
-    /// Bytes of the header, 20.
+    /// The size of the header in bytes, 20.
     pub header_bytes: u64,
-    /// Bytes of the positions of the base mesh, 12 per vertex.
+    /// The size of the positions of the base mesh in bytes, 12 per vertex.
     pub position_bytes: u64,
-    /// Bytes of the index map at the base level.
+    /// The size of the index map at the base level in bytes.
     pub map_bytes: u64,
-    /// Bytes of all records: positions and slots.
+    /// The size of all records in bytes: positions and slots.
     pub record_bytes: u64,
 }
 
 impl Sizes {
-    /// Returns the sum of all sections in bytes.
+    /// Returns the total size of all sections in bytes.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -215,8 +215,8 @@ impl Sizes {
         self.header_bytes + self.position_bytes + self.map_bytes + self.record_bytes
     }
 
-    /// Returns the sizes of the whole sections of a header, and of records that end at a number of
-    /// bytes.
+    /// Returns the sizes of the complete sections of a header, and of records that end at an
+    /// offset.
     pub(super) fn of(header: &Header, position_count: usize, entry_count: usize, total_bytes: u64) -> Self {
         let header_bytes = HEADER_BYTES as u64;
         let position_bytes =

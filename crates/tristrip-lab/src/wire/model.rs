@@ -1,4 +1,4 @@
-//! A whole mesh as paper 001 transmits it, and a level of what has arrived.
+//! A whole mesh in the format of paper 001, and a level of the received data.
 
 use serde::Serialize;
 use tristrip::lod::Encoding;
@@ -11,34 +11,34 @@ use tristrip_pipeline::{levels, levels::LevelPart, rounded, unpack::StreamGoal};
 use super::{Encoded, WireDecoder, encode};
 use crate::error::Error;
 
-/// A mesh as paper 001 transmits it; the keys are those of the JSON report.
+/// A mesh in the format of paper 001; the keys are those of the JSON report.
 #[derive(Debug, Clone, Serialize)]
 pub struct Published {
-    /// The file.
+    /// The bytes of the file.
     #[serde(skip)]
     pub file: Vec<u8>,
-    /// The levels above the base mesh.
+    /// The number of levels above the base mesh.
     #[serde(skip)]
     pub levels: usize,
     /// The number of triangles that the bytes are proven to draw; `None` if they were not proven.
     #[serde(skip)]
     pub proven: Option<usize>,
-    /// The vertices that the full mesh uses.
+    /// The number of vertices that the full mesh uses.
     pub vertices: usize,
-    /// The triangles of the full mesh.
+    /// The number of triangles of the full mesh.
     pub triangles: usize,
-    /// The triangles of the base mesh.
+    /// The number of triangles of the base mesh.
     pub base_triangles: usize,
     /// The size of the file in bytes.
     pub bytes: usize,
-    /// The bytes before the first record.
+    /// The number of bytes before the first record.
     pub base_bytes: usize,
-    /// The bits of the file per vertex; `None` without vertices.
+    /// The size of the file in bits per vertex; `None` without vertices.
     pub bits_per_vertex: Option<f64>,
 }
 
-/// A level of a file; the keys are those of the JSON report. The levels have no errors: the bytes
-/// do not hold any.
+/// A level of a file; the keys are those of the JSON report. Levels have no errors, because the
+/// file does not store any.
 #[derive(Debug, Clone, Serialize)]
 pub struct Level {
     /// The mesh of the level.
@@ -48,21 +48,21 @@ pub struct Level {
     pub level: usize,
     /// The level of the full mesh.
     pub levels: usize,
-    /// The triangles of the level.
+    /// The number of triangles of the level.
     pub triangles: usize,
-    /// The triangles of the highest level that has arrived.
+    /// The number of triangles of the highest level that has arrived.
     pub triangles_full: usize,
-    /// The bytes that were read.
+    /// The number of bytes that were read.
     pub bytes: usize,
     /// Whether the file ends before the full mesh.
     pub ended_early: bool,
 }
 
-/// Encodes a part of the levels of a model, with the positions of the part.
+/// Encodes part of the levels of a model, with the positions of the part.
 ///
 /// # Errors
-/// The positions are not those of the part, or one is not finite; a number is too large for the
-/// bytes.
+/// The positions do not belong to the part, a position is not finite, or a number is too large for
+/// the format.
 pub(crate) fn encode_part(
     part: &LevelPart,
     positions: &[[f32; 3]],
@@ -72,10 +72,10 @@ pub(crate) fn encode_part(
     Ok(encode(part.strips(), part.sequence(), &positions, encoding)?)
 }
 
-/// Encodes a mesh as paper 001 transmits it, with the four symbols of its section 3.
+/// Encodes a mesh in the format of paper 001, with the four symbols of its section 3.
 ///
 /// # Errors
-/// The mesh is not valid, a number is too large for the bytes, or the bytes are not proven.
+/// The mesh is invalid, a number is too large for the format, or the bytes are not proven.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -119,10 +119,10 @@ pub fn pack(mesh: &Mesh, options: &levels::Options) -> Result<Published, Error> 
     Ok(published)
 }
 
-/// Decodes a level. A file that is cut off gives what is before the end.
+/// Decodes a level. A truncated file is decoded up to its end.
 ///
 /// # Errors
-/// The bytes are not valid, the level does not exist, or the base mesh is not complete.
+/// The bytes are invalid, the level does not exist, or the base mesh is incomplete.
 pub fn unpack(bytes: &[u8], goal: StreamGoal) -> Result<Level, Error> {
     let mut decoder = WireDecoder::default();
     let used = match goal {
@@ -153,8 +153,8 @@ pub fn unpack(bytes: &[u8], goal: StreamGoal) -> Result<Level, Error> {
     Ok(Level { model, level, levels, triangles, triangles_full, bytes, ended_early })
 }
 
-/// Finds the finest level with at most this many triangles: each level has more than the ones
-/// below.
+/// Finds the finest level with at most this number of triangles. Each level has more triangles than
+/// the levels below.
 fn finest(decoder: &mut WireDecoder, arrived: usize, most: usize) -> Result<usize, Error> {
     let (mut low, mut high) = (0, arrived);
     while low < high {

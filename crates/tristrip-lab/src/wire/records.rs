@@ -1,19 +1,18 @@
-//! The splits that have arrived: what each writes into the slots of the index map, and what was
-//! there before.
+//! The splits that have arrived: their writes to the index map, and the previous entries.
 
 use tristrip::Error;
 
-/// The maximum number of renamed slots per entry of a map, over all splits: meshes have about five.
+/// The maximum number of renamed slots per entry of a map, over all splits. Meshes have about five.
 const MAX_SLOTS_PER_ENTRY: usize = 256;
 
-/// The splits in the order in which they arrived, from the base mesh on.
+/// The splits in order of arrival, starting at the base mesh.
 #[derive(Debug, Clone, Default)]
 pub(super) struct WireRecords {
-    /// The end of each split among the vertices.
+    /// For each split, the end of its range of vertices.
     vertex_ends: Vec<u32>,
     /// The restored vertices.
     vertices: Vec<u32>,
-    /// The end of each vertex among the slots.
+    /// For each vertex, the end of its range of slots.
     slot_ends: Vec<u32>,
     slots: Vec<u32>,
     /// The entry of each slot before the split.
@@ -44,9 +43,9 @@ impl WireRecords {
         }
     }
 
-    /// Writes the entries that the slots of a split had before.
+    /// Restores the entries that the slots of a split had before.
     pub(super) fn collapse(&self, number: usize, entries: &mut [u32]) {
-        // From the last one back: a slot that is written twice gets its first entry.
+        // In reverse order: a slot that is written twice gets back its first entry.
         for i in range(&self.vertex_ends, number).rev() {
             let range = range(&self.slot_ends, i);
             for (&slot, &entry) in self.slots[range.clone()].iter().zip(&self.coarse[range]) {
@@ -55,8 +54,8 @@ impl WireRecords {
         }
     }
 
-    /// Adds a restored vertex with its slots, rising, and the entries that they had, to the open
-    /// split.
+    /// Adds a restored vertex to the open split, with its ascending slots and their previous
+    /// entries.
     pub(super) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
         self.vertices.push(vertex);
         for (slot, entry) in written {
@@ -66,7 +65,7 @@ impl WireRecords {
         self.slot_ends.push(self.slots.len() as u32);
     }
 
-    /// Ends a split, unless there are too many slots for a map of `entry_count` entries.
+    /// Ends a split. Fails if there are too many slots for a map of `entry_count` entries.
     pub(super) fn end(&mut self, entry_count: usize) -> Result<(), Error> {
         self.vertex_ends.push(self.vertices.len() as u32);
         let limit = entry_count.saturating_mul(MAX_SLOTS_PER_ENTRY).min(u32::MAX as usize);

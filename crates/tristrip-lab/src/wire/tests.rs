@@ -31,7 +31,7 @@ fn encoded(strips: &Strips, collapses: &[&[(u32, u32)]]) -> Encoded {
     encode(strips, &sequence, &positions(count), Encoding::Offsets).unwrap()
 }
 
-/// The bytes of the head: base mesh 0 1 2 ◁ ◁ 3 and two records, at bytes 80 and 94.
+/// The bytes of the module's example: base mesh 0 1 2 ◁ ◁ 3 and two records, at bytes 80 and 94.
 fn head() -> Encoded {
     encoded(&strips(&[&[0, 1, 2, 3, 4, 5]]), &[&[(4, 3)], &[(3, 2)]])
 }
@@ -41,7 +41,7 @@ fn decoded(bytes: &[u8]) -> Result<WireDecoder, Error> {
     decoder.update(bytes).map(|()| decoder)
 }
 
-/// Formats bytes by section: positions as the first coordinate, everything else in hexadecimal
+/// Formats bytes by section: positions as their first coordinate, everything else as hexadecimal
 /// digits.
 fn text(encoded: &Encoded) -> String {
     let decoder = decoded(&encoded.bytes).unwrap();
@@ -78,8 +78,8 @@ fn the_bytes_of_the_head() {
 
 #[test]
 fn restarts_swaps_disjoint_and_closed_vertices() {
-    // The swap 1 is R−2. Vertex 6 is closed: its slot next to 7 becomes R+1, the other one holds 7,
-    // and is disjoint as that of strip 1 is.
+    // The swap 1 is R−2. Vertex 6 is closed: its slot next to 7 becomes R+1. The other slot
+    // contains 7, and is disjoint, like that of strip 1.
     let strips = strips(&[&[0, 1, 2, 1, 3], &[6, 2, 3, 4, 6, 7], &[8, 6, 9]]);
     let expected = "89505301 08000000 10000000 01000000 01000000\n\
                     0 1 2 3 7 4 8 9\n\
@@ -90,7 +90,7 @@ fn restarts_swaps_disjoint_and_closed_vertices() {
 
 #[test]
 fn a_split_may_restore_several_vertices() {
-    // 3 and 5 are renamed at once, then 4.
+    // 3 and 5 are renamed together, then 4.
     let strips = strips(&[&[0, 1, 2, 3], &[4, 5, 6]]);
     let encoded = encoded(&strips, &[&[(3, 2), (5, 6)], &[(4, 6)]]);
     let expected = "89505301 04000000 08000000 02000000 03000000\n\
@@ -118,7 +118,7 @@ fn a_vertex_without_slots_is_a_level_of_its_own() {
 
 #[test]
 fn large_maps_have_wide_numbers() {
-    // A zigzag of 70,000 vertices, of which the last two collapse.
+    // A zigzag of 70,000 vertices. The last two collapse.
     let count = 70_000;
     let zigzag: Vec<u32> = (0..count).collect();
     let collapses: [&[(u32, u32)]; 2] = [&[(count - 1, count - 2)], &[(count - 2, count - 3)]];
@@ -192,7 +192,8 @@ fn what_cannot_be_encoded_is_refused() {
     assert_eq!(found, expected);
 }
 
-/// Each damage of the bytes of the head, with its error, and the levels that arrived before.
+/// Each kind of damage to the bytes of the example, with its error, and the levels that arrived
+/// before.
 #[test]
 fn damaged_bytes_are_errors_with_their_position() {
     let nan = f32::NAN.to_le_bytes();
@@ -233,7 +234,7 @@ fn damaged_bytes_are_errors_with_their_position() {
             "byte 92: found another record of a split, of 1 that are left, expected one or more per split, of 2",
             1,
         ),
-        // A slot that is not the last one; the next bytes are those of a position.
+        // A slot that is not the last one. The next bytes are those of a position.
         (92, &[6], "byte 94: found slot 0, expected more than 3", 1),
         // A reserved slot that is not the last one.
         (92, &[0xFE, 0xFF], "byte 92: found slot 32767, expected less than 6", 1),
@@ -245,7 +246,7 @@ fn damaged_bytes_are_errors_with_their_position() {
         let mut decoder = WireDecoder::default();
         let error = decoder.update(&bytes).unwrap_err();
         assert_eq!((error.to_string().as_str(), decoder.level_count()), (expected, levels));
-        // It stays the same, and the same in pieces.
+        // The error persists, and is the same in pieces.
         assert_eq!(decoder.update(&head), Err(error.clone()));
         let mut decoder = WireDecoder::default();
         assert_eq!(bytes.iter().find_map(|&byte| decoder.update(&[byte]).err()), Some(error));
@@ -265,7 +266,7 @@ fn splits_and_vertices_are_counted() {
     let expected =
         "byte 106: found the last split, 1 vertex before the last one, expected another record of the split";
     assert_eq!(error, expected);
-    // Slots may be written to a restart by nobody.
+    // A record must not write to a restart.
     let two = encoded(&strips(&[&[0, 1, 2], &[3, 4, 5, 6]]), &[&[(6, 5)]]);
     let mut bytes = two.bytes;
     let last = bytes.len() - 2;
@@ -280,7 +281,7 @@ fn hostile_counts_take_no_memory() {
     let counts = [0xFFFF_FF00_u32, 0x7FFF_FFFE, 1, 1].map(u32::to_le_bytes);
     let mut decoder = decoded(&[&[0x89, b'P', b'S', 1][..], counts.as_flattened()].concat()).unwrap();
     assert!(decoder.memory() < 100 && decoder.strips().is_empty() && decoder.level().is_none());
-    // One entry of the map, and the bytes of a split that do not end: memory follows the bytes.
+    // One entry of the map, and the bytes of an endless split: memory follows the bytes.
     let start = |splits: u32| {
         let header = [1, 3, splits, 1 << 20].map(u32::to_le_bytes);
         let base = [&[0; 12][..], &[0; 6]].concat();
@@ -291,7 +292,7 @@ fn hostile_counts_take_no_memory() {
     (0..1000).for_each(|_| decoder.update(&record).unwrap());
     assert_eq!(decoder.level(), Some(0));
     assert!(decoder.memory() < 3 * 1000 * record.len(), "{}", decoder.memory());
-    // Splits that write the same slots again and again end at a limit, 256 slots per entry.
+    // Splits that repeatedly write the same slots stop at a limit of 256 slots per entry.
     let mut decoder = start(1 << 20);
     let record = [&[0; 12][..], &[0, 0, 2, 0, 5, 0]].concat();
     let result = (0..1000).try_for_each(|_| decoder.update(&record));
@@ -300,7 +301,7 @@ fn hostile_counts_take_no_memory() {
     assert!((0..=256).all(|level| decoder.set_level(level).is_ok() && decoder.strips().is_empty()));
 }
 
-/// Draws what a model draws, with the numbers in which vertices were sent.
+/// Draws the strips of a model, with the indices of sent vertices.
 fn drawn(model: &mut impl LevelCursor, encoded: &Encoded) -> Strips {
     let mut number_of = vec![u32::MAX; 100];
     (0..).zip(&encoded.vertices).for_each(|(number, &vertex)| number_of[vertex as usize] = number);
@@ -355,7 +356,7 @@ proptest! {
         }
     }
 
-    /// A level that was chosen stays as it is while others arrive; the highest one is followed.
+    /// A selected level does not change while others arrive; the highest one is followed.
     #[test]
     fn chosen_levels_stay_during_updates(sample in samples(), seed in any::<u64>()) {
         let random = &mut Random::new(seed);
@@ -380,7 +381,7 @@ proptest! {
         }
     }
 
-    /// A record is 12 + 2 u bytes: equation 2.
+    /// A record takes 12 + 2 u bytes: equation 2.
     #[test]
     fn records_have_the_published_size(sample in samples()) {
         let places = positions(sample.sequence.vertex_count());
@@ -392,7 +393,7 @@ proptest! {
                 12 * restored + 2 * model.slot_count(level) + 2 * (restored - 1)
             };
             let expected: usize = (0..sample.sequence.len()).map(bytes).sum();
-            // A vertex whose slots all stand for others has none of its own.
+            // A vertex whose slots all refer to others has none of its own.
             let without_slots = (0..sample.sequence.len())
                 .filter(|&level| model.split(level).unwrap().last().is_some_and(|update| update.slots.is_empty()))
                 .count();
@@ -418,7 +419,7 @@ proptest! {
         }
         let is_signature_wrong = result.is_err_and(|error| error.to_string().starts_with("byte 0: "));
         prop_assert_eq!(is_signature_wrong, at < 4);
-        // The levels before the damage stay as they were.
+        // The levels before the damage are unchanged.
         bytes[at] ^= bits;
         let mut before = decoded(&bytes[..at]).unwrap();
         for level in 0..before.level_count() {

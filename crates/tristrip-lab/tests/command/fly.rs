@@ -34,7 +34,7 @@ fn a_flight_reports_every_frame() {
     assert_eq!((frames.len(), &report["proven"], &report["path"]), (12, &true.into(), &"orbit".into()));
     assert!(frames.iter().all(|frame| frame["proven"] == true && frame["complete"] == true));
     assert!(frames.iter().all(|frame| number(&frame["vertices_sent"]) > number(&frame["triangles"])));
-    // The first frame comes from the base mesh; no frame draws the full mesh.
+    // The first frame starts from the base mesh. No frame draws the full mesh.
     assert!(number(&frames[0]["splits"]) > 100 && number(&frames[0]["collapses"]) == 0);
     let full = number(&report["triangles_full"]);
     assert!(frames.iter().all(|frame| number(&frame["triangles"]) < full));
@@ -165,6 +165,6 @@ fn a_flight_over_a_file_is_that_over_its_mesh() {
     };
     assert_eq!(drawn(&of_file.0), drawn(&of_mesh.0));
     let refused = lab().args(["fly", "-m", "stripe"]).arg(&path).assert().code(2);
-    refused.stderr(contains("fish.tlod: has strips of its own; leave out --method"));
+    refused.stderr(contains("fish.tlod: --method cannot be used: the file has its own strips"));
     assert_ne!(of_file.1, of_mesh.1, "the page of a file names no method");
 }

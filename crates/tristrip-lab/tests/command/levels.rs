@@ -140,7 +140,7 @@ fn recovery_is_measured_for_every_model() {
         }
     }
     assert!(fs::read_to_string(&chart).unwrap().contains("microseconds per move"));
-    // The times are of people's interest, too.
+    // Times are also printed as text.
     let shown = lab().args(["levels", "-m", "stripe", "--sweep", "linear"]).arg(model("hand.ply")).assert();
     shown.success().stdout(contains("Recovery of a share of all levels").and(contains("lod-strips")));
     lab().arg("levels").arg(model("hand.ply")).assert().code(2);

@@ -31,7 +31,7 @@ fn json(command: &mut Command) -> Value {
     serde_json::from_slice(&output).unwrap_or_else(|error| panic!("standard output is not JSON: {error}"))
 }
 
-/// Returns the keys of an object, in the order printed.
+/// Returns the keys of an object, in printed order.
 fn keys(value: &Value) -> Vec<&str> {
     value.as_object().into_iter().flat_map(|object| object.keys()).map(String::as_str).collect()
 }

@@ -1,4 +1,4 @@
-//! `tristrip-lab pareto`: figures, optimality, the chart, and write errors.
+//! `tristrip-lab pareto`: metrics, optimality, the chart, and write errors.
 
 use std::fs;
 use std::path::Path;

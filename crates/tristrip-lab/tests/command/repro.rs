@@ -8,14 +8,14 @@ use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::contains;
 
-/// Reproduces papers on a folder of models into another.
+/// Reproduces papers with the models of one directory, and writes to another.
 fn repro(papers: &str, models: &Path, output: &Path) -> Command {
     let mut command = lab();
     command.args(["repro", "--papers", papers, "--models"]).arg(models).arg("-o").arg(output);
     command
 }
 
-/// Creates a folder with a small model under the names of models in papers.
+/// Creates a directory with a small model under the names of models in papers.
 fn models() -> std::io::Result<tempfile::TempDir> {
     let dir = tempfile::tempdir()?;
     for name in ["goblet", "hand", "triceratops"] {
@@ -100,7 +100,7 @@ fn pages_with_more_measurements_are_kept() {
     fs::copy(model("wingnut.ply"), all.path().join("hand.ply")).unwrap();
     repro("003", all.path(), output.path()).assert().success();
     assert_ne!(files.map(read), before);
-    // Without any model nothing is written.
+    // Without any model, nothing is written.
     let (none, empty) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let report = json(repro("003", none.path(), empty.path()).arg("--json"));
     assert!(report["notes"][0].as_str().unwrap().ends_with("were not written: none of the models was found"));
@@ -162,7 +162,7 @@ fn a_section_is_measured_by_itself_and_keeps_the_rest_of_the_page() {
         ["table 3", "table 4", "merge trees"]
     );
     let measured = |row: usize, column: usize| tables[0]["rows"][row]["columns"][column]["measured"].clone();
-    // The published share of the 6090 triangles, and all of them.
+    // The published fraction of the 6090 triangles, and all of them.
     assert!((measured(0, 0).as_f64().unwrap() - 6090.0 * 10.2 / 69.4).abs() < 20.0);
     assert_eq!([measured(2, 0), measured(2, 1)].map(|figure| figure.as_f64()), [Some(6090.0), Some(18270.0)]);
     let page = || fs::read_to_string(path.join("000.md")).unwrap();
@@ -175,8 +175,8 @@ fn a_section_is_measured_by_itself_and_keeps_the_rest_of_the_page() {
     }
     assert!(!path.join("000-figure-16.svg").exists());
 
-    // The other section comes to it, and each keeps what the other one measured, also without its
-    // models.
+    // The other section is added, and each section is kept when the other one is measured, also
+    // without its models.
     section("strips").assert().success();
     let both = page();
     assert!(both.contains("## Table 1\n") && both.contains("stand-in: triceratops"), "{both}");

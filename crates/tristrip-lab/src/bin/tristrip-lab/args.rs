@@ -50,12 +50,12 @@ pub(crate) enum Command {
     Unpack(UnpackArgs),
 }
 
-/// Reproduce the tables and figures of papers, published beside measured
+/// Reproduce the tables and figures of papers, and show published and measured values side by side
 ///
-/// Write a page per paper, and its figures as SVG or PNG, into the folder `reproduction` of a
-/// directory. Each result is proven before it is shown. Pages contain no times, so they are the
-/// same on every machine. Rows whose model is missing are marked. A page that was measured on more
-/// models than are found now is kept with its figures, and a note says so.
+/// Write one page per paper, with its figures as SVG or PNG, into the directory `reproduction`
+/// inside the output directory. Each result is proven first. Pages contain no times, so they are
+/// the same on every machine. Rows whose model is missing are marked. If an existing page was
+/// measured on more models than are found now, it is kept, with a note.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Papers:
   000  El-Sana et al., Efficiently Computing and Updating Triangle Strips, 2000
@@ -71,25 +71,24 @@ pub(crate) struct ReproArgs {
     /// The numbers of the papers, separated by commas [default: all]
     #[arg(long, value_name = "PAPERS", value_delimiter = ',')]
     pub(crate) papers: Vec<String>,
-    /// Reproduce only this section of the papers that have it
+    /// Reproduce only this section of each paper
     ///
-    /// Paper 000 has the sections strips and skip-strips; 001 and 002 have levels, 003 and 004
-    /// strips. Other sections of the page are kept.
+    /// Paper 000 has the sections strips and skip-strips; papers 001 and 002 have levels; papers
+    /// 003 and 004 have strips. Other sections of the page are kept.
     #[arg(long, value_name = "NAME")]
     pub(crate) section: Option<String>,
-    /// The folder of the models [default: ../shared/models if it exists, else testdata/models]
+    /// The directory of the models [default: ../shared/models if it exists, else testdata/models]
     #[arg(long, value_name = "DIRECTORY")]
     pub(crate) models: Option<PathBuf>,
-    /// The directory that contains the folder `reproduction`
+    /// The directory in which the directory `reproduction` is created
     #[arg(short, long, value_name = "DIRECTORY")]
     pub(crate) output: PathBuf,
 }
 
-/// Compare the filters and the level models on the levels of detail of meshes
+/// Compare filters and level models on the levels of detail of meshes
 ///
-/// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename
-/// vertices in them down to a base mesh. At least one of --table, --compare, --sweep and --plot is
-/// needed.
+/// Build strips once, for the full mesh. Half-edge collapses, cheapest first, rename vertices in
+/// them down to a base mesh. At least one of --table, --compare, --sweep and --plot is required.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip-lab levels bunny.ply --table                      vertices sent by each filter, level by level
@@ -106,25 +105,25 @@ pub(crate) struct LevelsArgs {
     /// Print the vertices that each filter sends over all levels
     #[arg(long)]
     pub(crate) compare: bool,
-    /// Measure how long each level model takes to move between levels, and its memory: linear,
+    /// Measure the memory of each level model, and its time to move between levels: linear,
     /// exponential, or both
     ///
-    /// 1, 3, 6, 10, 15 and 20 % of all levels are recovered, from the full mesh down to the base
-    /// mesh and up again, at equal distances (linear) or closer to each other near the full mesh
+    /// Recover 1, 3, 6, 10, 15 and 20 % of all levels, from the full mesh down to the base mesh and
+    /// up again. Levels are equally spaced (linear), or closer together near the full mesh
     /// (exponential).
     #[arg(long, value_name = "SWEEPS", value_delimiter = ',')]
     pub(crate) sweep: Vec<Sweep>,
-    /// Plot the vertices sent by each filter, or with --sweep the times, in an SVG file; up to
+    /// Plot the vertices sent by each filter, or the times with --sweep, as an SVG file; up to
     /// three inputs
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
     /// The ratio of all triangles that the base mesh keeps: 0.05 or 5%
     #[arg(long, value_name = "RATIO", default_value = "5%", allow_negative_numbers = true)]
     pub(crate) base: Ratio,
-    /// How collapses are priced: distance, planes or quadric
+    /// The cost of collapses: distance, planes or quadric
     #[arg(long, value_name = "PRICE", default_value_t)]
     pub(crate) price: Price,
-    /// The effort of the filter repair, from 0 to 9
+    /// The effort of the filter `repair`, from 0 to 9
     #[arg(long, value_name = "LEVEL", value_parser = effort, default_value = "5")]
     pub(crate) filter_effort: Effort,
     /// Skip verification
@@ -137,16 +136,17 @@ pub(crate) struct LevelsArgs {
 /// The strips of the full mesh.
 #[derive(Debug, Args)]
 pub(crate) struct MethodArgs {
-    /// The method of the strips and its options, such as stripe-global:patches=full,cutoff=10
+    /// The method that builds the strips, with its options, such as
+    /// stripe-global:patches=full,cutoff=10
     #[arg(short = 'm', long = "method", value_name = "METHOD", value_parser = parse_method, default_value = "best")]
     pub(crate) options: StripifyOptions,
 }
 
 /// Chart all methods: indices per triangle against misses per triangle
 ///
-/// A line joins the Pareto-optimal methods: no other method has fewer of one and no more of the
-/// other. Each result is proven. The plain triangle list is shown for comparison. Misses are kept
-/// across strips.
+/// A line connects the Pareto-optimal methods: no other method is better in one of the two costs
+/// and at least as good in the other. Each result is proven. The plain triangle list is shown for
+/// comparison. The cache is not flushed between strips.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip-lab pareto bunny.ply -o bunny.svg")]
@@ -174,13 +174,13 @@ pub(crate) struct ParetoArgs {
 
 /// Fly a camera over a model with view-dependent detail, and measure each frame
 ///
-/// Build strips once for the full mesh, and a tree of collapses. In each frame the camera decides
-/// which vertices collapse: more far from the camera, outside the frustum and on back faces. Only
-/// the strips change in which such a vertex is. The report has the triangles, the vertices sent,
-/// what changed, and the time of each update. The display strips of up to 20 frames are proven to
+/// Build strips once for the full mesh, and a tree of collapses. In each frame, the camera decides
+/// which vertices collapse: more of them far from the camera, outside the frustum and on back
+/// faces. Only strips with such a vertex change. The report has the triangles, the vertices sent,
+/// the changes, and the time of each update. The display strips of up to 20 frames are proven to
 /// draw exactly the triangles of the view.
 ///
-/// The parts of a file become one mesh, without the transformations of nodes.
+/// The parts of a file are joined into one mesh; node transforms are not applied.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip-lab fly bunny.ply                                     one turn around the model
@@ -195,12 +195,12 @@ pub(crate) struct FlyArgs {
     pub(crate) input: PathBuf,
     /// The path of the camera: orbit, dolly, flyover, or a JSON file of cameras
     ///
-    /// orbit is one turn around the vertical axis, at a distance at which the model fills the
-    /// image. dolly goes straight towards the model. flyover goes low over it along the longest
+    /// orbit is one turn around the vertical axis, at the distance where the model fills the image.
+    /// dolly moves straight toward the model. flyover flies low over the model along the longest
     /// side of its bounding box, for terrains. A file is an array of cameras,
-    /// `[{"eye": [0, 0, 9], "look_at": [0, 0, 0], "up": [0, 1, 0], "field_of_view": 45}]` in mesh
-    /// units and degrees, between which the frames are interpolated linearly; up and the angle may
-    /// be left out.
+    /// `[{"eye": [0, 0, 9], "look_at": [0, 0, 0], "up": [0, 1, 0], "field_of_view": 45}]`, in mesh
+    /// units and degrees. Frames are interpolated linearly between them. `up` and `field_of_view`
+    /// are optional.
     #[arg(long, value_name = "PATH", default_value = "orbit")]
     pub(crate) path: PathBuf,
     /// The number of frames, up to 100000
@@ -210,74 +210,75 @@ pub(crate) struct FlyArgs {
     /// the bounding box]
     #[arg(long, value_name = "AXIS")]
     pub(crate) up: Option<Axis>,
-    /// The vertical angle of the image in degrees
+    /// The vertical field of view in degrees
     #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW)]
     pub(crate) field_of_view: f32,
-    /// The columns and rows of the image in pixels
+    /// The size of the image in pixels, as WIDTHxHEIGHT
     #[arg(long, value_name = "SIZE", value_parser = image_size, default_value = "1920x1080")]
     pub(crate) image: [u32; 2],
-    /// The error that a collapse may have in the image, in pixels
+    /// The maximum error of a collapse in the image, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1.0, allow_negative_numbers = true)]
     pub(crate) pixels: f32,
     /// The maximum number of triangles of a frame
     ///
-    /// If the error needs more, the largest errors in pixels are reduced first. The base mesh may
-    /// have more.
+    /// If the error limit needs more triangles, the largest errors in pixels are reduced first. The
+    /// base mesh may have more.
     #[arg(long, value_name = "COUNT")]
     pub(crate) triangles: Option<usize>,
-    /// The maximum number of collapses and splits of a frame; the rest is done in the next one
+    /// The maximum number of collapses and splits per frame; the rest is done in the next frame
     /// [default: no limit]
     #[arg(long, value_name = "N")]
     pub(crate) steps: Option<NonZeroUsize>,
-    /// Keep the detail outside the frustum
+    /// Keep full detail outside the frustum
     #[arg(long)]
     pub(crate) no_frustum: bool,
-    /// Keep the detail of back faces, which may have four times the error otherwise
+    /// Keep full detail on back faces; otherwise they may have four times the error
     #[arg(long)]
     pub(crate) no_back_faces: bool,
-    /// Give silhouettes no more detail than other faces; they may have half of the error otherwise
+    /// Give silhouettes no more detail than other faces; otherwise they may have only half of the
+    /// error
     #[arg(long)]
     pub(crate) no_silhouettes: bool,
-    /// The direction to a light: faces that look away from it may have twice the error
+    /// The direction to a light; faces that face away from it may have twice the error
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<f32, 3>, allow_hyphen_values = true)]
     pub(crate) light: Option<[f32; 3]>,
-    /// How much the allowed error grows per degree away from the point of attention, such as 0.2
+    /// The growth of the allowed error per degree from the point of attention, such as 0.2
     #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
     pub(crate) foveation: Option<f32>,
     /// The point of attention, in fractions of the image from the left and from the top
     #[arg(long, value_name = "X,Y", value_parser = numbers::<f32, 2>, requires = "foveation", default_value = "0.5,0.5")]
     pub(crate) attention: [f32; 2],
-    /// How the strips are filtered before they are drawn: none, stss, dtfs or linked
+    /// The filter that turns strips into display strips: none, stss, dtfs or linked
     #[arg(long, value_name = "FILTER", default_value_t = Filter::Dtfs)]
     pub(crate) filter: Filter,
     /// Write the report of all frames as a Markdown page
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
-    /// Plot triangles, vertices sent and milliseconds per frame in an SVG file
+    /// Plot triangles, vertices sent and milliseconds per frame as an SVG file
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
-    /// Draw frames as PNG files 0000.png, 0001.png … in a directory, one colour per strip
+    /// Write frames as PNG files 0000.png, 0001.png … to a directory, one colour per strip
     #[arg(long, value_name = "DIRECTORY")]
     pub(crate) video: Option<PathBuf>,
-    /// Draw one frame of every K [default: at most 60 in all]
+    /// Draw one of every K frames [default: at most 60 images]
     #[arg(long, value_name = "K", requires = "video")]
     pub(crate) video_every: Option<NonZeroUsize>,
-    /// Draw the surface in grey, without the colours of strips
+    /// Draw the surface in grey, without strip colours
     #[arg(long, requires = "video")]
     pub(crate) shaded: bool,
     /// Skip verification
     #[arg(long)]
     pub(crate) no_verify: bool,
-    /// The method of the strips and its options, such as stripe-global:patches=full,cutoff=10
-    /// [default: best]
+    /// The method that builds the strips, with its options, such as
+    /// stripe-global:patches=full,cutoff=10 [default: best]
     #[arg(short, long, value_name = "METHOD", value_parser = parse_method)]
     pub(crate) method: Option<StripifyOptions>,
 }
 
-/// Encode a mesh as paper 001 transmits it: progressive strips, and 12 + 2 u bytes per restored
+/// Encode a mesh in the format of paper 001: progressive strips, and 12 + 2 u bytes per restored
 /// vertex
 ///
-/// All parts become one mesh of positions and strips. The bytes are not compressed.
+/// All parts are joined into one mesh of positions and strips. The bytes are not compressed.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip-lab pack bunny.ply -o bunny.ps")]
@@ -293,26 +294,26 @@ pub(crate) struct PackArgs {
     pub(crate) no_verify: bool,
 }
 
-/// Read a level of detail from a file of `pack`, which may be cut off
+/// Read a level of detail from a file written by `pack`, which may be truncated
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip-lab unpack bunny.ps --level 30% -o part.ply
   tristrip-lab unpack bunny.ps --bytes 20000 -o first.ply")]
 pub(crate) struct UnpackArgs {
-    /// A file of `pack`
+    /// A file written by `pack`
     #[arg(value_name = "INPUT")]
     pub(crate) input: PathBuf,
-    /// The level of detail: the number of collapses that are undone, or a percentage of all
+    /// The level of detail, as a number of undone collapses or a percentage of all collapses
     /// [default: 100%]
     #[arg(long, value_name = "LEVEL", group = "goal", allow_negative_numbers = true)]
     pub(crate) level: Option<Level>,
-    /// The finest level with at most this number of triangles
+    /// Read the finest level with at most this number of triangles
     #[arg(long, value_name = "N", group = "goal")]
     pub(crate) triangles: Option<usize>,
-    /// The level that this number of bytes holds
+    /// Read the level that the first N bytes contain
     #[arg(long, value_name = "N", group = "goal")]
     pub(crate) bytes: Option<usize>,
-    /// The mesh file to write; without it, only report
+    /// The mesh file to write; without it, print only the report
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: Option<PathBuf>,
 }

@@ -9,7 +9,7 @@ pub(crate) enum Failure {
     Usage(String),
     /// A bad input or output, or a result that is not proven: exit code 1.
     Failed(String),
-    /// The same, when the message has been printed.
+    /// A failure with exit code 1 whose message has been printed.
     Reported,
 }
 

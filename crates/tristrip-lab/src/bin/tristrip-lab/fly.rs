@@ -24,7 +24,7 @@ use crate::input::{check_chart, load, short_name, timed, write_text};
 
 /// The maximum number of frames whose display strips are proven.
 const PROOF_COUNT: usize = 20;
-/// The maximum number of images, unless more are requested.
+/// The default maximum number of images.
 const DEFAULT_IMAGES: usize = 60;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
@@ -40,7 +40,7 @@ struct FlySeconds {
 #[derive(Debug, Default, Serialize)]
 struct FlyReport {
     file: String,
-    /// None for a `.tlod` file, which has strips of its own.
+    /// `None` for a `.tlod` file, which has its own strips.
     #[serde(flatten)]
     method: Option<MethodDescription>,
     filter: String,
@@ -59,7 +59,7 @@ struct FlyReport {
     error: Option<String>,
 }
 
-/// A flight whose arguments are valid.
+/// A flight with validated arguments.
 struct Task<'a> {
     args: &'a FlyArgs,
     path: CameraPath,
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &FlyArgs, console: &Console) -> Result<(), Failure> {
     console.json(&[report])
 }
 
-/// Names the argument of an invalid value.
+/// Returns the failure for an invalid value, with the name of its argument.
 fn of_argument(error: &tristrip::Error) -> Failure {
     Failure::Usage(match error {
         tristrip::Error::Parameter { name, found, expected } => {
@@ -119,7 +119,10 @@ impl<'a> Task<'a> {
             }
         }
         if args.method.is_some() && is_tlod(&args.input) {
-            return usage(format!("{}: has strips of its own; leave out --method", args.input.display()));
+            return usage(format!(
+                "{}: --method cannot be used: the file has its own strips",
+                args.input.display()
+            ));
         }
         let lens = Lens { field_of_view: args.field_of_view, image: args.image };
         lens.check().map_err(|error| of_argument(&error))?;
@@ -129,7 +132,7 @@ impl<'a> Task<'a> {
     }
 }
 
-/// Returns the detail that a frame needs.
+/// Returns the criteria that decide the detail of a frame.
 fn criteria(args: &FlyArgs) -> Result<ViewCriteria, tristrip::Error> {
     let mut criteria = ViewCriteria::default()
         .with_pixels(args.pixels)
@@ -214,7 +217,7 @@ fn flown(task: &Task<'_>, console: &Console, report: &mut FlyReport) -> Result<(
     if let Some(directory) = &args.video {
         report.video = Some(directory.display().to_string());
         report.pictures = Some(drawn);
-        console.stage("video", &format!("{}, {}", directory.display(), counted(drawn, "picture")), None);
+        console.stage("video", &format!("{}, {}", directory.display(), counted(drawn, "image")), None);
     }
     if let Some(path) = &args.report {
         write_text(path, &page(task, report.method.as_ref(), &model, rows), "report", console)?;
@@ -262,18 +265,17 @@ fn page(
     as_markdown(&format!("Flight: {}", short_name(&task.args.input)), &how, rows)
 }
 
-/// Draws frames into a directory.
+/// Writes frames as images to a directory.
 struct Images<'a> {
     args: &'a FlyArgs,
     mesh: &'a Mesh,
-    /// One of this many frames is drawn.
+    /// One of every `every` frames is drawn.
     every: usize,
     drawn: usize,
 }
 
 impl<'a> Images<'a> {
-    /// Creates the directory if it does not exist, but not a missing parent, which is more likely a
-    /// typing error.
+    /// Creates the directory if it does not exist. A missing parent is more likely a typing error.
     fn new(args: &'a FlyArgs, mesh: &'a Mesh) -> Result<Self, Failure> {
         if let Some(directory) = &args.video
             && !directory.is_dir()

@@ -26,7 +26,7 @@ pub(crate) fn load(path: &Path, console: &Console) -> Result<(Model, f64), Failu
     Ok((model, seconds))
 }
 
-/// Returns the name of a file without its folder.
+/// Returns the name of a file without its directory.
 pub(crate) fn short_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
@@ -39,9 +39,9 @@ pub(crate) fn write_text(path: &Path, contents: &str, stage: &str, console: &Con
     Ok(())
 }
 
-/// Checks that a chart of this many inputs can be written to this file.
+/// Checks that a chart of this number of inputs can be written to this file.
 pub(crate) fn check_chart(flag: &str, path: &Path, input_count: usize) -> Result<(), Failure> {
-    /// With more inputs in one chart, the curves cannot be told apart.
+    /// The maximum number of inputs in a chart. The curves of more inputs are hard to distinguish.
     const MAX_PLOTTED_INPUTS: usize = 3;
     if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
         let path = path.display();

@@ -150,8 +150,7 @@ fn tables(
     Ok(())
 }
 
-/// Draws the chart of the inputs that were measured; returns whether it was written, if there is
-/// one.
+/// Draws the chart of the measured inputs. Returns whether a requested chart was written.
 fn plot(
     path: &Path,
     args: &LevelsArgs,

@@ -1,5 +1,5 @@
-//! `tristrip-lab`: reproductions of the papers, comparisons of methods and of level models, camera
-//! flights, and the transmission of paper 001.
+//! `tristrip-lab`: reproduces papers, compares methods and level models, flies cameras over models,
+//! and encodes meshes in the format of paper 001.
 
 #![forbid(unsafe_code)]
 
@@ -23,7 +23,7 @@ use args::{Cli, Command};
 use console::Console;
 use failure::Failure;
 
-/// The stack of each thread, which equals that of a main thread.
+/// The stack size of each thread, equal to that of a main thread.
 const STACK_BYTES: usize = 8 << 20;
 
 fn main() -> ExitCode {

@@ -1,4 +1,5 @@
-//! `tristrip-lab repro`: the tables and figures of papers, published beside measured.
+//! `tristrip-lab repro`: the tables and figures of papers, with published and measured values side
+//! by side.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -12,7 +13,7 @@ use crate::args::ReproArgs;
 use crate::console::Console;
 use crate::failure::Failure;
 
-/// Prints the models that are measured.
+/// Prints the name of each measured model.
 struct Measuring<'a>(&'a Console);
 
 impl Observer for Measuring<'_> {}
@@ -64,14 +65,14 @@ fn selection(args: &ReproArgs) -> Result<Selection, Failure> {
     Ok(Selection { papers, section: args.section.clone() })
 }
 
-/// Returns the model folder beside the checkout if it exists, else the project's own, relative to
-/// the checkout.
+/// Returns the model directory next to the checkout if it exists, else the directory of the
+/// project, relative to the checkout.
 fn default_models() -> PathBuf {
     let shared = PathBuf::from("../shared/models");
     if shared.is_dir() { shared } else { "testdata/models".into() }
 }
 
-/// Formats the counts of verdicts per paper, of rows and claims.
+/// Formats the counts of verdicts per paper, over rows and claims.
 fn summary(report: &ReproReport) -> String {
     let row = |paper: &PaperReport| {
         let counts = paper.verdicts();

@@ -1,4 +1,4 @@
-//! Values of arguments that are not types of the libraries.
+//! Parsers for argument values that are not types of the libraries.
 
 use std::str::FromStr;
 
@@ -10,7 +10,7 @@ pub(crate) fn effort(text: &str) -> Result<Effort, String> {
     effort.ok_or_else(|| format!("found {text}, expected a level from 0 to 9"))
 }
 
-/// Parses `N` numbers that are separated by commas.
+/// Parses `N` comma-separated numbers.
 pub(crate) fn numbers<T: FromStr, const N: usize>(text: &str) -> Result<[T; N], String> {
     separated(text, ',')
 }

@@ -1,4 +1,4 @@
-//! `tristrip-lab pack` and `unpack`: a mesh as paper 001 transmits it.
+//! `tristrip-lab pack` and `unpack`: the transmission format of paper 001.
 
 use std::path::Path;
 
@@ -50,7 +50,7 @@ struct UnpackReport {
 pub(crate) fn pack(args: &PackArgs, console: &Console) -> Result<(), Failure> {
     if Format::from_path(&args.output).is_some() {
         let output = args.output.display();
-        let message = format!("{output}: pack writes a format of its own; use an extension such as .ps");
+        let message = format!("{output}: pack writes its own format; use an extension such as .ps");
         return Err(Failure::Usage(message));
     }
     let mut report = PackReport { file: args.input.display().to_string(), ..PackReport::default() };
@@ -69,7 +69,7 @@ fn packed(args: &PackArgs, console: &Console, report: &mut PackReport) -> Result
     let packed = packed?;
     report.seconds.pack = Some(seconds);
     let base = counted(packed.base_triangles, "triangle");
-    let what = format!("{} behind a base mesh of {base}", counted(packed.levels, "split"));
+    let what = format!("{} after a base mesh of {base}", counted(packed.levels, "split"));
     console.stage("pack", &what, Some(seconds));
     if let Some(triangles) = packed.proven {
         let what = format!("proven: the file draws exactly the {}", counted(triangles, "triangle"));
@@ -129,7 +129,8 @@ fn read(path: &Path, goal: StreamGoal) -> Result<wire::Level, Failure> {
     Ok(wire::unpack(&bytes, goal)?)
 }
 
-/// Prints the message of a failure and returns it for the report; wrong usage stays a failure.
+/// Prints the message of a failure and returns it for the report. Wrong usage is returned as a
+/// failure.
 fn failed(done: Result<(), Failure>, console: &Console) -> Result<Option<String>, Failure> {
     match done {
         Ok(()) => Ok(None),

@@ -1,4 +1,4 @@
-//! Paper 001: every printed number that follows from other printed ones is computed again.
+//! Paper 001: recomputes every printed number that follows from other printed numbers.
 
 use super::super::paper::{Claim, Paper, PrintedSavings, PublishedRow, PublishedTable, Statistic};
 use super::super::papers::load;
@@ -21,8 +21,8 @@ impl Paper {
     }
 }
 
-/// Returns the least and the greatest of some numbers, and their mean, with one decimal. The models
-/// with two stand-ins count once.
+/// Returns the minimum, the maximum and the mean of some numbers, with one decimal. Models with two
+/// stand-ins count once.
 fn range(mut numbers: Vec<f64>) -> [String; 3] {
     numbers.dedup();
     let mean = numbers.iter().sum::<f64>() / numbers.len() as f64;
@@ -50,8 +50,8 @@ fn shares_are_those_of_the_printed_traffic() {
     }
 }
 
-/// A collapse drops about as many triangles at every level: on average, a level has half of the
-/// triangles of both ends.
+/// A collapse drops about equally many triangles at every level. On average, a level has the mean
+/// number of triangles of both ends.
 #[test]
 fn traffic_and_strips_follow_from_the_triangles() {
     let paper = paper();
@@ -133,7 +133,7 @@ fn bytes_of_transmissions_follow_from_the_printed_cells() {
         let expected = [12.0 * vertices, records(*naive), records(*encoded)];
         assert_eq!(row.published, expected.map(f64::round), "{}", row.model);
     }
-    // The maps have at least the vertices that NF sends at each level.
+    // The maps have at least as many vertices as NF sends at each level.
     let traffic = paper.table("table 2, traffic");
     let sent = |model: &str| {
         let row = |table: &PublishedTable| table.rows.iter().position(|row| row.model == model).unwrap();

@@ -1,5 +1,5 @@
-//! The items of the bytes, one after the other: each is checked, and changes the decoder or is an
-//! error at its offset.
+//! Decodes one item after the other. Each item is checked; it changes the decoder or is an error at
+//! its offset.
 
 use super::super::layout::{HEADER_BYTES, Header, POSITION_BYTES, is_entry, number};
 use super::{Next, WireDecoder, references};
@@ -8,7 +8,7 @@ use tristrip::lod::RESTART;
 use tristrip::text::counted;
 
 impl WireDecoder {
-    /// Reads all items that end in some bytes.
+    /// Decodes all items that end within some bytes.
     pub(super) fn read(&mut self, mut bytes: &[u8]) -> Result<(), Error> {
         while !bytes.is_empty() {
             let item_bytes = self.item_bytes();
@@ -43,7 +43,7 @@ impl WireDecoder {
         }
     }
 
-    /// Takes a whole item.
+    /// Decodes a complete item.
     fn item(&mut self, item: &[u8]) -> Result<(), Error> {
         match self.next {
             Next::Header => {
@@ -62,7 +62,7 @@ impl WireDecoder {
         self.leave_complete_sections()
     }
 
-    /// Goes on to the next section as long as the current one has all its items.
+    /// Advances to the next section while the current one is complete.
     fn leave_complete_sections(&mut self) -> Result<(), Error> {
         if self.next == Next::Position && self.positions.len() == self.header.base_vertex_count as usize {
             self.next = Next::Entry;
@@ -98,8 +98,8 @@ impl WireDecoder {
         Ok(())
     }
 
-    /// Checks that the references of the base map lead to vertices. Later levels then have no
-    /// others: records only write vertices.
+    /// Checks that the references of the base map lead to vertices. Records only write vertices, so
+    /// later levels are then valid, too.
     fn check_references(&self) -> Result<(), Error> {
         let Some(slot) = references::first_without_vertex(&self.entries) else { return Ok(()) };
         let from_end = (self.entries.len() - slot) as u64 * self.header.entry_bytes() as u64;
@@ -109,7 +109,7 @@ impl WireDecoder {
         Err(Error::Format { offset, found, expected })
     }
 
-    /// Takes a slot of the open record.
+    /// Decodes a slot of the open record.
     fn slot(&mut self, number: u32) -> Result<(), Error> {
         let (slot, is_last) = (number >> 1, number & 1 == 1);
         let width = self.header.slot_width();
@@ -134,7 +134,7 @@ impl WireDecoder {
         if is_last { self.end_split() } else { Ok(()) }
     }
 
-    /// Ends a record that another one of the same split follows.
+    /// Ends a record that is not the last one of its split.
     fn end_record(&mut self) -> Result<(), Error> {
         self.split.record_ends.push(self.split.slots.len());
         let (left, splits) = self.left();
@@ -146,7 +146,7 @@ impl WireDecoder {
         Ok(())
     }
 
-    /// Ends the last record of a split, and goes to the level that it leads to.
+    /// Ends the last record of a split, and adds its level.
     fn end_split(&mut self) -> Result<(), Error> {
         let (left, splits) = self.left();
         if splits == 1 && left > 0 {
@@ -170,13 +170,13 @@ impl WireDecoder {
         self.records.end(self.entries.len())
     }
 
-    /// Counts the vertices that have not arrived, and the splits that are not complete.
+    /// Returns the number of vertices that have not arrived, and of incomplete splits.
     fn left(&self) -> (usize, usize) {
         let vertices = self.header.base_vertex_count as usize + self.header.restored_vertex_count as usize;
         (vertices - self.positions.len(), self.header.split_count as usize - self.records.len())
     }
 
-    /// Returns the error of the item.
+    /// Returns an error at the offset of the item.
     fn wrong(&self, found: impl Into<String>, expected: impl Into<String>) -> Error {
         Error::Format { offset: self.offset, found: found.into(), expected: expected.into() }
     }

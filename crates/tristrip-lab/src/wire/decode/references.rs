@@ -1,12 +1,12 @@
-//! The symbols of a map that has arrived: each must lead, over any number of others, to a vertex of
-//! its strip.
+//! The symbols of a received map: each must lead, over any number of others, to a vertex of its
+//! strip.
 
 use tristrip::lod::{RESTART, encoded_offset};
 
-/// Returns the first slot whose reference leads out of its strip, or back to itself. Linear: what
-/// leads to a vertex is not followed again.
+/// Returns the first slot whose reference leaves its strip or forms a cycle. Takes linear time:
+/// slots that lead to a vertex are not followed again.
 pub(super) fn first_without_vertex(entries: &[u32]) -> Option<usize> {
-    // The slot from which each one was followed, plus one; 0 if it was not.
+    // For each slot, the slot from which it was followed, plus one; 0 if it was not followed.
     let mut followed_from = vec![0_u32; entries.len()];
     for slot in 0..entries.len() {
         let (mut at, mark) = (slot, slot as u32 + 1);
