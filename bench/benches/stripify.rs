@@ -1,5 +1,5 @@
-//! The stages of `sequential` one by one, on models of the repository: dual graph, plan, strips, proof; and the plans of the searches
-//! on a small one. Each result is proven first.
+//! The stages of `sequential`, on models of the repository: dual graph, plan, strips, proof. Also
+//! the plans of the searches on a small model. Each result is proven first.
 #![allow(
     missing_docs,
     clippy::expect_used,

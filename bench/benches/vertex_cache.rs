@@ -1,5 +1,6 @@
-//! Simulated vertex caches on the strips of `sequential`, in indices per second: one cache, eight FIFO caches, all LRU sizes
-//! in one pass, the generalized mesh. The misses of all simulators are compared first.
+//! Simulated vertex caches on the strips of `sequential`, in indices per second: one cache, eight
+//! FIFO caches, all LRU sizes in one pass, and the generalized mesh. The misses of all simulators
+//! are first compared.
 #![allow(
     missing_docs,
     clippy::expect_used,
@@ -16,7 +17,7 @@ use tristrip::vertex_cache::{
 use tristrip::{Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::models::{default_folder, find, load};
 
-/// Measured if they are in the folder.
+/// Measured if they are in the model directory.
 const MODELS: [&str; 3] = ["hand", "bunny", "dragon"];
 
 fn misses(strips: &Strips, cache: VertexCache, vertex_count: usize) -> usize {

@@ -1,5 +1,5 @@
-//! Checks of one real model: every method proven, the same bytes with any number of threads, and files for a checker that
-//! shares no code with the library.
+//! Checks of one real model: every method is proven and gives the same bytes with any number of
+//! threads. Also writes files for a checker that shares no code with the library.
 
 use std::collections::HashSet;
 use std::fs;
@@ -17,16 +17,17 @@ use crate::levels;
 use crate::methods::{NOT_LOCALIZED, NamedMethod, all_methods, main_methods};
 use crate::models::Source;
 
-/// Thread counts that must give the same bytes.
+/// The numbers of threads that must give the same bytes.
 pub const THREADS: [usize; 3] = [1, 2, 7];
-/// Models with more triangles are checked with only one method of each family.
+/// Models with more triangles are checked with only one method per family.
 pub const LARGE: usize = 300_000;
-/// Models with more triangles are written with only one method of each family, unless all files are requested.
+/// Models with more triangles are written with only one method per family, unless all files are
+/// requested.
 pub const MEDIUM: usize = 8_000;
 /// Models with at most this number of triangles are written in every kind of file.
 pub const SMALL: usize = 4_000;
 
-/// How many problems of a part's levels are reported.
+/// The maximum number of reported problems per part.
 const MAX_PROBLEMS: usize = 3;
 
 /// A kind of file: format, layout, and file name suffix.
@@ -38,17 +39,18 @@ const FILE_KINDS: [FileKind; 5] = [
     (Format::Glb, Layout::List, "list.glb"),
     (Format::Glb, Layout::Separate, "separate.glb"),
 ];
-/// The kinds among which larger models alternate: not one primitive per strip, which makes documents of megabytes.
+/// The kinds that larger models alternate between. They exclude one primitive per strip, which
+/// makes documents of megabytes.
 const COMPACT_KINDS: usize = 4;
 
 /// The result of checking a model.
 #[derive(Debug, Default)]
 pub struct CheckedModel {
-    /// Results that `verify` has proven, one per method.
+    /// The number of results that `verify` has proven, one per method.
     pub proven: usize,
-    /// Results with the same bytes for all thread counts.
+    /// The number of results with the same bytes for all numbers of threads.
     pub identical: usize,
-    /// Levels of detail at which all drawn triangles were the oracle's.
+    /// The number of levels of detail whose drawn triangles matched the oracle.
     pub levels: usize,
     /// Files for the checker.
     pub files: Vec<PathBuf>,
@@ -58,7 +60,7 @@ pub struct CheckedModel {
     pub problems: Vec<String>,
 }
 
-/// One thread pool for each number of [`THREADS`], reused for all models.
+/// One thread pool per number in [`THREADS`], reused for all models.
 pub struct ThreadPools(Vec<rayon::ThreadPool>);
 
 impl ThreadPools {
@@ -72,23 +74,24 @@ impl ThreadPools {
     }
 }
 
-/// What a check does besides proving the results.
+/// Optional steps of a check.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CheckOptions {
-    /// Writes one file per method, regardless of the model's size.
+    /// Whether to write one file per method, regardless of the size of the model.
     pub all_files: bool,
-    /// Hashes every index buffer, file and level of detail, so that two versions of the program can be compared.
+    /// Whether to hash every index buffer, file and level of detail, for comparing two versions of
+    /// the program.
     pub hashes: bool,
 }
 
-/// Returns the hash of a value; the same for every build with one version of Rust.
+/// Returns the hash of a value. It is the same for every build with one version of Rust.
 pub fn hash_of(value: impl Hash) -> String {
     let mut hasher = DefaultHasher::new();
     value.hash(&mut hasher);
     format!("{:016x}", hasher.finish())
 }
 
-/// Checks a model with every method, and writes files into a folder.
+/// Checks a model with every method, and writes files to a directory.
 ///
 /// # Errors
 /// The model cannot be read, or a file cannot be written.
@@ -101,7 +104,7 @@ pub fn check(
     let model = read_path(&source.path).map_err(|error| format!("{}: {error}", source.path.display()))?;
     let triangles: usize = model.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum();
     let mut methods = if triangles > LARGE { main_methods() } else { all_methods() };
-    // Without localization, a step takes as long as the strips that it changes.
+    // Without localization, the time of a step depends on the length of the strips that it changes.
     methods.retain(|method| triangles <= MEDIUM || !method.name.ends_with(NOT_LOCALIZED));
     let families: HashSet<String> = main_methods().into_iter().map(|m| m.name).collect();
     let mut checked = CheckedModel::default();
@@ -114,7 +117,8 @@ pub fn check(
             _ if is_main || extra.all_files => vec![FILE_KINDS[turn % COMPACT_KINDS]],
             _ => Vec::new(),
         };
-        // Variants of methods on larger models take two numbers of threads, 1 and one of the others by turns.
+        // For larger models, variants of methods run with 1 thread and, in turn, one of the other
+        // numbers.
         let is_sampled = !is_main && triangles > MEDIUM;
         let left_out = is_sampled.then_some(1 + turn % 2);
         let pools = pools.0.iter().enumerate().filter(|(number, _)| Some(*number) != left_out);

@@ -1,17 +1,18 @@
-//! How far the surface of a level of detail is from the full mesh.
+//! The distance of the surface of a level of detail from the full mesh.
 
 use tristrip::{Faces, Mesh, PreparedFaces};
 use tristrip_pipeline::{ChangedSurface, surface_change};
 
 use crate::failure::Failure;
 
-/// The points on each surface.
+/// The number of points on each surface.
 const POINTS: usize = 200_000;
 
-/// Returns the root mean square of the distances of both surfaces from each other, in percent of the diagonal of the full mesh. `triangles` has three vertices per triangle.
+/// Returns the root mean square of the distances between both surfaces, in percent of the diagonal
+/// of the full mesh. `triangles` has three vertices per triangle.
 ///
 /// # Errors
-/// The level is not a mesh.
+/// The level is not a valid mesh.
 pub fn rms_percent(full: &Mesh, positions: &[[f32; 3]], triangles: &[u32]) -> Result<f64, Failure> {
     let prepared = PreparedFaces::new(full, false);
     let first = full.vertex_count() as u32;
@@ -23,7 +24,7 @@ pub fn rms_percent(full: &Mesh, positions: &[[f32; 3]], triangles: &[u32]) -> Re
     Ok(100.0 * surface_change(&[surface], POINTS)?.rms / diagonal(full))
 }
 
-/// The diagonal of the box around the used vertices.
+/// Returns the diagonal of the bounding box of the used vertices.
 fn diagonal(mesh: &Mesh) -> f64 {
     let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for &v in mesh.faces().corners() {

@@ -1,13 +1,16 @@
-//! Hostile and regular shapes: meshes on which a search or a data structure takes longer than on models, if its cost per triangle depends
-//! on the length of strips, on the faces per vertex or per edge, on the corners per polygon, or on the order of the faces.
+//! Hostile and regular shapes. On these meshes a search or a data structure takes longer than on
+//! models if its cost per triangle depends on the length of strips, the faces per vertex or edge,
+//! the corners per polygon, or the order of the faces.
 //!
 //! ```text
-//! ribbons, fans, bipyramids, tori, Klein bottles   one long path, or many of equal length; nothing irregular where a search could begin
+//! ribbons, fans, bipyramids, tori, Klein bottles   one long path, or many of equal length;
+//!                                                  no irregular place to start a search
 //! polygons of 100,000 corners, stars, pillows      one face is the mesh
 //! books, walls, twins, duplicates                  edges of many faces
 //! isolated triangles, trees, combs                 many components, many ends
 //! ```
-//! Every shape is a function of the approximate number of triangles, so that growth can be measured. The random ones have a fixed seed.
+//! Every shape is a function of the approximate number of triangles, which allows measuring growth.
+//! Random shapes have a fixed seed.
 
 mod crowded;
 mod draft;
@@ -23,7 +26,7 @@ use tristrip::Mesh;
 
 use crate::failure::Failure;
 
-/// A shape of any number of triangles.
+/// A shape with a variable number of triangles.
 #[derive(Debug, Clone, Copy)]
 pub struct HostileShape {
     /// Its name.

@@ -1,9 +1,9 @@
-//! Checks of one real model's levels of detail: every representation, through every filter, draws what the oracle draws,
-//! and refining restores the full mesh.
+//! Checks of the levels of detail of one real model: every representation draws the same triangles
+//! as the oracle with every filter, and refinement restores the full mesh.
 //!
-//! The oracle renames the vertices of all triangles of the full mesh and drops the degenerate ones. Drawn triangles are compared by their
-//! number and two sums of hashes, each triangle rotated to begin with its lowest vertex: a different winding or triangle changes both
-//! sums.
+//! The oracle renames the vertices of all triangles of the full mesh and drops the degenerate ones.
+//! Drawn triangles are compared by their number and two sums of hashes. Each triangle is first
+//! rotated to start with its lowest vertex. A different winding or triangle changes both sums.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -22,17 +22,17 @@ use crate::failure::Failure;
 
 /// Meshes with at most this number of triangles are checked at every level.
 pub const SMALL: usize = 8_000;
-/// How many levels of larger meshes are checked.
+/// The number of checked levels of larger meshes.
 pub const LEVELS: usize = 200;
-/// How many levels of larger meshes are checked with repaired strips.
+/// The number of levels of larger meshes that are checked with repaired strips.
 const REPAIRED_LEVELS: usize = 20;
 
 /// The result of checking a mesh.
 #[derive(Debug, Default)]
 pub struct CheckedLevels {
-    /// Levels at which all drawn triangles were the oracle's.
+    /// The number of levels whose drawn triangles matched the oracle.
     pub levels: usize,
-    /// How many sets of drawn triangles were compared.
+    /// The number of compared sets of drawn triangles.
     pub drawings: usize,
     /// Descriptions of the problems found.
     pub problems: Vec<String>,
@@ -40,7 +40,7 @@ pub struct CheckedLevels {
     pub hashes: Vec<String>,
 }
 
-/// Hashes of each representation over all levels.
+/// The hash of each representation over all levels.
 #[derive(Default)]
 struct LevelHashes(Option<Vec<(String, DefaultHasher)>>);
 
@@ -59,9 +59,10 @@ impl LevelHashes {
     }
 }
 
-/// Simplifies the triangles of STRIPE's strips as far as the topology allows, and compares all representations at the levels.
+/// Simplifies the triangles of STRIPE's strips as far as the topology allows, and compares all
+/// representations at the levels.
 ///
-/// With `hashes`, all representations are hashed, too.
+/// With `hashes`, all representations are also hashed.
 ///
 /// # Errors
 /// The mesh has too many triangles.
@@ -97,7 +98,7 @@ fn levels(sequence: &CollapseSequence, count: usize) -> impl Iterator<Item = usi
     (0..=count).rev().map(move |step| len * step / count)
 }
 
-/// The check of one mesh: what is compared, and the results so far.
+/// The check of one mesh: the compared data, and the results so far.
 struct LevelCheck<'a> {
     strips: &'a Strips,
     sequence: &'a CollapseSequence,
@@ -106,7 +107,7 @@ struct LevelCheck<'a> {
 }
 
 impl LevelCheck<'_> {
-    /// Compares drawn triangles of a level with those of the oracle.
+    /// Compares the drawn triangles of a level with those of the oracle.
     fn compare(&mut self, level: usize, what: &str, drawn: &DrawingSum, oracle: &DrawingSum) {
         self.checked.drawings += 1;
         if drawn != oracle {
@@ -116,7 +117,7 @@ impl LevelCheck<'_> {
         }
     }
 
-    /// Compares the progressive mesh and both progressive strips, each through every filter.
+    /// Compares the progressive mesh and both progressive strips with every filter.
     fn representations(&mut self, count: usize) -> Result<(), Failure> {
         let (strips, sequence) = (self.strips, self.sequence);
         let mut mesh = Arc::new(ProgressiveMesh::new(sequence)?).cursor();
@@ -161,7 +162,7 @@ impl LevelCheck<'_> {
         Ok(())
     }
 
-    /// Compares every level model, at as many levels in random order.
+    /// Compares every level model at `count` levels in random order.
     fn level_models(&mut self, count: usize) -> Result<(), Failure> {
         let mut random = Random::new(0);
         let mut jumps: Vec<usize> = levels(self.sequence, count).collect();
@@ -200,7 +201,7 @@ impl LevelCheck<'_> {
     }
 }
 
-/// A fingerprint of a set of triangles that does not depend on their order.
+/// A fingerprint of a set of triangles, independent of their order.
 #[derive(Debug, PartialEq, Eq)]
 struct DrawingSum {
     count: usize,
@@ -225,7 +226,7 @@ fn canonical_triangle([a, b, c]: [u32; 3]) -> [u32; 3] {
     [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or([a, b, c])
 }
 
-/// Mixes 64 bits so that each result bit depends on all of them.
+/// Mixes 64 bits: each result bit depends on all input bits.
 fn mixed(x: u64) -> u64 {
     let x = (x ^ x >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93);
     (x ^ x >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93)

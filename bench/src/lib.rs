@@ -1,16 +1,17 @@
-//! What the benchmarks and the corpus checks share: models as the peers were given them, methods by name, meshoptimizer in the same run,
-//! memory and time of a call, and the targets of the project.
+//! Shared code of the benchmarks and the corpus checks: models as the peers read them, methods by
+//! name, meshoptimizer in the same run, the memory and time of a call, and the targets of the
+//! project.
 //!
 //! ```text
 //! models ─▶ measure ─▶ Outcome ─┬─▶ text (tables on the terminal)
 //!  methods ─▶ │                 ├─▶ docs (generated pages)
 //!  meshoptimizer ▶ proof, then  └─▶ targets ─▶ met or not
 //!  memory ──▶ │ times
-//!          searches ─▶ SearchResults: the same for long searches, with bounds and published figures
+//!          searches ─▶ SearchResults: long searches, with bounds and published values
 //!          vertex_caches ─▶ CacheResults: indices and misses, ours and meshoptimizer's
 //! ```
 //!
-//! No time is shown for a result that was not proven before.
+//! A time is shown only for a result that was proven first.
 
 #![deny(unsafe_code)]
 

@@ -1,5 +1,5 @@
-//! Runs the benchmarks: every model of a folder, every method and theirs in the same run, each answer proven before its time is
-//! printed.
+//! Runs the benchmarks: every method and meshoptimizer on every model of a directory, in the same
+//! run. Each result is proven before its time is printed.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
 
 use std::fs;
@@ -23,7 +23,7 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// The models of a smoke run.
 const SMOKE: [&str; 5] = ["catmark_bishop", "fish_control", "wingnut", "milktruck", "hand"];
-/// The model to subdivide: a scan with a free licence.
+/// The model that is subdivided: a scan with a free licence.
 const SCALED: &str = "hand";
 
 /// Measure every method on real models, and meshoptimizer in the same run
@@ -31,15 +31,16 @@ const SCALED: &str = "hand";
 #[command(version)]
 #[expect(clippy::struct_excessive_bools, reason = "flags of a command line")]
 struct Args {
-    /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
+    /// The directory of models [default: ../shared/models next to the checkout, else
+    /// testdata/models]
     models: Option<PathBuf>,
-    /// Only this model; repeatable
+    /// Measure only this model; repeatable
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
-    /// Run every variant of every method, not one of each family
+    /// Run every variant of every method, instead of one per family
     #[arg(long)]
     all: bool,
-    /// Number of timed rounds
+    /// The number of timed rounds
     #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     rounds: u8,
     /// Run a few small models for one round, as a smoke test
@@ -48,13 +49,14 @@ struct Args {
     /// Skip the subdivided model of millions of triangles
     #[arg(long)]
     no_scaling: bool,
-    /// Skip the long searches: fewest strips, cheapest indices, and indices and vertex cache misses of every model
+    /// Skip the long searches on every model: fewest strips, cheapest indices, and indices with
+    /// vertex-cache misses
     #[arg(long)]
     no_searches: bool,
-    /// Print everything as JSON
+    /// Print all results as JSON
     #[arg(long)]
     json: bool,
-    /// Write benchmarks.md into this folder
+    /// Write benchmarks.md to this directory
     #[arg(long, value_name = "DIR")]
     docs: Option<PathBuf>,
 }

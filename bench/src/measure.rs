@@ -1,11 +1,14 @@
-//! Measurement of one model: the strips of every method and of meshoptimizer are proven, and only then timed.
+//! Measurement of one model: the strips of every method and of meshoptimizer are proven first, and
+//! then timed.
 //!
 //! # Algorithm
-//! 1. Each contender runs once, with its memory counted. Its strips are proven; a wrong result stops the benchmark.
-//! 2. In each of the following rounds every contender runs once, so that other load on the machine affects all of them. A
-//!    contender that has used its time limit is skipped. Each result must equal the proven one, index by index.
-//! 3. A contender's time is the median of its rounds; its ratio is relative to the median of the reference, meshoptimizer's strip order
-//!    and strips.
+//! 1. Each contender runs once while its memory is counted. Its strips are proven; a wrong result
+//!    stops the benchmark.
+//! 2. In each of the following rounds, every contender runs once, which spreads other load on the
+//!    machine over all of them. A contender that has used up its time limit is skipped. Each result
+//!    must equal the proven one, index by index.
+//! 3. The time of a contender is the median of its rounds. Its ratio is relative to the median of
+//!    the reference: meshoptimizer's strip-friendly order with its strips.
 
 use std::time::Instant;
 
@@ -21,10 +24,10 @@ use crate::methods::NamedMethod;
 use crate::models::{LoadedModel, Source, load};
 use crate::peers::Peers;
 
-/// Seconds after which a contender runs no further rounds on a model.
+/// The time in seconds after which a contender runs no further rounds on a model.
 const SHARE: f64 = 1.5;
 
-/// What to measure.
+/// The methods and rounds of a measurement.
 #[derive(Debug, Clone)]
 pub struct MeasurePlan {
     /// The methods to run.
@@ -36,29 +39,30 @@ pub struct MeasurePlan {
 /// The metrics of one contender on one model.
 #[derive(Debug, Clone, Serialize)]
 pub struct MethodRow {
-    /// The method, or the pipeline of meshoptimizer.
+    /// The name of the method, or of the meshoptimizer pipeline.
     pub method: String,
-    /// Always true: a result that is not proven is not shown.
+    /// Always true: results that are not proven are not shown.
     pub proven: bool,
-    /// Strips.
+    /// The number of strips.
     pub strips: usize,
-    /// Strips of one triangle.
+    /// The number of strips of one triangle.
     pub isolated: usize,
-    /// Swaps: vertices repeated within a strip.
+    /// The number of swaps: vertices repeated within a strip.
     pub swaps: usize,
     /// The OpenGL cost.
     pub vertices_sent: usize,
     /// The GL cost.
     pub gl_cost: usize,
-    /// Indices with restarts per triangle.
+    /// The number of indices with restarts per triangle.
     pub indices_restart_per_triangle: f64,
-    /// Indices with degenerate triangles per triangle.
+    /// The number of indices with degenerate triangles per triangle.
     pub indices_degenerate_per_triangle: f64,
-    /// Median time from faces to strips, in seconds.
+    /// The median time from faces to strips, in seconds.
     pub seconds: f64,
-    /// That time relative to the reference in the same rounds; `None` for polygons, which the reference does not accept.
+    /// This time relative to the reference in the same rounds; `None` for polygons, which the
+    /// reference does not accept.
     pub time_ratio: Option<f64>,
-    /// Peak bytes in use beyond input and result, per triangle; unknown for meshoptimizer.
+    /// The peak bytes in use beyond input and result, per triangle; `None` for meshoptimizer.
     pub extra_bytes_per_triangle: Option<f64>,
 }
 
@@ -69,11 +73,11 @@ pub struct Outcome {
     pub model: String,
     /// Whether the input was polygons.
     pub polygons: bool,
-    /// Triangles of the faces.
+    /// The number of triangles of the faces.
     pub triangles: usize,
     /// The contenders in display order.
     pub rows: Vec<MethodRow>,
-    /// The results of other programs on the same triangles, if known.
+    /// The results of other programs on the same triangles; `None` if they are unknown.
     pub peers: Option<Peers>,
 }
 
@@ -84,7 +88,7 @@ impl Outcome {
     }
 }
 
-/// Measures a model as triangles and, where it has polygons, as polygons.
+/// Measures a model as triangles and, if it has polygons, as polygons.
 ///
 /// # Errors
 /// The model cannot be read, or a result is not proven.
@@ -121,7 +125,7 @@ struct Contender<'a> {
     seconds: Vec<f64>,
 }
 
-/// A contender's result in its own form, so that no conversion is timed.
+/// The result of a contender in its own form, which avoids timing a conversion.
 #[derive(PartialEq)]
 enum Output {
     Strips(Strips),
@@ -201,7 +205,7 @@ fn row(contender: Contender<'_>, reference: Option<f64>) -> MethodRow {
     }
 }
 
-/// Returns the median; the lower of the two middle values for an even number.
+/// Returns the median, which is the lower of the two middle values for an even number of values.
 pub fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times.get(times.len().saturating_sub(1) / 2).copied().unwrap_or(f64::NAN)

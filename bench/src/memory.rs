@@ -1,7 +1,8 @@
 //! Memory use of a call: an allocator that counts the bytes in use and records their peak.
 //!
-//! A block that grows counts only its growth, because the system's allocator moves large blocks without a copy. Allocations of C++ code
-//! are not counted. Counts are requested bytes; the benchmarks run on one thread.
+//! For a block that grows, only its growth counts, because the system allocator moves large blocks
+//! without a copy. Allocations of C++ code are not counted. Counts are requested bytes. The
+//! benchmarks run on one thread.
 #![allow(unsafe_code, reason = "`GlobalAlloc` is an unsafe trait; each call goes to the system's allocator")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -10,11 +11,13 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 static LIVE: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
-/// The system's allocator with counters. A program that measures memory installs it as its `#[global_allocator]`.
+/// The system allocator with counters. A program that measures memory installs it as its
+/// `#[global_allocator]`.
 #[derive(Debug)]
 pub struct CountingAllocator;
 
-// SAFETY: every call goes to `System` unchanged, which upholds the contract; the counters are not part of it.
+// SAFETY: every call is passed unchanged to `System`, which upholds the contract. The counters are
+// not part of it.
 unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         grow(layout.size());
@@ -50,8 +53,8 @@ fn grow(by: usize) {
     PEAK.fetch_max(live, Relaxed);
 }
 
-/// Runs a call, and returns its result and the peak of the bytes that it used beyond those in use before and those of the result;
-/// `None` if the allocator is not installed.
+/// Runs a call. Returns its result and the peak of the bytes that it used, beyond those in use
+/// before and those of the result; `None` if the allocator is not installed.
 pub fn extra_bytes<R>(call: impl FnOnce() -> R) -> (R, Option<usize>) {
     PEAK.store(LIVE.load(Relaxed), Relaxed);
     let result = call();

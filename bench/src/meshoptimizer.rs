@@ -1,7 +1,9 @@
-//! `meshoptimizer` in the same run, through its Rust crate: the strips of three pipelines, to be proven and measured.
+//! `meshoptimizer` in the same run, through its Rust crate: three pipelines whose strips are proven
+//! and measured.
 //!
 //! # References
-//! Arseny Kapoulkine: *meshoptimizer*, <https://github.com/zeux/meshoptimizer>; the crate `meshopt`.
+//! Arseny Kapoulkine: *meshoptimizer*, <https://github.com/zeux/meshoptimizer>; the crate
+//! `meshopt`.
 
 use meshopt::VertexDataAdapter;
 use tristrip::{Mesh, Strips};
@@ -10,22 +12,22 @@ use crate::failure::Failure;
 
 const RESTART: u32 = u32::MAX;
 
-/// What precedes meshoptimizer's stripification.
+/// The step before meshoptimizer's stripification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pipeline {
-    /// Nothing: the index buffer in its own order.
+    /// None: the index buffer in its own order.
     Alone,
-    /// The order for the vertex cache.
+    /// Vertex-cache order.
     Cache,
-    /// The order for the vertex cache that favours strips: the reference for time ratios.
+    /// Strip-friendly vertex-cache order: the reference for time ratios.
     StripCache,
 }
 
 impl Pipeline {
-    /// Every pipeline; the reference comes last.
+    /// All pipelines. The reference is the last one.
     pub const ALL: [Self; 3] = [Self::Alone, Self::Cache, Self::StripCache];
 
-    /// Returns the name that tables show.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Alone => "meshopt stripify",
@@ -34,7 +36,7 @@ impl Pipeline {
         }
     }
 
-    /// Runs the pipeline from index buffer to index buffer. This is what is timed.
+    /// Runs the pipeline from index buffer to index buffer. This call is timed.
     ///
     /// # Errors
     /// The mesh has faces other than triangles, or the crate reports an error.
@@ -53,7 +55,7 @@ impl Pipeline {
     }
 }
 
-/// Returns positions as meshoptimizer reads them.
+/// Returns positions in meshoptimizer's format.
 ///
 /// # Errors
 /// The crate reports an error.

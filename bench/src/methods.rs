@@ -1,4 +1,4 @@
-//! The methods under the names that the command uses.
+//! The methods, with the names that the command uses.
 
 use tristrip::Cost;
 use tristrip::Effort;
@@ -8,27 +8,29 @@ use tristrip::vertex_cache::VertexCache;
 use tristrip::{Method, StripifyOptions};
 
 const CUTOFFS: [u32; 5] = [5, 10, 15, 20, 25];
-/// The name of `best` among the main methods: for restarts, at the default effort.
+/// The name of `best` among the main methods, for restarts at the default effort.
 pub const BEST: &str = "best 2";
-/// The name of `fewest` among the main methods: at the lowest effort, because it runs on every model many times.
+/// The name of `fewest` among the main methods, at the lowest effort, because it runs many times on
+/// every model.
 pub const FEWEST: &str = "fewest 0";
-/// The name of `guided-tunnels` among the main methods: with a tunnel length that takes seconds even on half a million triangles without
-/// tunnels.
+/// The name of `guided-tunnels` among the main methods. Its tunnel length takes seconds even on
+/// half a million triangles without tunnels.
 pub const GUIDED_TUNNELS: &str = "guided-tunnels 20";
-/// The name of `cache` among the main methods: for the default vertex cache, at the default effort.
+/// The name of `cache` among the main methods, for the default vertex cache at the default effort.
 pub const CACHE: &str = "cache fifo:16 balanced";
 const GUIDED_LENGTH: u32 = 20;
-/// The end of the names of methods that search without localization.
+/// The suffix of methods that search without localization.
 pub const NOT_LOCALIZED: &str = "not localized";
-/// The maximum length of the tunnels of `eta`, with which it takes seconds on the largest models.
+/// The maximum length of the tunnels of `eta`. With it, `eta` takes seconds on the largest models.
 const ETA_LENGTH: u32 = 9;
-/// The maximum length of plain tunnels, whose time grows exponentially with it.
+/// The maximum length of plain tunnels. Their time grows exponentially with it.
 const TUNNEL_LENGTH: u32 = 5;
 
-/// A method and its options under a name: `stripe-local whole sequential`, `best 1 opengl`.
+/// A named method with its options: `stripe-local whole sequential`, `best 1 opengl`.
 #[derive(Debug, Clone)]
 pub struct NamedMethod {
-    /// As on the command line, followed by its options; `stripe` is the global algorithm with its authors' recommended options.
+    /// The name on the command line, followed by the options. `stripe` is the global algorithm with
+    /// the options that its authors recommend.
     pub name: String,
     /// The method with its cost and effort.
     pub options: StripifyOptions,
@@ -39,7 +41,8 @@ impl NamedMethod {
         Self { name: name.into(), options: StripifyOptions::default().with_method(method) }
     }
 
-    /// Creates a search, named by its method, its effort, and its cost unless it is the default.
+    /// Creates a search. Its name has the method, the effort, and the cost unless it is the
+    /// default.
     ///
     /// # Panics
     /// `effort` is greater than 9.
@@ -52,14 +55,14 @@ impl NamedMethod {
         named
     }
 
-    /// Creates `cache` for a vertex cache and an objective, named by both.
+    /// Creates `cache` for a vertex cache and an objective. Its name has both.
     pub fn cache(cache: VertexCache, objective: Objective) -> Self {
         let mut named = Self::new(format!("cache {cache} {objective}"), Method::Cache);
         named.options = named.options.with_vertex_cache(cache).with_objective(objective);
         named
     }
 
-    /// Sets another effort than the default, and adds it to the name.
+    /// Sets an effort other than the default, and adds it to the name.
     ///
     /// # Panics
     /// `effort` is greater than 9.
@@ -71,13 +74,13 @@ impl NamedMethod {
     }
 }
 
-/// The default of STRIPE's local algorithm, under its name among the variants.
+/// The default of STRIPE's local algorithm, with its name among the variants.
 const LOCAL: (&str, Method) = (
     "stripe-local whole sequential",
     Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Sequential },
 );
 
-/// Returns one method for each family.
+/// Returns one method per family.
 pub fn main_methods() -> Vec<NamedMethod> {
     let named = |name: &str, method| NamedMethod::new(name, method);
     vec![
@@ -94,7 +97,8 @@ pub fn main_methods() -> Vec<NamedMethod> {
     ]
 }
 
-/// Returns every method with all its options: those without options, the 24 and 10 of STRIPE, and `best` for each cost.
+/// Returns every method with all its options: the methods without options, the 24 and 10 variants
+/// of STRIPE, and `best` for each cost.
 pub fn all_methods() -> Vec<NamedMethod> {
     let mut methods = main_methods();
     for triangulation in FaceTriangulation::ALL {

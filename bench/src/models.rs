@@ -1,8 +1,9 @@
-//! Models to measure: found in a folder, and converted into the index buffers that the peers were given.
+//! Models to measure: found in a directory, and converted to the index buffers that the peers read.
 //!
-//! Peers accept only index buffers of triangles. So polygons become fans, triangles that repeat a vertex are dropped, an OBJ is read
-//! by its positions (seams of texture coordinates and normals do not split vertices), and a GLB is flattened: every node with
-//! a mesh adds the mesh's primitives, one after the other, each with its own vertices.
+//! Peers accept only index buffers of triangles. Polygons become fans, and triangles that repeat a
+//! vertex are dropped. An OBJ is read by its positions: seams of texture coordinates and normals do
+//! not split vertices. A GLB is flattened: every node with a mesh adds the mesh's primitives, one
+//! after the other, each with its own vertices.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,23 +26,23 @@ pub struct Source {
 /// A model as triangles and as polygons.
 #[derive(Debug, Clone)]
 pub struct LoadedModel {
-    /// The index buffer that the peers were given.
+    /// The index buffer that the peers read.
     pub triangles: Mesh,
-    /// The faces of the file, if some are not triangles.
+    /// The faces of the file; `None` if all are triangles.
     pub polygons: Option<Mesh>,
 }
 
-/// Returns the folder of models beside the checkout, or the repository's own if there is none.
+/// Returns the model directory next to the checkout, or the repository's own if there is none.
 pub fn default_folder() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let shared = root.join("../shared/models");
     if shared.is_dir() { shared } else { root.join("testdata/models") }
 }
 
-/// Returns the models of a folder, sorted by name.
+/// Returns the models of a directory, sorted by name.
 ///
 /// # Errors
-/// The folder cannot be read.
+/// The directory cannot be read.
 pub fn find(folder: &Path) -> Result<Vec<Source>, Failure> {
     let entries = fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut sources = Vec::new();
@@ -59,21 +60,23 @@ pub fn find(folder: &Path) -> Result<Vec<Source>, Failure> {
     Ok(sources)
 }
 
-/// The flags by which a program chooses models.
+/// The flags that select models.
 #[derive(Debug, clap::Args)]
 pub struct ModelArgs {
-    /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
+    /// The directory of models [default: ../shared/models next to the checkout, else
+    /// testdata/models]
     models: Option<PathBuf>,
-    /// Only this model; repeatable
+    /// Measure only this model; repeatable
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
 }
 
 impl ModelArgs {
-    /// Returns the models of the folder that have one of the names, or all if there are no names.
+    /// Returns the models of the directory with one of the names, or all models if there are no
+    /// names.
     ///
     /// # Errors
-    /// The folder cannot be read.
+    /// The directory cannot be read.
     pub fn sources(&self) -> Result<Vec<Source>, Failure> {
         let mut sources = find(&self.models.clone().unwrap_or_else(default_folder))?;
         sources.retain(|source| self.model.is_empty() || self.model.contains(&source.name));
@@ -165,7 +168,7 @@ fn positions_only(bytes: &[u8]) -> Vec<u8> {
     out.into_bytes()
 }
 
-/// Returns the parts that a GLB's scene draws, once for each node with their mesh.
+/// Returns the parts that the scene of a GLB draws, once per node with their mesh.
 fn instances(glb: &[u8]) -> Result<Vec<usize>, Failure> {
     let length = glb.get(12..16).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes).unwrap_or_default();
     let json: Value =

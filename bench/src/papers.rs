@@ -1,4 +1,4 @@
-//! Published figures: the tables of papers, from the same data that `tristrip-lab repro` compares with.
+//! Published values: the tables of papers, from the data that `tristrip-lab repro` uses.
 
 use std::collections::BTreeMap;
 
@@ -7,11 +7,13 @@ use tristrip_lab::repro::published;
 
 use crate::failure::Failure;
 
-/// Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006.
+/// Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*,
+/// 2006.
 pub const ETA_2006: &str = "003";
 /// Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996.
 pub const STRIPE_1996: &str = "004";
-/// El-Sana et al.: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*, 2000.
+/// El-Sana et al.: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*,
+/// 2000.
 pub const STRIPE_2000: &str = "000";
 
 #[derive(Deserialize)]
@@ -41,10 +43,11 @@ struct PaperRow {
     published: Vec<f64>,
 }
 
-/// Returns a column of the table of a paper, by its key, by model, without models that are replaced by a stand-in.
+/// Returns a column of a table of a paper, by model, without models that are replaced by a
+/// stand-in.
 ///
 /// # Errors
-/// There is no such paper, table or column.
+/// The paper, table or column does not exist.
 pub fn column(paper: &str, table: &str, column: &str) -> Result<BTreeMap<String, f64>, Failure> {
     let data = published(paper).ok_or_else(|| format!("no paper {paper}"))?;
     let paper: Paper = serde_json::from_str(data)?;

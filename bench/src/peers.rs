@@ -1,4 +1,5 @@
-//! Results of other programs on the same models, measured once and stored in a file beside the checkout.
+//! Results of other programs on the same models. They were measured once and are stored in a file
+//! next to the checkout.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 
-/// The best of all peers by one metric.
+/// The best peer by one metric.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PeerBest {
     /// The value, rounded to four digits.
@@ -17,10 +18,10 @@ pub struct PeerBest {
     pub by: String,
 }
 
-/// The best of all peers on one model.
+/// The best peers on one model.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Peers {
-    /// Triangles of the index buffer.
+    /// The number of triangles of the index buffer.
     pub triangles: usize,
     /// Over all peers, including slow ones.
     pub indices_restart_per_triangle: PeerBest,
@@ -43,10 +44,10 @@ pub struct ReferenceStrips {
     pub strips: usize,
 }
 
-/// Reads the results of the peers by model; empty if there is no such file.
+/// Reads the results of the peers by model; empty if the file does not exist.
 ///
 /// # Errors
-/// The file exists and cannot be read.
+/// The file exists but cannot be read.
 pub fn load() -> Result<BTreeMap<String, Peers>, Failure> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/peers.json");
     if !path.is_file() {

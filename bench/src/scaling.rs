@@ -1,8 +1,9 @@
-//! Scaling: the time of `sequential` per triangle as a model is subdivided, from its own size to beyond eight million triangles.
+//! Scaling: the time of `sequential` per triangle while a model is subdivided, from its own size to
+//! more than eight million triangles.
 //!
 //! # Algorithm
-//! Each triangle becomes four over the midpoints of its edges, which neighbours share. The four are stored together, so the order
-//! in memory is as coherent at every level as at the first.
+//! Each triangle becomes four over the midpoints of its edges, which neighbours share. The four are
+//! stored together, so the memory order is equally coherent at every level.
 //!
 //! ```text
 //!        c
@@ -21,33 +22,33 @@ use tristrip::{DualGraph, Faces, Mesh, Method, StripifyOptions, stripify};
 use crate::failure::Failure;
 use crate::measure::median;
 
-/// Triangles at which the time per triangle has a target.
+/// The number of triangles for which the time per triangle has a target.
 pub const LARGE: usize = 8_000_000;
-/// Triangles of the level that it is compared with.
+/// The number of triangles of the level that it is compared with.
 pub const SMALL: usize = 100_000;
 
 /// One level of a subdivided model.
 #[derive(Debug, Clone, Serialize)]
 pub struct ScalingLevel {
-    /// Triangles.
+    /// The number of triangles.
     pub triangles: usize,
-    /// Indices with restarts per triangle.
+    /// The number of indices with restarts per triangle.
     pub indices_restart_per_triangle: f64,
-    /// Median time per triangle, in nanoseconds.
+    /// The median time per triangle, in nanoseconds.
     pub nanoseconds_per_triangle: f64,
 }
 
 /// The levels of a model.
 #[derive(Debug, Clone, Serialize)]
 pub struct Scaling {
-    /// The model.
+    /// The name of the model.
     pub model: String,
-    /// From the model itself to the first level of at least [`LARGE`] triangles.
+    /// The levels, from the model itself to the first level of at least [`LARGE`] triangles.
     pub levels: Vec<ScalingLevel>,
 }
 
 impl Scaling {
-    /// Returns the time per triangle of the last level relative to that of the level nearest to [`SMALL`].
+    /// Returns the time per triangle of the last level relative to the level nearest to [`SMALL`].
     pub fn ratio(&self) -> Option<f64> {
         let far = |level: &ScalingLevel| (level.triangles as f64 / SMALL as f64).ln().abs();
         let small = self.levels.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;

@@ -1,4 +1,4 @@
-//! Scenes in glTF, and what gltfpack makes of them.
+//! glTF scenes, and their results with gltfpack.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::process::Command;
 
 use crate::failure::Failure;
 
-/// Lists the scenes of a folder and of its subfolders, by name: files in `.glb` and `.gltf`.
+/// Lists the `.glb` and `.gltf` scenes of a directory and its subdirectories, by name.
 ///
 /// # Errors
-/// A folder cannot be read.
+/// A directory cannot be read.
 pub fn find(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let subject = |error| format!("{}: {error}", folder.display());
     let entries = fs::read_dir(folder).map_err(subject)?.collect::<Result<Vec<_>, _>>().map_err(subject)?;
@@ -31,7 +31,8 @@ pub fn name(source: &Path) -> String {
     source.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// Simplifies a scene to a share of its triangles with gltfpack, which keeps attributes, materials and nodes as they are; returns a GLB.
+/// Simplifies a scene to a ratio of its triangles with gltfpack, which keeps attributes, materials
+/// and nodes. Returns a GLB.
 ///
 /// # Errors
 /// The program cannot be run, or fails.

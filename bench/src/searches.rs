@@ -1,8 +1,8 @@
-//! The searches: the strips of `fewest` and `guided-tunnels` and the costs of `best`, compared with lower bounds, with the best of all
-//! peers and with published results.
+//! The searches: the strips of `fewest` and `guided-tunnels` and the costs of `best`, compared with
+//! lower bounds, with the best peers, and with published results.
 //!
-//! A search takes seconds, so its first run is timed; a short one runs twice more, and the median counts. Every result is proven
-//! before its time is kept.
+//! Searches take seconds, so the first run is timed. A short search runs twice more, and the median
+//! counts. Every result is proven before its time is kept.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -24,19 +24,20 @@ use crate::models::{LoadedModel, Source, load};
 use crate::papers;
 use crate::peers::{PeerBest, Peers};
 
-/// The costs that the peers were measured by.
+/// The costs for which the peers were measured.
 pub const PEER_COSTS: [Cost; 3] = [Cost::Restart, Cost::OpenGl, Cost::Degenerate];
 /// Models with polygons on which `best` also minimizes the vertices sent.
 pub const POLYGONS: [&str; 3] = ["skyscraper", "triceratops", "power_lines"];
 /// The model on which efforts are compared.
 pub const LADDER: &str = "bunny";
-/// Rounds in which the efforts and the reference alternate.
+/// The number of rounds in which the efforts and the reference alternate.
 const LADDER_ROUNDS: usize = 3;
-/// Runs shorter than this, in seconds, are repeated.
+/// Runs shorter than this time in seconds are repeated.
 const SHORT: f64 = 0.3;
-/// Above this number of triangles the effort of `best` is one level lower, for about the same time.
+/// Above this number of triangles, the effort of `best` is one level lower, which takes about the
+/// same time.
 const MEDIUM: usize = 80_000;
-/// Above this number of triangles it is two levels lower.
+/// Above this number of triangles, it is two levels lower.
 const LARGE: usize = 300_000;
 
 /// The efforts of a run.
@@ -51,9 +52,9 @@ pub struct SearchEffort {
 }
 
 impl SearchEffort {
-    /// For the published tables: seconds per model, 15 seconds for the largest.
+    /// The efforts for the published tables: seconds per model, 15 seconds for the largest.
     pub const FULL: Self = Self { fewest: 5, best: 7, ladder: [1, 3, 5, 7] };
-    /// For a smoke run.
+    /// The efforts for a smoke run.
     pub const SMOKE: Self = Self { fewest: 0, best: 1, ladder: [0, 1, 1, 2] };
 
     /// Returns the effort of `best` for a number of triangles.
@@ -63,25 +64,25 @@ impl SearchEffort {
     }
 }
 
-/// The figures that a paper reports for a model.
+/// The values that a paper reports for a model.
 #[derive(Debug, Clone, Serialize)]
 pub struct PublishedFigures {
-    /// Time, in seconds.
+    /// The time in seconds.
     pub seconds: f64,
-    /// Strips.
+    /// The number of strips.
     pub strips: f64,
-    /// Strips of one triangle.
+    /// The number of strips of one triangle.
     pub isolated: f64,
-    /// Misses per triangle with a vertex cache of 32 entries.
+    /// The misses per triangle with a vertex cache of 32 entries.
     pub acmr_32: f64,
-    /// Vertices sent per triangle.
+    /// The vertices sent per triangle.
     pub vertices_per_triangle: f64,
 }
 
-/// Reads the published figures of ETA, by model.
+/// Reads the published values of ETA, by model.
 ///
 /// # Errors
-/// The data of the paper are malformed.
+/// The data of the paper is malformed.
 pub fn published() -> Result<BTreeMap<String, PublishedFigures>, Failure> {
     let table = |name| move |column| papers::column(papers::ETA_2006, name, column);
     let (quality, times) = (table("table 3"), table("table 2"));
@@ -106,7 +107,7 @@ pub fn published() -> Result<BTreeMap<String, PublishedFigures>, Failure> {
 pub struct SearchRow {
     /// Its metrics.
     pub row: MethodRow,
-    /// Misses per triangle with a vertex cache of 32 entries.
+    /// The misses per triangle with a vertex cache of 32 entries.
     pub acmr_fifo_32: f64,
 }
 
@@ -115,36 +116,37 @@ pub struct SearchRow {
 pub struct SearchResults {
     /// The model's name.
     pub model: String,
-    /// Triangles.
+    /// The number of triangles.
     pub triangles: usize,
     /// Whether the mesh is closed and connected: every edge has two triangles.
     pub is_closed: bool,
-    /// Lower bound on the number of strips.
+    /// The lower bound on the number of strips.
     pub bound: usize,
     /// The result of `fewest`.
     pub fewest: SearchRow,
     /// The result of `guided-tunnels`, on the models of the paper that it is based on.
     pub guided_tunnels: Option<SearchRow>,
-    /// The figures of the paper.
+    /// The published values of the paper.
     pub published: Option<PublishedFigures>,
     /// The results of `best` for each of [`PEER_COSTS`].
     pub best: Vec<SearchRow>,
-    /// The result of `best` for vertices sent, fed with polygons, on models of [`POLYGONS`].
+    /// The result of `best` for vertices sent, with polygons as input, on the models of
+    /// [`POLYGONS`].
     pub polygons: Option<SearchRow>,
     /// The results of `best` at increasing efforts, on the model [`LADDER`].
     pub ladder: Vec<SearchRow>,
-    /// The best of all peers.
+    /// The best peers.
     pub peers: Option<Peers>,
 }
 
 impl SearchResults {
-    /// Returns the strips beyond the bound as a fraction of the strips.
+    /// Returns the gap between the strips and their bound, as a fraction of the strips.
     pub fn gap(&self) -> f64 {
         (self.fewest.row.strips - self.bound.min(self.fewest.row.strips)) as f64
             / self.fewest.row.strips.max(1) as f64
     }
 
-    /// Returns a cost of a search and the best of all peers by the same cost, both per triangle.
+    /// Returns a cost of a search and that of the best peer, both per triangle.
     pub fn pair(&self, search: &SearchRow, cost: Cost) -> Option<(f64, &PeerBest)> {
         Some((per_triangle(&search.row, self.triangles, cost), best_of(self.peers.as_ref()?, cost)))
     }

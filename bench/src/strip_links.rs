@@ -1,21 +1,23 @@
-//! What it would take to send strips with a mesh: the entropy of the links between their triangles.
+//! The cost of sending strips with a mesh: the entropy of the links between their triangles.
 //!
-//! Progressive strips as published need the strips of the full mesh in the stream. If the triangles and their neighbours are known, the strips are known by one bit for each edge of two triangles:
-//! whether a strip crosses it. The estimate codes these bits with adaptive probabilities, given what is known of both triangles: how many of their edges are crossed, and how many are
-//! still open. An encoder that knows more of the shape of the strips needs less, one with tables less well adapted more.
+//! Progressive strips as published need the strips of the full mesh in the stream. If the triangles
+//! and their neighbours are known, one bit per edge of two triangles describes the strips: whether
+//! a strip crosses the edge. The estimate codes these bits with adaptive probabilities. Their
+//! context is what is known of both triangles: the number of crossed edges, and of undecided edges.
+//! An encoder with more context needs fewer bits; one with less adapted tables needs more.
 
 use std::collections::{HashMap, HashSet};
 
 use tristrip::{Mesh, Strips};
 
-/// The links known so far of a triangle, and its edges of two triangles that are still open.
+/// The known links of a triangle, and its undecided edges of two triangles.
 #[derive(Debug, Clone, Copy, Default)]
 struct Known {
     links: usize,
     open: usize,
 }
 
-/// Returns the bits of the links of strips that draw the triangles of a mesh.
+/// Returns the entropy of the links, in bits, for strips that draw the triangles of a mesh.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, StripifyOptions, stripify};
@@ -55,7 +57,7 @@ pub fn bits(mesh: &Mesh, strips: &Strips) -> f64 {
         .iter()
         .map(|&t| Known { links: 0, open: sides(t).into_iter().filter_map(neighbour).count() })
         .collect();
-    // 3. Their bits, each at the first of its triangles.
+    // 3. The bits of the edges, each coded at the first of its triangles.
     let mut counts = [[1.0_f64; 2]; 256];
     let mut sum = 0.0;
     for (t, &triangle) in triangles.iter().enumerate() {

@@ -1,6 +1,6 @@
-//! The targets of the project, each with what was measured and whether it meets the target.
+//! The targets of the project, each with the measured value and whether it is met.
 //!
-//! Figures of peers are rounded to four digits, so comparisons allow half of the last one.
+//! Values of peers are rounded to four digits. Comparisons allow half of the last digit.
 
 mod searches;
 mod target;
@@ -20,16 +20,16 @@ const SEQUENTIAL_COSTS: [(&str, f64); 5] =
     [("bunny", 1.200), ("fandisk", 1.170), ("horse", 1.232), ("armadillo_43k", 1.340), ("dragon", 1.342)];
 const POLYGON_COSTS: [(&str, f64); 2] = [("cow", 1.24), ("triceratops", 1.24)];
 const TIMED: [&str; 4] = ["fandisk", "bunny", "horse", "dragon"];
-/// Vertices sent: model, SGI as published, the later report of STRIPE (2.1), and the limit of our rows.
+/// Vertices sent: model, SGI as published, the later report of STRIPE (2.1), and our limit.
 const POLYGON_VERTICES: [(&str, f64, f64, f64); 3] = [
     ("skyscraper", 5621.0, 4849.0, 4537.0),
     ("triceratops", 8267.0, 7248.0, 6737.0),
     ("power_lines", 12147.0, 10417.0, 10084.0),
 ];
-/// Strip counts of the authors' STRIPE: model, least, most.
+/// Strip counts of the authors' STRIPE: model, minimum, maximum.
 const STRIPE_STRIPS: [(&str, f64, f64); 2] = [("cow_2904", 135.0, 147.0), ("bunny", 917.0, 1229.0)];
 
-/// Returns the targets for which something was measured.
+/// Returns the targets that have measurements.
 pub fn compare(
     outcomes: &[Outcome],
     searched: &[SearchResults],
@@ -64,8 +64,8 @@ pub fn compare(
     targets
 }
 
-/// Compares meshoptimizer's strips with those it made when the peers were measured: it is deterministic, so the same strips mean the
-/// same index buffer.
+/// Compares meshoptimizer's strips with its strips when the peers were measured. It is
+/// deterministic, so equal strips mean the same index buffer.
 fn same_inputs(outcomes: &[Outcome]) -> Option<Target> {
     let is_same = |o: &Outcome| {
         Some(o.row(Pipeline::StripCache.name())?.strips == o.peers.as_ref()?.meshopt_strip_cache.strips)
@@ -79,7 +79,8 @@ fn same_inputs(outcomes: &[Outcome]) -> Option<Target> {
     )
 }
 
-/// Iterates over the models on which peers were measured, with the cost of a method and of the best one-pass peer.
+/// Iterates over the models with measured peers. Returns the cost of a method and of the best
+/// one-pass peer.
 pub fn pairs<'a>(outcomes: &'a [Outcome], method: &'a str) -> impl Iterator<Item = (&'a Outcome, f64, f64)> {
     outcomes.iter().filter_map(move |outcome| {
         let best = outcome.peers.as_ref()?.one_pass_indices_restart_per_triangle.best;
@@ -95,7 +96,8 @@ fn against_one_pass(outcomes: &[Outcome], method: &str) -> Option<Target> {
     none(&format!("{method}, models with more indices than the best one-pass peer"), names, all.len())
 }
 
-/// Returns the cost of `sequential` relative to the best one-pass peer, as a geometric mean over the models.
+/// Returns the cost of `sequential` relative to the best one-pass peer, as a geometric mean over
+/// the models.
 pub fn mean_ratio(outcomes: &[Outcome]) -> Option<f64> {
     geometric_mean(pairs(outcomes, "sequential").map(|(_, ours, best)| ours / best))
 }

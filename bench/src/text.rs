@@ -1,4 +1,4 @@
-//! Tables on a terminal and in Markdown, with the same columns.
+//! Tables for a terminal and for Markdown, with the same columns.
 
 use std::fmt::Write as _;
 
@@ -106,7 +106,8 @@ pub fn searched(searched: &SearchResults) -> String {
     format!("{}, searches; lower bound: {} strips\n{}", searched.model, searched.bound, table.aligned())
 }
 
-/// Returns indices and misses of a model as text, meshoptimizer's points with those that beat them.
+/// Returns indices and misses of a model as text: meshoptimizer's results, with our results that
+/// beat them.
 pub fn caches(caches: &CacheResults) -> String {
     let mut table =
         Table::new(1, &["vertex cache", "restart/T", "ACMR", "s", "fewer indices", "fewer misses"]);

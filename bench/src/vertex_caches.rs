@@ -1,5 +1,5 @@
-//! Vertex caches: indices and misses of `cache`, as points in a plane, compared with meshoptimizer's in the same run; and the speed of
-//! the simulators.
+//! Vertex caches: indices and misses of `cache`, as points in a plane, compared with meshoptimizer
+//! in the same run; and the speed of the simulators.
 //!
 //! ```text
 //! misses
@@ -9,8 +9,8 @@
 //!   └────────── indices
 //! ```
 //!
-//! Every result is proven before its figures are kept. The speed of `cache` is measured with the other methods, in rounds that alternate
-//! with meshoptimizer.
+//! Every result is proven before its metrics are kept. The speed of `cache` is measured with the
+//! other methods, in rounds that alternate with meshoptimizer.
 
 use std::time::Instant;
 
@@ -29,34 +29,34 @@ use crate::models::{Source, load};
 
 /// The vertex cache of all targets.
 pub const REFERENCE_CACHE: VertexCache = VertexCache::fifo(16);
-/// A vertex cache with one entry less, whose figures the peers' table states for 16 entries.
+/// A vertex cache with one entry less. The peers' table gives its values for 16 entries.
 pub const SMALLER_CACHE: VertexCache = VertexCache::fifo(15);
 /// The effort of the longer searches.
 pub const EFFORT: u8 = 5;
 /// The effort of the longer searches on models with more triangles than [`LARGE`].
 pub const LARGE_EFFORT: u8 = 3;
-/// Above this number of triangles the longer searches have the lower effort.
+/// Above this number of triangles, the longer searches use the lower effort.
 pub const LARGE: usize = 150_000;
-/// Models on which the simulators are timed, on the strips of `cache`.
+/// The models on which the simulators are timed, on the strips of `cache`.
 pub const SIMULATED: [&str; 2] = ["bunny", "dragon"];
 /// The simulators that are timed.
 const SIMULATORS: [VertexCache; 2] = [VertexCache::fifo(16), VertexCache::lru(16)];
 const SIMULATOR_ROUNDS: usize = 15;
 
-/// Indices and misses of some strips.
+/// The indices and misses of strips.
 #[derive(Debug, Clone, Serialize)]
 pub struct CachePoint {
     /// The setting, or the pipeline of meshoptimizer.
     pub by: String,
-    /// Always true: a result that is not proven is not shown.
+    /// Always true: results that are not proven are not shown.
     pub proven: bool,
-    /// Indices with restarts.
+    /// The number of indices with restarts.
     pub indices: usize,
-    /// Misses of [`REFERENCE_CACHE`], kept between strips.
+    /// The misses of [`REFERENCE_CACHE`], not flushed between strips.
     pub misses: usize,
-    /// Misses of [`SMALLER_CACHE`].
+    /// The misses of [`SMALLER_CACHE`].
     pub misses_fifo_15: usize,
-    /// Time of one run, in seconds.
+    /// The time of one run, in seconds.
     pub seconds: f64,
 }
 
@@ -65,7 +65,7 @@ pub struct CachePoint {
 pub struct SimulatorSpeed {
     /// The vertex cache, such as `fifo:16`.
     pub vertex_cache: String,
-    /// Median over several rounds.
+    /// The median over several rounds.
     pub indices_per_second: f64,
 }
 
@@ -74,32 +74,33 @@ pub struct SimulatorSpeed {
 pub struct CacheResults {
     /// The model's name.
     pub model: String,
-    /// Triangles.
+    /// The number of triangles.
     pub triangles: usize,
-    /// Meshoptimizer's points, one for each of [`Pipeline::ALL`].
+    /// The results of meshoptimizer, one per item of [`Pipeline::ALL`].
     pub meshoptimizer: Vec<CachePoint>,
-    /// Ours, in the same order for every model: `cache` by objective, the same at a higher effort, and `best`.
+    /// Our results, in the same order for every model: `cache` by objective, `cache` at a higher
+    /// effort, and `best`.
     pub ours: Vec<CachePoint>,
-    /// Speeds, on models of [`SIMULATED`].
+    /// The speeds, on the models of [`SIMULATED`].
     pub simulators: Vec<SimulatorSpeed>,
 }
 
 impl CacheResults {
-    /// Returns the point of ours with the fewest indices that has no more misses than a point of meshoptimizer; `None` if it has no fewer
-    /// indices.
+    /// Returns our result with the fewest indices among those with no more misses than a result of
+    /// meshoptimizer; `None` if it does not have fewer indices.
     pub fn fewer_indices(&self, theirs: &CachePoint) -> Option<&CachePoint> {
         let better = self.ours.iter().filter(|p| p.misses <= theirs.misses && p.indices < theirs.indices);
         better.min_by_key(|p| (p.indices, p.misses))
     }
 
-    /// Returns the point of ours with the fewest misses that has no more indices than a point of meshoptimizer; `None` if it has no fewer
-    /// misses.
+    /// Returns our result with the fewest misses among those with no more indices than a result of
+    /// meshoptimizer; `None` if it does not have fewer misses.
     pub fn fewer_misses(&self, theirs: &CachePoint) -> Option<&CachePoint> {
         let better = self.ours.iter().filter(|p| p.indices <= theirs.indices && p.misses < theirs.misses);
         better.min_by_key(|p| (p.misses, p.indices))
     }
 
-    /// Checks whether a point of meshoptimizer is beaten in indices and in misses.
+    /// Checks whether a result of meshoptimizer is beaten in indices and in misses.
     pub fn beats(&self, theirs: &CachePoint) -> bool {
         self.fewer_indices(theirs).is_some() && self.fewer_misses(theirs).is_some()
     }
@@ -109,23 +110,24 @@ impl CacheResults {
         count as f64 / self.triangles.max(1) as f64
     }
 
-    /// Returns the point of one of our settings.
+    /// Returns the result of one of our settings.
     pub fn setting(&self, name: &str) -> Option<&CachePoint> {
         self.ours.iter().find(|point| point.by == name)
     }
 }
 
-/// Counts the models on which each of meshoptimizer's points is beaten in indices and in misses, in the order of [`Pipeline::ALL`].
+/// Counts the models on which each result of meshoptimizer is beaten in indices and in misses, in
+/// the order of [`Pipeline::ALL`].
 pub fn beaten(caches: &[CacheResults]) -> [usize; Pipeline::ALL.len()] {
     std::array::from_fn(|i| {
         caches.iter().filter(|b| b.meshoptimizer.get(i).is_some_and(|r| b.beats(r))).count()
     })
 }
 
-/// Measures and proves all points of a model, and times the simulators.
+/// Measures and proves all results of a model, and times the simulators.
 ///
 /// # Errors
-/// The model cannot be read, a result is not proven, or a simulator counts wrong.
+/// The model cannot be read, a result is not proven, or a simulator counts wrongly.
 pub fn search(source: &Source) -> Result<CacheResults, Failure> {
     let mesh = load(source)?.triangles;
     let say = |name: &str, error: Failure| format!("{}, {name}: {error}", source.name);
@@ -156,7 +158,7 @@ fn settings(triangles: usize) -> Vec<NamedMethod> {
     usual.into_iter().chain(longer).chain([best]).collect()
 }
 
-/// Finds strips once and proves them.
+/// Builds strips once and proves them.
 fn point(
     mesh: &Mesh,
     name: &str,
@@ -178,7 +180,8 @@ fn point(
     Ok((point, strips))
 }
 
-/// Times the simulators in alternation, after comparing their misses with those of a cache that receives one vertex after the other.
+/// Times the simulators in alternation. First compares their misses with those of a cache that
+/// receives one vertex at a time.
 fn simulate(strips: &Strips, vertex_count: usize) -> Result<Vec<SimulatorSpeed>, Failure> {
     let mut times = SIMULATORS.map(|_| Vec::new());
     let run = |cache| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep).misses;

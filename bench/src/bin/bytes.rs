@@ -1,11 +1,12 @@
-//! Measures the bytes of simplified scenes, images aside, compared with gltfpack.
+//! Measures the size of simplified scenes without images, compared with gltfpack.
 //!
 //! ```sh
-//! cargo run --profile dist -p tristrip-bench --bin bytes -- --gltfpack gltfpack ../shared/models/textured ../shared/models/milktruck.glb
+//! cargo run --profile dist -p tristrip-bench --bin bytes -- --gltfpack gltfpack \
+//!     ../shared/models/textured ../shared/models/milktruck.glb
 //! ```
 //!
-//! Each scene is simplified to 20 % of its triangles by both programs, within the error limit that each has by default; `compact` is ours with
-//! weights in 8 bits and rotations in 16 bits, which is what gltfpack stores.
+//! Both programs simplify each scene to 20 % of its triangles, within their default error limits.
+//! `compact` is our result with 8-bit weights and 16-bit rotations, which gltfpack also stores.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 use std::path::{Path, PathBuf};
@@ -18,17 +19,17 @@ use tristrip_io::gltf::Rounding;
 use tristrip_io::{Format, Model, embed_images, read, read_path};
 use tristrip_pipeline::{Amount, Goal, Ratio, simplify};
 
-/// Measure the bytes of simplified scenes, images aside
+/// Measure the size of simplified scenes without images
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// Scenes, and folders of scenes
+    /// Scenes, and directories of scenes
     #[arg(default_value = "../shared/models/textured")]
     models: Vec<PathBuf>,
     /// Compare with this gltfpack program
     #[arg(long, value_name = "PATH")]
     gltfpack: PathBuf,
-    /// The share of the triangles that is kept
+    /// The ratio of triangles that are kept
     #[arg(long, default_value_t = 0.2)]
     share: f64,
 }
@@ -47,7 +48,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Simplifies a scene with both programs, and returns its row.
+/// Simplifies a scene with both programs. Returns its row.
 fn measure(source: &Path, args: &Args) -> Result<Vec<String>, Failure> {
     let mut model = read_path(source)?;
     embed_images(&mut model, Some(source))?;
@@ -61,7 +62,7 @@ fn measure(source: &Path, args: &Args) -> Result<Vec<String>, Failure> {
     Ok([scenes::name(source)].into_iter().chain(counts).chain([ratio(&default), ratio(&compact)]).collect())
 }
 
-/// Simplifies to a share of the triangles; returns a GLB.
+/// Simplifies to a ratio of the triangles. Returns a GLB.
 fn simplified(model: &Model, share: f64, rounding: Rounding) -> Result<Vec<u8>, Failure> {
     let ratio = Ratio::new(share).ok_or_else(|| format!("found a share of {share}, expected 0 to 1"))?;
     let goal = Goal { amount: Some(Amount::Ratio(ratio)), ..Goal::default() };
@@ -70,10 +71,10 @@ fn simplified(model: &Model, share: f64, rounding: Rounding) -> Result<Vec<u8>, 
     Ok(simplify::run(model, &options, &())?.encode(Format::Glb, true, &())?.bytes)
 }
 
-/// A GLB.
+/// A measured GLB.
 struct Measured {
     triangles: usize,
-    /// Without its images.
+    /// The size in bytes, without images.
     bytes: usize,
 }
 

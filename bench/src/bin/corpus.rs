@@ -1,8 +1,11 @@
-//! Checks a folder of real models: every model with every method is proven by `verify`, gives the same bytes with 1, 2 and 7
-//! threads (variants of methods on models of more than 8,000 triangles: with 1 and one of the others), and is written to files that an independent checker proves again (`tools/corpus/check_files.py`).
+//! Checks a directory of real models with every method. Each result is proven by `verify`, gives
+//! the same bytes with 1, 2 and 7 threads, and is written to files that an independent checker
+//! proves again (`tools/corpus/check_files.py`). For models of more than 8,000 triangles, variants
+//! of methods run with 1 and one other number of threads.
 //!
 //! ```sh
-//! cargo build --profile dist -p tristrip-bench && target/dist/corpus ../shared/models --checker ../shared/check_strips.py
+//! cargo build --profile dist -p tristrip-bench
+//! target/dist/corpus ../shared/models --checker ../shared/check_strips.py
 //! ```
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
 
@@ -21,31 +24,34 @@ use tristrip_bench::corpus::{CheckOptions, CheckedModel, THREADS, ThreadPools, c
 use tristrip_bench::failure::Failure;
 use tristrip_bench::models::{self, Source};
 
-/// How many models are checked at the same time.
+/// The number of models that are checked concurrently.
 const WORKERS: usize = 2;
 
 /// Prove every method on real models, and the files written from the results
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
+    /// The directory of models [default: ../shared/models next to the checkout, else
+    /// testdata/models]
     models: Option<PathBuf>,
-    /// The checker of files, a Python program that needs numpy; without it, files are not proven
+    /// The file checker, a Python program that needs numpy; without it, files are not proven
     #[arg(long, value_name = "FILE")]
     checker: Option<PathBuf>,
-    /// Write a file for every method, of large models, too: about ten minutes for the checker
+    /// Write a file for every method, also for large models; the checker then takes about ten
+    /// minutes
     #[arg(long)]
     all_files: bool,
-    /// Write a hash of every index buffer, file and level of detail, one per line, to compare two versions of the program
+    /// Write a hash of every index buffer, file and level of detail, one per line, for comparing
+    /// two versions of the program
     #[arg(long, value_name = "FILE")]
     hashes: Option<PathBuf>,
     /// The Python interpreter for the checker
     #[arg(long, default_value = "python3", value_name = "PROGRAM")]
     python: PathBuf,
-    /// Only this model; repeatable
+    /// Check only this model; repeatable
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
-    /// Only every Nth model by the size of the file, from the Ith largest on, which is number 0
+    /// Check only every Nth model by file size, starting at the Ith largest, counted from 0
     #[arg(long, value_name = "I/N", value_parser = part)]
     part: Option<(usize, usize)>,
 }
@@ -156,7 +162,8 @@ fn check_all<'a>(
     Ok(results)
 }
 
-/// Runs the command on every model with each number of threads. Returns the number of models for which all files are the same.
+/// Runs the command on every model with each number of threads. Returns the number of models whose
+/// files are all equal.
 fn threads_of_command(
     command: &Path,
     sources: &[Source],

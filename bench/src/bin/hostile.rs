@@ -1,12 +1,13 @@
-//! Measures every default method, and levels of detail, on the hostile shapes at two sizes: time per triangle, and growth.
+//! Measures every default method, and levels of detail, on hostile shapes at two sizes: time per
+//! triangle, and growth.
 //!
 //! ```sh
 //! cargo run --profile dist -p tristrip-bench --bin hostile -- --triangles 1000000
 //! ```
 //!
-//! Every run is a process of its own with a time limit; its result is proven before its time is printed. A run *violates* the bar if it
-//! takes longer than a second and the method's share per triangle, or if it takes more than five times as long as one of a quarter of
-//! the triangles.
+//! Every run is a separate process with a time limit. Its result is proven before its time is
+//! printed. A run *violates* its limit if it takes longer than a second plus the method's time per
+//! triangle, or more than five times as long as a run on a quarter of the triangles.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
 
 use std::io::Read as _;
@@ -19,37 +20,37 @@ use tristrip_bench::failure::Failure;
 use tristrip_bench::hostile::{HostileMethod, HostileShape, METHODS, shapes};
 use tristrip_bench::text::Table;
 
-/// The factor by which the larger size is larger, and the most by which its time may be longer.
+/// The ratio between the two sizes, and the maximum ratio between their times.
 const SIZES: u32 = 4;
 const MAX_GROWTH: f64 = 5.0;
-/// The shortest time of which growth is compared, in seconds.
+/// The minimum time for which growth is compared, in seconds.
 const SHORT: f64 = 0.25;
 
 /// Measure every default method on hostile shapes
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// Triangles of the larger size
+    /// The number of triangles of the larger size
     #[arg(long, default_value_t = 1_000_000, value_name = "N")]
     triangles: u32,
-    /// Only shapes whose names contain this; repeatable
+    /// Measure only shapes whose names contain this text; repeatable
     #[arg(long, value_name = "TEXT")]
     shape: Vec<String>,
-    /// Only this method; repeatable
+    /// Measure only this method; repeatable
     #[arg(long, value_name = "NAME")]
     method: Vec<String>,
-    /// Seconds after which a run ends
+    /// The time limit of a run in seconds
     #[arg(long, default_value_t = 30, value_name = "SECONDS")]
     limit: u64,
-    /// Print violations only
+    /// Print only violations
     #[arg(long)]
     violations: bool,
-    /// Run one shape with one method in this process, and print its figures as JSON
+    /// Run one shape with one method in this process, and print its metrics as JSON
     #[arg(long, num_args = 2, value_names = ["SHAPE", "METHOD"], conflicts_with_all = ["shape", "method"])]
     one: Option<Vec<String>>,
 }
 
-/// The figures of a run; none if it was ended.
+/// The metrics of a run; `None` if it exceeded the time limit.
 #[derive(Debug, Clone, Copy)]
 struct Measured {
     triangles: f64,
@@ -68,7 +69,7 @@ fn main() -> Result<ExitCode, Failure> {
     };
     let mut table = Table::new(
         2,
-        &["shape", "method", "triangles", "strips", "s", "µs/triangle", "growth", "proof s", "bar"],
+        &["shape", "method", "triangles", "strips", "s", "µs/triangle", "growth", "proof s", "result"],
     );
     let (mut runs, mut violations) = (0, 0);
     for shape in shapes().iter().filter(|shape| chosen(shape)) {
@@ -88,7 +89,7 @@ fn main() -> Result<ExitCode, Failure> {
         }
     }
     print!("{}", table.aligned());
-    println!("hostile: {violations} of {runs} runs violate the bar");
+    println!("hostile: {violations} of {runs} runs violate their limit");
     Ok(if violations == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -106,7 +107,7 @@ fn one(shape: &str, method: &str, triangles: u32) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Runs a shape in a process of its own; returns `None` if it takes too long.
+/// Runs a shape in a separate process. Returns `None` if it takes too long.
 fn run(shape: &str, method: &str, triangles: u32, limit: u64) -> Result<Option<Measured>, Failure> {
     let mut child = Command::new(std::env::current_exe()?)
         .args(["--triangles", &triangles.to_string(), "--one", shape, method])
@@ -143,7 +144,7 @@ fn ends_within(child: &mut Child, limit: Duration) -> Result<bool, Failure> {
     Ok(true)
 }
 
-/// Returns how a run violates the bar.
+/// Returns how a run violates its limit; `None` if it does not.
 fn violation(
     method: &HostileMethod,
     small: Option<Measured>,
@@ -186,7 +187,7 @@ fn row(
     cells
 }
 
-/// Formats a row as it is done.
+/// Formats a row when its run has finished.
 fn table_line(
     shape: &str,
     method: &HostileMethod,

@@ -1,13 +1,15 @@
-//! Measures what simplification changes in pictures of textured scenes, compared with gltfpack.
+//! Measures how simplification changes images of textured scenes, compared with gltfpack.
 //!
 //! ```sh
 //! cargo run --profile dist -p tristrip-bench --bin pictures -- --gltfpack gltfpack
 //! ```
 //!
-//! Each scene is simplified to 50 % and to 20 % of its triangles. With gltfpack, ours gets as many triangles as gltfpack's result shows, which
-//! the parts share, or with `--by-part` as many in each part: gltfpack stops where its error would be too large, in some
-//! parts earlier than in others. The figures are those of [`compare`]: the share of the pixels of eight views that differ, and the pixels of
-//! holes. The last rows are the sums over all scenes, and ours divided by gltfpack's.
+//! Each scene is simplified to 50 % and 20 % of its triangles. With gltfpack, our result gets as
+//! many triangles as gltfpack's result draws. Its parts share this number, or each part gets the
+//! same number as gltfpack's part with `--by-part`: gltfpack stops at its error limit, in some
+//! parts earlier than in others. The metrics are those of [`compare`]: the fraction of pixels of
+//! eight views that differ, and the pixels of holes. The last rows are the sums over all scenes,
+//! and our sums divided by gltfpack's.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 use std::fs;
@@ -24,38 +26,38 @@ use tristrip_pipeline::{
 };
 use tristrip_render::images::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 
-/// The shares of the triangles that are kept.
+/// The ratios of triangles that are kept.
 const SHARES: [f64; 2] = [0.5, 0.2];
-/// The modes that are compared.
+/// The compared modes.
 const MODES: [Mode; 3] = [Mode::Textured, Mode::Normals, Mode::Uv];
-/// The programs, as they are in the table.
+/// The names of the programs in the table.
 const PROGRAMS: [&str; 2] = ["tristrip", "gltfpack"];
-/// The width and height of a view in the pictures that are written.
+/// The width and height of a view in the written images.
 const PICTURE_SIZE: u32 = 256;
 
-/// Measure what simplification changes in pictures of textured scenes
+/// Measure how simplification changes images of textured scenes
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// The folder of scenes, searched with its subfolders for .glb and .gltf
+    /// The directory of scenes, searched recursively for .glb and .gltf
     #[arg(default_value = "../shared/models/textured")]
     models: PathBuf,
-    /// Only this scene; repeatable
+    /// Measure only this scene; repeatable
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
     /// Compare with this gltfpack program
     #[arg(long, value_name = "PATH")]
     gltfpack: Option<PathBuf>,
-    /// Give each part as many triangles as gltfpack's has
+    /// Give each part as many triangles as gltfpack does
     #[arg(long, requires = "gltfpack")]
     by_part: bool,
-    /// What happens to normals: auto, keep or rebuild
+    /// The treatment of normals: auto, keep or rebuild
     #[arg(long, value_name = "MODE", default_value_t)]
     normals: Normals,
-    /// How much attributes count, such as normal=2,uv=0.5
+    /// The weights of attributes, such as normal=2,uv=0.5
     #[arg(long, value_name = "WEIGHTS", default_value = "", hide_default_value = true)]
     weight: AttributeWeights,
-    /// Write pictures into this folder: the scene, ours and gltfpack's below each other
+    /// Write images to this directory: the scene, our result and gltfpack's, one below the other
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
 }
@@ -94,7 +96,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The triangles of a scene or of all, and the pixels that differ.
+/// The triangles of one or all scenes, and the pixels that differ.
 #[derive(Debug, Clone, Copy, Default)]
 struct ComparedPictures {
     before: usize,
@@ -124,17 +126,17 @@ impl ComparedPictures {
         }
     }
 
-    /// Returns a row of figures.
+    /// Returns a row of metrics.
     fn cells(&self, scene: &str, by: &str) -> Vec<String> {
         let mut cells = vec![scene.to_owned(), by.to_owned()];
         cells.extend([self.before, self.after].map(|count| count.to_string()));
         cells.extend(self.found.map(|found| format!("{:.2}", 100.0 * found.share())));
-        // The same in all modes.
+        // These are equal in all modes.
         cells.extend([self.found[0].holes, self.found[0].grown].map(|count| count.to_string()));
         cells
     }
 
-    /// Returns a row of the numbers of pixels that differ, divided by those of another result.
+    /// Returns a row of the numbers of pixels that differ, relative to another result.
     fn ratios(&self, scene: &str, other: &Self) -> Vec<String> {
         let mut cells = vec![scene.to_owned(), "ratio".to_owned(), String::new(), String::new()];
         let pairs = self.found.iter().zip(&other.found);
@@ -144,7 +146,7 @@ impl ComparedPictures {
     }
 }
 
-/// Simplifies a scene with both programs, and returns the figures of each.
+/// Simplifies a scene with both programs. Returns the metrics of each.
 fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<ComparedPictures>, Failure> {
     let model = read_path(source)?;
     let before = TexturedModel::new(&model)?;
@@ -177,7 +179,7 @@ fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<ComparedPicture
     shown().map(|after| ComparedPictures::new(&before, after)).collect()
 }
 
-/// Returns the options of a simplification without a limit to its error.
+/// Returns the options of a simplification without an error limit.
 fn options(args: &Args, amount: Option<Amount>) -> simplify::Options {
     let options =
         simplify::Options::default().with_goal(Goal { amount, deviation: Deviation::Percent(100.0) });
@@ -185,15 +187,16 @@ fn options(args: &Args, amount: Option<Amount>) -> simplify::Options {
     options.with_normals(args.normals).with_rules(rules).with_format(Format::Glb)
 }
 
-/// Simplifies to a share of the triangles.
+/// Simplifies to a ratio of the triangles.
 fn simplified(model: &Model, share: f64, args: &Args) -> Result<TexturedModel, Failure> {
     let ratio = Ratio::new(share).ok_or_else(|| format!("found a share of {share}, expected 0 to 1"))?;
     let done = simplify::run(model, &options(args, Some(Amount::Ratio(ratio))), &())?;
     Ok(TexturedModel::new(&done.redrawn.model)?)
 }
 
-/// Simplifies until a scene shows at most this number of triangles, or as few as possible. A part that is shown twice counts twice, and parts
-/// do not lose the same share, so that the share of all triangles is searched.
+/// Simplifies until a scene draws at most this number of triangles, or as few as possible. A part
+/// with two instances counts twice, and parts do not lose the same fraction, so the ratio of all
+/// triangles is found by a search.
 fn simplified_to(model: &Model, triangles: usize, args: &Args) -> Result<TexturedModel, Failure> {
     let (mut fewer, mut more) = (0.0, 1.0);
     let mut best = simplified(model, fewer, args)?;

@@ -1,9 +1,11 @@
-//! What the web server bears: many clients at once, slow clients, hostile paths, a kill while it packs, and requests per second on one core.
+//! Tests the limits of the web server: many concurrent clients, slow clients, hostile paths, a kill
+//! while it packs, and requests per second on one core.
 //!
 //! ```text
 //! cargo run --profile dist -p tristrip-bench --bin server
 //! ```
-//! The server is a process of its own, so that its memory and its core are its own. Each answer is compared with the bytes that it should have.
+//! The server is a separate process with its own memory and core. Each response is compared with
+//! the expected bytes.
 
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
@@ -18,28 +20,28 @@ use clap::Parser;
 use tristrip_bench::failure::Failure;
 use tristrip_serve::{Content, Limits, PackingOptions, Server, ServerOptions};
 
-/// The bars of the server.
+/// The limits of the server.
 const MAX_MEMORY_BYTES: u64 = 200 << 20;
 const FEWEST_REQUESTS_PER_SECOND: f64 = 1000.0;
-/// How long a client may be held up by slow ones.
+/// The maximum time that slow clients may delay another client.
 const MAX_HELD_UP: Duration = Duration::from_secs(1);
 
 /// Measure the web server
 #[derive(Debug, Parser)]
 struct Args {
-    /// The clients at once
+    /// The number of concurrent clients
     #[arg(long, default_value_t = 500)]
     clients: usize,
-    /// The bytes per second that each of them reads
+    /// The bytes per second that each client reads
     #[arg(long, default_value_t = 1_000_000)]
     rate: u64,
-    /// The bytes of the file that they read
+    /// The size of the file that they read, in bytes
     #[arg(long, default_value_t = 8_000_000)]
     bytes: usize,
     /// The squares along each side of the model that is packed when the server is killed
     #[arg(long, default_value_t = 300)]
     side: usize,
-    /// Serve this directory, with the cache in it: how the server is started
+    /// Serve this directory, with the cache in it; the benchmark starts the server this way
     #[arg(long, hide = true)]
     serve: Option<PathBuf>,
 }
@@ -60,7 +62,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Serves until standard input ends; the first line of standard output is the address.
+/// Serves until standard input ends. The first line of standard output is the address.
 fn serve(directory: &Path) -> Result<(), Failure> {
     let packing =
         PackingOptions::default().with_on_demand(true).with_cache(Some(directory.join(".cache")), 1 << 30);
@@ -76,7 +78,7 @@ fn serve(directory: &Path) -> Result<(), Failure> {
     Ok(server.run()?)
 }
 
-/// Measures everything; returns whether all bars are reached.
+/// Measures everything. Returns whether all limits are met.
 fn measure(args: &Args) -> Result<bool, Failure> {
     let directory = tempfile::tempdir()?;
     let large: Vec<u8> =
@@ -104,7 +106,7 @@ fn many_clients(args: &Args, directory: &Path, expected: &[u8]) -> Result<bool, 
                     failed.fetch_add(1, Ordering::Relaxed);
                 }
             };
-            // What a client keeps is on the heap.
+            // The data of a client is on the heap.
             if std::thread::Builder::new().stack_size(128 << 10).spawn_scoped(scope, read).is_err() {
                 failed.fetch_add(1, Ordering::Relaxed);
             }
@@ -122,7 +124,7 @@ fn many_clients(args: &Args, directory: &Path, expected: &[u8]) -> Result<bool, 
     Ok(failed == 0 && memory <= MAX_MEMORY_BYTES)
 }
 
-/// Reads the large file at a rate, and returns whether all its bytes came.
+/// Reads the large file at a rate. Returns whether all its bytes arrived.
 fn paced(address: SocketAddr, rate: u64, expected: &[u8]) -> std::io::Result<bool> {
     let mut socket = TcpStream::connect(address)?;
     socket.set_read_timeout(Some(Duration::from_mins(1)))?;
@@ -148,7 +150,7 @@ fn paced(address: SocketAddr, rate: u64, expected: &[u8]) -> std::io::Result<boo
     }
 }
 
-/// Asks for a small file while other clients send half a head, or read nothing.
+/// Requests a small file while other clients send incomplete headers, or read nothing.
 fn slow_clients(directory: &Path, expected: &[u8]) -> Result<bool, Failure> {
     let server = Process::start(directory, None)?;
     let mut slow = Vec::new();
@@ -169,11 +171,11 @@ fn slow_clients(directory: &Path, expected: &[u8]) -> Result<bool, Failure> {
     }
     times.sort();
     let (median, most) = (times[times.len() / 2], times[times.len() - 1]);
-    println!("beside 200 slow heads and 200 slow readers: median {median:.1?}, at most {most:.1?}");
+    println!("with 200 slow requests and 200 slow readers: median {median:.1?}, at most {most:.1?}");
     Ok(most <= MAX_HELD_UP)
 }
 
-/// Asks for what is outside the directory in 200 ways and more.
+/// Requests paths outside the directory in more than 200 ways.
 fn hostile_paths(directory: &Path) -> Result<bool, Failure> {
     let server = Process::start(directory, None)?;
     let ups = [
@@ -204,11 +206,12 @@ fn hostile_paths(directory: &Path) -> Result<bool, Failure> {
             }
         }
     }
-    println!("{count} hostile paths: {wrong} without an error of the client");
+    println!("{count} hostile paths: {wrong} without a client error");
     Ok(wrong == 0)
 }
 
-/// Kills the server while it packs, at several moments; what was cached stays, and the next request is answered.
+/// Kills the server while it packs, at several moments. The cached files must remain, and the next
+/// request must succeed.
 fn killed(directory: &Path) -> Result<bool, Failure> {
     let first = {
         let server = Process::start(directory, None)?;
@@ -248,7 +251,7 @@ fn killed(directory: &Path) -> Result<bool, Failure> {
     Ok(intact == delays.len() && is_right)
 }
 
-/// Asks for a small file as often as possible; the server has one core.
+/// Requests a small file as often as possible. The server has one core.
 fn requests_per_second(directory: &Path, expected: &[u8]) -> Result<bool, Failure> {
     let server = Process::start(directory, Some("0"))?;
     let (done, start) = (AtomicUsize::new(0), Instant::now());
@@ -283,14 +286,14 @@ fn ask_repeatedly(address: SocketAddr, expected: &[u8], end: Instant) -> std::io
     Ok(count)
 }
 
-/// The server in a process of its own, which ends with this.
+/// The server process. It ends when this value is dropped.
 struct Process {
     child: Child,
     address: SocketAddr,
 }
 
 impl Process {
-    /// Starts the server, on one core if that is named and the system has `taskset`.
+    /// Starts the server, on one core if `core` is given and the system has `taskset`.
     fn start(directory: &Path, core: Option<&str>) -> Result<Self, Failure> {
         let program = std::env::current_exe()?;
         let mut command = match core {
@@ -314,7 +317,7 @@ impl Process {
         Ok(Self { child, address })
     }
 
-    /// Returns the most memory that the process had, as Linux counts it.
+    /// Returns the peak memory of the process, as reported by Linux.
     fn most_memory(&self) -> Result<u64, Failure> {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id()))?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or_default();
@@ -352,7 +355,7 @@ fn figure(address: SocketAddr, name: &str) -> Result<u64, Failure> {
     Ok(text.lines().find_map(|line| line.strip_prefix(name)?.parse().ok()).unwrap_or(0))
 }
 
-/// Returns a grid of squares with this many along each side, as OBJ.
+/// Returns a grid of `side` × `side` squares as OBJ.
 fn grid(side: usize) -> String {
     let row = |y: usize| (0..=side).map(move |x| format!("v {x} {y} {}\n", x * y % 3));
     let first = |y: usize| y * (side + 1) + 1;

@@ -1,13 +1,19 @@
-//! Measures progressive streams: bytes by component, times, memory, and how far the surface is from the full mesh after shares of the bytes.
+//! Measures progressive streams: bytes by component, times, memory, and the distance of the surface
+//! from the full mesh after fractions of the bytes.
 //!
 //! ```sh
-//! cargo run --profile dist -p tristrip-bench --bin streams -- ../shared/models/bunny.ply ../shared/models/horse.ply
+//! cargo run --profile dist -p tristrip-bench --bin streams -- \
+//!     ../shared/models/bunny.ply ../shared/models/horse.ply
 //! ```
 //!
-//! Only the first mesh of a file is encoded, without its attributes unless --attributes is given. Each stream is decoded again, and must have the triangles of the
-//! input. Strips that are kept up while the mesh is refined are proven after each chunk; their indices are shares of three per triangle, means over all chunks, and the times
-//! beside them are those of all chunks, beyond decoding. The bits of links are an estimate of what it would take to send the strips of the full mesh, which the levels of
-//! progressive strips are made of, instead. Distances are root mean squares over both surfaces, in percent of the diagonal.
+//! Only the first mesh of a file is encoded, without its attributes unless --attributes is given.
+//! Each stream is decoded again, and must have the triangles of the input.
+//!
+//! Strips that are maintained during refinement are proven after each chunk. Their indices are
+//! relative to three per triangle, as means over all chunks. The times next to them are the totals
+//! of all chunks, beyond decoding. The bits of links estimate the cost of sending the strips of the
+//! full mesh instead, from which the levels of progressive strips are built. Distances are root
+//! mean squares over both surfaces, in percent of the diagonal.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 use std::path::{Path, PathBuf};
@@ -33,19 +39,19 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// Models
+    /// The models
     #[arg(required = true)]
     models: Vec<PathBuf>,
-    /// Shares of the bytes, in percent, after which the surface is compared with the full mesh
+    /// Compare the surface with the full mesh after these percentages of the bytes
     #[arg(long, value_delimiter = ',', default_value = "10,25,50")]
     shares: Vec<usize>,
-    /// Bytes of the file around the stream, which count as sent before it
+    /// The bytes of the file around the stream, which count as sent before it
     #[arg(long, default_value_t = 0)]
     container_bytes: usize,
-    /// How often the stream is decoded for the time; its median is printed
+    /// The number of times the stream is decoded; the median time is printed
     #[arg(long, default_value_t = 9)]
     rounds: usize,
-    /// Encode the attributes of the vertices, too
+    /// Also encode the vertex attributes
     #[arg(long)]
     attributes: bool,
 }
@@ -213,7 +219,7 @@ impl Measured {
         ])
     }
 
-    /// Compares what a share of the bytes builds with the full mesh.
+    /// Compares the mesh that a fraction of the bytes gives with the full mesh.
     fn distance_row(&self, share: usize, args: &Args) -> Result<Vec<String>, Failure> {
         let all = self.bytes.len() + args.container_bytes;
         let sent = (share * all / 100).saturating_sub(args.container_bytes).min(self.bytes.len());

@@ -8,7 +8,7 @@ use crate::methods::CACHE;
 use crate::text::{Table, optional};
 use crate::vertex_caches::{CachePoint, CacheResults, EFFORT, LARGE, LARGE_EFFORT, REFERENCE_CACHE, beaten};
 
-/// The model on which the smaller cache is shown.
+/// The model for which the smaller cache is shown.
 const REMARKED: &str = "bunny";
 
 /// Writes the section as Markdown; empty if there are no results.
@@ -105,7 +105,7 @@ fn savings(caches: &[&CacheResults]) -> Table {
     table
 }
 
-/// Relates the peers' figures to these.
+/// Relates the metrics of the peers to ours.
 fn remark(caches: &[CacheResults]) -> String {
     let Some(found) = caches.iter().find(|found| found.model == REMARKED) else {
         return String::new();

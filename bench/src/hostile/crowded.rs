@@ -1,4 +1,4 @@
-//! Shapes with edges or vertices of many faces, and faces that occur several times.
+//! Shapes with edges or vertices of many faces, and with repeated faces.
 
 use super::draft::{Cut, Draft, Order, Shape};
 use super::surfaces::{circle, poles};
@@ -22,7 +22,7 @@ pub(super) const SHAPES: &[Shape] = &[
     ("random triangles on few vertices", soup),
 ];
 
-/// Triangles that share one edge per book, of both directions.
+/// Books: triangles in both directions that share one edge.
 fn books(triangles: u32, count: u32) -> Draft {
     let mut draft = Draft::new();
     let pages = triangles / count;
@@ -80,12 +80,12 @@ fn star(triangles: u32) -> Draft {
     draft
 }
 
-/// Returns the highest number whose cube is at most `n`.
+/// Returns the largest integer whose cube is at most `n`.
 fn cube_root(n: u32) -> u32 {
     (0..n).take_while(|i| (i + 1).pow(3) <= n).count() as u32
 }
 
-/// All walls between the cells of a cube: most edges have four faces.
+/// All walls between the cells of a cube. Most edges have four faces.
 fn walls(triangles: u32, cut: Cut) -> Draft {
     let side = cube_root(triangles / 6);
     let mut draft = Draft::new();

@@ -1,4 +1,4 @@
-//! A mesh under construction: positions and polygons, and the order of its faces.
+//! A mesh under construction: positions, polygons, and the order of its faces.
 
 use tristrip::random::Random;
 use tristrip::{Error, Faces, Mesh};
@@ -8,24 +8,24 @@ use tristrip::{Error, Faces, Mesh};
 pub enum Order {
     /// As built.
     Built,
-    /// At random.
+    /// In random order.
     Shuffled,
-    /// The number of each face with its bits reversed: neighbours are far apart at every scale.
+    /// In the order of bit-reversed face indices: neighbours are far apart at every scale.
     BitReversed,
 }
 
-/// How quadrilaterals are cut.
+/// The triangulation of quadrilaterals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Cut {
-    /// Not at all.
+    /// None.
     Quads,
     /// From the first corner to the third.
     Regular,
-    /// Over a diagonal chosen at random.
+    /// Along a random diagonal.
     Random,
 }
 
-/// A shape by its name, built from a number of triangles.
+/// A named shape, built from a number of triangles.
 pub(super) type Shape = (&'static str, fn(u32) -> Draft);
 
 /// A mesh under construction.
@@ -42,13 +42,13 @@ impl Draft {
         Self { positions: Vec::new(), corners: Vec::new(), offsets: vec![0], random: Random::new(1) }
     }
 
-    /// Adds a vertex. Returns its number.
+    /// Adds a vertex. Returns its index.
     pub(super) fn vertex(&mut self, position: [f32; 3]) -> u32 {
         self.positions.push(position);
         self.positions.len() as u32 - 1
     }
 
-    /// Adds vertices 0, 1, 2 … of a list at positions given by their number.
+    /// Adds `count` vertices at the positions of a function of their index.
     pub(super) fn vertices(&mut self, count: u32, position: impl Fn(u32) -> [f32; 3]) -> u32 {
         let first = self.positions.len() as u32;
         self.positions.extend((0..count).map(position));
@@ -65,7 +65,7 @@ impl Draft {
         self.offsets.push(self.corners.len() as u32);
     }
 
-    /// Adds a quadrilateral, cut or not.
+    /// Adds a quadrilateral, triangulated or not.
     pub(super) fn quad(&mut self, [a, b, c, d]: [u32; 4], cut: Cut) {
         match cut {
             Cut::Quads => self.face([a, b, c, d]),
@@ -116,7 +116,7 @@ impl Draft {
         self
     }
 
-    /// Puts the faces in another order.
+    /// Changes the order of the faces.
     pub(super) fn in_order(mut self, order: Order) -> Self {
         let mut faces: Vec<u32> = (0..self.face_count() as u32).collect();
         match order {

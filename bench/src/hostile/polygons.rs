@@ -19,7 +19,7 @@ pub(super) const SHAPES: &[Shape] = &[
     ("sliding polygons of 256 corners", sliding_polygons),
 ];
 
-/// One or two polygons, the second reversed, over a circle; every second corner is moved inward.
+/// One or two polygons over a circle, the second reversed. Every second corner is moved inward.
 fn rim(corners: u32, inner: f32, count: u32) -> Draft {
     let mut draft = Draft::new();
     draft.vertices(corners, |i| circle(i, corners).map(|x| if i % 2 == 1 { inner * x } else { x }));
@@ -80,7 +80,7 @@ fn many_polygons(triangles: u32, corners: u32, inner: f32) -> Draft {
     draft
 }
 
-/// Polygons of 255 common corners and one of their own each.
+/// Polygons with 255 common corners and one corner of their own.
 fn around_shared_vertices(triangles: u32) -> Draft {
     let mut draft = Draft::new();
     draft.vertices(255, |i| circle(i, 256));
@@ -99,7 +99,7 @@ fn over_the_same_vertices(triangles: u32) -> Draft {
     draft
 }
 
-/// Each polygon has all corners of the one before but eight.
+/// Polygons that share all but eight corners with the previous one.
 fn sliding_polygons(triangles: u32) -> Draft {
     let mut draft = Draft::new();
     let count = (triangles / 254).max(1);

@@ -1,4 +1,4 @@
-//! What is measured on a hostile shape: the methods at their default effort, and levels of detail.
+//! The measurements on a hostile shape: the methods at their default effort, and levels of detail.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -11,29 +11,30 @@ use tristrip::{CollapseSequence, Faces, Mesh, Method, StripifyOptions, Strips, s
 
 use crate::failure::Failure;
 
-/// Levels of the table of the levels of detail.
+/// The number of levels in the table of the levels of detail.
 const LEVELS: usize = 20;
-/// The share of triangles that the base mesh keeps, in percent, the default of the command.
+/// The percentage of triangles that the base mesh keeps, which is the default of the command.
 const BASE_PERCENT: usize = 5;
 
-/// What is done with a shape.
+/// The task that is run on a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Task {
     Strips(Method),
     Levels,
 }
 
-/// A method, or levels of detail, with its bar.
+/// A method, or levels of detail, with its time limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HostileMethod {
     /// Its name.
     pub name: &'static str,
-    /// The most microseconds per triangle, beyond one second.
+    /// The maximum time in microseconds per triangle, beyond one second.
     pub microseconds: f64,
     task: Task,
 }
 
-/// The methods at their default effort. `fewest` is a search of about a second per 100,000 triangles on any model.
+/// The methods at their default effort. `fewest` searches for about a second per 100,000 triangles
+/// on any model.
 pub const METHODS: [HostileMethod; 6] = [
     HostileMethod { name: "best", microseconds: 3.0, task: Task::Strips(Method::Best) },
     HostileMethod { name: "sequential", microseconds: 3.0, task: Task::Strips(Method::Sequential) },
@@ -46,18 +47,18 @@ pub const METHODS: [HostileMethod; 6] = [
 /// The result of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HostileRun {
-    /// Triangles of the shape.
+    /// The number of triangles of the shape.
     pub triangles: usize,
-    /// From faces to strips, or from strips to all levels, in seconds.
+    /// The time from faces to strips, or from strips to all levels, in seconds.
     pub seconds: f64,
-    /// The proof of the strips, in seconds.
+    /// The time to prove the strips, in seconds.
     pub proof_seconds: f64,
-    /// Strips of the full mesh.
+    /// The number of strips of the full mesh.
     pub strips: usize,
 }
 
 impl HostileMethod {
-    /// Returns the method of a name.
+    /// Returns the method with a name.
     pub fn of_name(name: &str) -> Option<Self> {
         METHODS.into_iter().find(|method| method.name == name)
     }
@@ -88,7 +89,8 @@ fn timed<T>(call: impl FnOnce() -> T) -> (T, f64) {
     (result, start.elapsed().as_secs_f64())
 }
 
-/// Simplifies the triangles of strips, and computes the display strips of several levels by every filter; each is proven.
+/// Simplifies the triangles of strips, and builds the display strips of several levels with every
+/// filter. All are proven.
 fn levels(mesh: &Mesh, strips: &Strips) -> Result<(), Failure> {
     let list = strips.to_list();
     let options = simplify::SimplifyOptions::default().with_triangles(list.len() / 3 * BASE_PERCENT / 100);

@@ -1,4 +1,4 @@
-//! Shapes of many components or many ends.
+//! Shapes with many components or many ends.
 
 use super::draft::{Draft, Order, Shape};
 
@@ -23,7 +23,8 @@ fn isolated(triangles: u32) -> Draft {
     draft
 }
 
-/// Triangles whose dual graph is a complete binary tree: every triangle has two more on its two other edges.
+/// Triangles whose dual graph is a complete binary tree: every triangle has two children on its
+/// other edges.
 fn tree(triangles: u32) -> Draft {
     let mut draft = Draft::new();
     let [a, b] = [0.0, 1.0].map(|x| draft.vertex([x, 0.0, 0.0]));
@@ -48,7 +49,7 @@ fn tetrahedra(triangles: u32) -> Draft {
     draft
 }
 
-/// A ribbon with one more triangle on every second boundary edge: an end for each of them.
+/// A ribbon with one more triangle on every second boundary edge, which gives one end per tooth.
 fn comb(triangles: u32) -> Draft {
     let mut draft = Draft::new();
     let length = triangles / 3;

@@ -1,4 +1,4 @@
-//! Regular surfaces: ribbons, fans, grids, tori and Klein bottles, in several orders of their faces.
+//! Regular surfaces: ribbons, fans, grids, tori and Klein bottles, with several face orders.
 
 use std::f32::consts::TAU;
 
@@ -41,7 +41,8 @@ pub(super) const SHAPES: &[Shape] = &[
     ("sphere with poles", sphere),
 ];
 
-/// Returns the whole root of half a number of triangles: the side of a square of quadrilaterals.
+/// Returns the integer square root of half a number of triangles: the side of a square of
+/// quadrilaterals.
 fn side(triangles: u32) -> u32 {
     (triangles / 2).isqrt()
 }
@@ -68,7 +69,7 @@ fn lattice(width: u32, height: u32, cut: Cut) -> Draft {
     draft
 }
 
-/// A ribbon whose end is joined to its beginning upside down.
+/// A ribbon whose end is joined to its start with a half twist.
 fn moebius(triangles: u32, cut: Cut) -> Draft {
     let length = triangles / 2;
     let mut draft = Draft::new();
@@ -85,7 +86,7 @@ fn moebius(triangles: u32, cut: Cut) -> Draft {
     draft
 }
 
-/// How a lattice is closed: around, or around and through, the latter with or without a reversal.
+/// How a lattice is closed: in one direction, or in both, the latter with or without a reversal.
 #[derive(Clone, Copy, PartialEq)]
 enum Twist {
     Cylinder,
@@ -97,7 +98,7 @@ fn square(triangles: u32, twist: Twist, cut: Cut) -> Draft {
     closed(side(triangles), side(triangles), twist, cut)
 }
 
-/// A lattice that is closed around and, except for the cylinder, through.
+/// A lattice that is closed in one direction and, except for the cylinder, in the other.
 fn closed(around: u32, through: u32, twist: Twist, cut: Cut) -> Draft {
     let mut draft = Draft::new();
     let rows = through + u32::from(twist == Twist::Cylinder);
@@ -129,7 +130,8 @@ fn fan(triangles: u32, is_closed: bool) -> Draft {
     draft
 }
 
-/// Triangles between a circle and each of several poles; two make a bipyramid, more have edges of more than two faces.
+/// Triangles between a circle and each of several poles. Two poles make a bipyramid; more poles
+/// make edges of more than two faces.
 pub(super) fn poles(triangles: u32, count: u32) -> Draft {
     let mut draft = Draft::new();
     let rim = triangles / count;
@@ -148,7 +150,8 @@ pub(super) fn circle(i: u32, count: u32) -> [f32; 3] {
     [x, y, 0.0]
 }
 
-/// Few rings of quadrilaterals between two poles of as many triangles as a ring has quadrilaterals.
+/// A few rings of quadrilaterals between two poles. Each pole has as many triangles as a ring has
+/// quadrilaterals.
 fn sphere(triangles: u32) -> Draft {
     let around = triangles / 8;
     let mut draft = closed(around, 3, Twist::Cylinder, Cut::Quads);

@@ -5,7 +5,7 @@ use crate::measure::{MethodRow, Outcome};
 use crate::methods::{BEST, FEWEST, GUIDED_TUNNELS};
 use crate::searches::{PEER_COSTS, SearchResults, per_triangle};
 
-/// Target strips and seconds of `fewest`.
+/// Targets of `fewest`: strips and seconds.
 const FEWEST_TARGETS: [(&str, usize, f64); 6] = [
     ("goblet", 1, 0.01),
     ("fandisk", 1, 0.3),
@@ -14,9 +14,9 @@ const FEWEST_TARGETS: [(&str, usize, f64); 6] = [
     ("horse", 1, 10.0),
     ("dragon", 474, 20.0),
 ];
-/// Target gap between strips and lower bound on dragon.
+/// The target gap between strips and lower bound on dragon.
 const GAP: (&str, f64) = ("dragon", 0.05);
-/// Target costs of `best` per triangle, for each of [`PEER_COSTS`], and seconds.
+/// Targets of `best`: the costs per triangle for each of [`PEER_COSTS`], and seconds.
 const BEST_TARGETS: [(&str, [f64; 3], f64); 5] = [
     ("cow_2904", [1.205, 1.155, 1.25], 5.0),
     ("fandisk", [1.098, 1.074, 1.125], 5.0),
@@ -24,15 +24,15 @@ const BEST_TARGETS: [(&str, [f64; 3], f64); 5] = [
     ("horse", [1.155, 1.12, 1.19], 5.0),
     ("dragon", [1.27, 1.22, 1.31], 60.0),
 ];
-/// Target vertices sent for models with polygons.
+/// Targets for vertices sent on models with polygons.
 const POLYGON_TARGETS: [(&str, usize); 3] =
     [("skyscraper", 4290), ("triceratops", 6430), ("power_lines", 9300)];
-/// Efforts, their target costs, and their times relative to the reference.
+/// Efforts with their target costs, and their times relative to the reference.
 const LADDER_TARGETS: [(&str, f64, f64); 4] =
     [("best 1", 1.195, 1.0), ("best 3", 1.16, 10.0), ("best 5", 1.135, 100.0), ("best 7", 1.125, 400.0)];
 /// The target speedup over the published time.
 const FASTER: f64 = 100.0;
-/// Target cost relative to the best of all peers, as a geometric mean.
+/// The target cost relative to the best peer, as a geometric mean.
 const MEAN: f64 = 0.94;
 const BYTES: f64 = 120.0;
 
@@ -51,7 +51,7 @@ fn named<'a>(searched: &'a [SearchResults], model: &str) -> Option<&'a SearchRes
     searched.iter().find(|s| s.model == model)
 }
 
-/// Returns a target for a value and for the time that it takes.
+/// Returns a target for a value and for its time.
 fn timed(what: String, target: (String, f64), found: &str, is_reached: bool, seconds: f64) -> Target {
     let (figure, most) = target;
     let met = is_reached && seconds <= most;
@@ -150,7 +150,7 @@ fn best(searched: &[SearchResults]) -> Vec<Target> {
     targets
 }
 
-/// Returns a cost of `best` relative to the best of all peers, as a geometric mean over the models.
+/// Returns a cost of `best` relative to the best peer, as a geometric mean over the models.
 pub fn best_ratio(searched: &[SearchResults], at: usize) -> Option<f64> {
     let ratio = |s: &SearchResults| {
         let (ours, best) = s.pair(s.best.get(at)?, PEER_COSTS[at])?;

@@ -1,23 +1,23 @@
-//! A target and how it is stated, for the groups of targets.
+//! A target and its text, for the groups of targets.
 
 use serde::Serialize;
 
 use crate::measure::{MethodRow, Outcome};
 
-/// Half of the last digit of the peers' figures.
+/// Half of the last digit of the peers' values.
 pub(super) const ROUNDING: f64 = 0.000_05;
 
-/// How many models are named where a target is missed.
+/// The maximum number of models that are named when a target is missed.
 const NAMED: usize = 5;
 
-/// A target and what was measured.
+/// A target and the measured value.
 #[derive(Debug, Clone, Serialize)]
 pub struct Target {
-    /// What is measured.
+    /// The measured quantity.
     pub what: String,
     /// The target.
     pub target: String,
-    /// What was measured.
+    /// The measured value.
     pub found: String,
     /// Whether the target is met.
     pub met: bool,
@@ -37,7 +37,7 @@ impl Target {
     }
 }
 
-/// Returns how many miss a target, with the names of the first few.
+/// Returns how many models miss a target, with the names of the first few.
 fn listed(names: &[String], of: usize) -> String {
     let count = format!("{} of {of}", names.len());
     match names.len() {

@@ -1,11 +1,12 @@
-//! The targets for vertex caches: meshoptimizer's points beaten, indices and misses, and speeds.
+//! The targets for vertex caches: results that beat meshoptimizer's, indices and misses, and
+//! speeds.
 
 use super::target::{Target, none, row};
 use crate::measure::Outcome;
 use crate::methods::CACHE;
 use crate::vertex_caches::{CachePoint, CacheResults};
 
-/// Models on which every point of meshoptimizer should be beaten in indices and in misses.
+/// The models on which every result of meshoptimizer should be beaten in indices and in misses.
 const COMPARED: [&str; 5] = ["bunny", "horse", "armadillo_43k", "fandisk", "dragon"];
 /// A model, a setting, its misses and its indices per triangle.
 const POINTS: [(&str, &str, f64, f64); 2] =
@@ -15,7 +16,7 @@ const TIMED: [&str; 3] = ["bunny", "horse", "dragon"];
 const TRIANGLES_PER_SECOND: f64 = 1e6;
 const INDICES_PER_SECOND: f64 = 1e8;
 
-/// Returns the targets for which something was measured.
+/// Returns the targets that have measurements.
 pub(super) fn compare(outcomes: &[Outcome], caches: &[CacheResults]) -> Vec<Target> {
     let named = |model: &str| caches.iter().find(|b| b.model == model);
     let mut targets: Vec<Target> = COMPARED.into_iter().filter_map(|model| beaten(named(model)?)).collect();

@@ -5,7 +5,7 @@
 //! PreparedModel ─▶ pareto: every method, indices against misses   ─▶ chart (SVG)
 //! ModelLevels   ─▶ traffic: what every filter sends               ─▶ tables, chart
 //! ModelLevels   ─▶ recovery: time and memory of every level model ─▶ table, chart
-//! models, papers ─▶ repro: published beside measured              ─▶ pages, charts
+//! models, papers ─▶ repro: published and measured                 ─▶ pages, charts
 //! SkipStrips, cameras ─▶ flight: what each frame of a view draws  ─▶ page, chart
 //! ProgressiveStrips ─▶ wire: the transmission of paper 001         ─▶ bytes
 //! baselines: level models that are needed only for comparison

@@ -1,4 +1,5 @@
-//! What `blocks` promises: the time and the memory of a move beside those of the published models, what a move uploads, and the vertices sent.
+//! The claims about `blocks`: the time and memory of a move compared with the published models, the
+//! upload of a move, and the vertices sent.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -19,41 +20,42 @@ use tristrip_pipeline::{Ratio, levels, levels::LevelPart};
 /// The models that `blocks` is compared with.
 const PUBLISHED: [ComparedModel; 3] =
     [ComparedModel::Library(ModelKind::Sets), ComparedModel::Mts, ComparedModel::LodStrips];
-/// Models whose moves are measured.
+/// The models whose moves are measured.
 const MOVED: [&str; 3] = ["cow", "bunny", "dragon"];
-/// Models whose vertices over all levels have a target.
+/// The models with a target for the vertices sent over all levels.
 const SENT: [&str; 2] = ["cow", "bunny"];
-/// The moves from the full mesh down, each by the same number of levels.
+/// The number of moves from the full mesh down, which are equally spaced.
 const MOVES: usize = 99;
-/// The most ranges that a move may upload.
+/// The maximum number of ranges that a move may upload.
 const RANGES: usize = 256;
-/// Single steps that are timed, and the distance of the levels from which they start.
+/// The number of timed single steps, and the spacing of their start levels.
 const STEPS: usize = 1000;
 
-/// What was measured of `blocks` on a model, over strips of `best`.
+/// The measurements of `blocks` on a model, over strips of `best`.
 pub(super) struct MeasuredBlocks {
     model: String,
     options: BlockOptions,
     triangles: usize,
     memory: usize,
     keys: usize,
-    /// Vertices sent over all levels, as a fraction of three per triangle.
+    /// The vertices sent over all levels, as a fraction of three per triangle.
     sent: f64,
-    /// Milliseconds of the moves, and the share of the buffer that each uploads, both rising.
+    /// The times of the moves in milliseconds, and the fraction of the buffer that each move
+    /// uploads, both sorted.
     milliseconds: Vec<f64>,
     uploaded: Vec<f64>,
-    /// Mean microseconds of a step by one level, up or down.
+    /// The mean time of a step by one level, up or down, in microseconds.
     step_microseconds: f64,
 }
 
-/// What building `sets`, `mts`, `lod-strips` and `blocks` takes.
+/// The build time and memory of `sets`, `mts`, `lod-strips` and `blocks`.
 pub(super) struct MeasuredBuild {
     model: String,
     seconds: f64,
     bytes_per_triangle: f64,
 }
 
-/// Measures `blocks` by default, and as it sends the fewest vertices.
+/// Measures `blocks` with its defaults, and with options for the fewest vertices sent.
 pub(super) fn measure_all(sources: &[Source]) -> Result<Vec<MeasuredBlocks>, Failure> {
     let mut figures = Vec::new();
     for source in sources.iter().filter(|source| MOVED.contains(&source.name.as_str())) {
@@ -75,7 +77,7 @@ pub(super) fn build_all(sources: &[Source]) -> Result<Option<MeasuredBuild>, Fai
     let part = part_of(source, Method::STRIPE)?;
     let kinds = [&PUBLISHED[..], &[ComparedModel::Library(ModelKind::Blocks)]].concat();
     let start = Instant::now();
-    // All of them are in memory at the end, and dropped before the bytes that are left are counted.
+    // All models are in memory at the end. They are dropped before the remaining bytes are counted.
     let (built, bytes) = extra_bytes(|| {
         let models = kinds.iter().map(|kind| kind.build(part.strips(), part.sequence()));
         models.collect::<Result<Vec<_>, _>>().map(|models| models.len())
@@ -97,13 +99,13 @@ fn part_of(source: &Source, method: Method) -> Result<LevelPart, Failure> {
     largest.ok_or_else(|| format!("{}: no part", source.name).into())
 }
 
-/// The options with which few vertices are sent: more memory, and a long search.
+/// Returns options that send few vertices: more memory, and a long search.
 fn fewest_vertices() -> BlockOptions {
     let repair = RepairOptions::default().with_effort(Effort::new(7).unwrap_or_default());
     BlockOptions::default().with_memory(24).with_repair(repair)
 }
 
-/// The options with which moves upload little.
+/// Returns options that upload little per move.
 fn small_uploads() -> BlockOptions {
     BlockOptions::default().with_memory(36).with_small_uploads(true)
 }
@@ -126,7 +128,7 @@ fn of_type<I: Index>(
     let model = Arc::new(Blocks::new(strips, Arc::clone(sequence), &options)?);
     let mut cursor = model.cursor::<I>()?;
     let last = sequence.len();
-    // 1. The vertices of all levels, or of every hundredth of many.
+    // 1. The vertices of all levels, or of every hundredth level if there are many.
     let (mut sent, mut in_lists) = (0, 0);
     for level in (0..=last).rev().step_by(if last > 100_000 { 100 } else { 1 }) {
         cursor.set_level(level)?;
@@ -147,7 +149,7 @@ fn of_type<I: Index>(
     }
     milliseconds.sort_unstable_by(f64::total_cmp);
     uploaded.sort_unstable_by(f64::total_cmp);
-    // 3. Single steps, down and up again, from levels all over the range.
+    // 3. Single steps, down and up again, from levels over the whole range.
     let mut times = Vec::new();
     for number in 1..=STEPS {
         let level = (last * number / STEPS).max(1);
@@ -170,7 +172,7 @@ fn of_type<I: Index>(
     })
 }
 
-/// Compares the times and the memory of a model's recovery with those of the published models.
+/// Compares the recovery times and memory of a model with the published models.
 pub(super) fn compare_recovery(model: &str, measured: &[ModelRecovery]) -> Vec<Target> {
     let of = |kind: ComparedModel| measured.iter().find(|model| model.model == kind.name());
     let (Some(blocks), Some(mts)) = (of(ComparedModel::Library(ModelKind::Blocks)), of(ComparedModel::Mts))

@@ -1,11 +1,13 @@
-//! Measures simplification, compared with meshoptimizer's, and levels of detail: filters, vertex splits, traffic, repaired strips.
+//! Measures simplification, compared with meshoptimizer, and levels of detail: filters, vertex
+//! splits, traffic, and repaired strips.
 //!
 //! ```sh
 //! cargo run --profile dist -p tristrip-bench --bin levels -- --docs docs
 //! ```
 //!
-//! All representations of levels of detail, over STRIPE's strips, are compared with the oracle before anything is timed. Times are medians
-//! on one thread, in rounds that alternate with meshoptimizer.
+//! All level-of-detail representations, over the strips of STRIPE, are compared with the oracle
+//! before they are timed. Times are medians on one thread, in rounds that alternate with
+//! meshoptimizer.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 mod blocks;
@@ -43,10 +45,11 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// The command that generates the page.
 const COMMAND: &str = "cargo run --profile dist -p tristrip-bench --bin levels -- --docs docs";
-/// Models whose quality has a target relative to meshoptimizer's.
+/// The models with a quality target relative to meshoptimizer.
 const QUALITY: [&str; 3] = ["bunny", "horse", "armadillo_43k"];
 const QUALITY_TARGET: f64 = 0.95;
-/// Models that are no clean surfaces, simplified to one in [`DIRTY_SHARE`], also by both programs' permissive options.
+/// Models with defects, simplified to 1 in [`DIRTY_SHARE`] triangles, also with the permissive
+/// options of both programs.
 const DIRTY: [&str; 9] = [
     "chair_nonmanifold",
     "dragon_res3",
@@ -59,8 +62,9 @@ const DIRTY: [&str; 9] = [
     "step_11752",
 ];
 const DIRTY_SHARE: usize = 5;
-/// Models whose levels of detail are measured, with the published fractions of vertices sent over all levels by NF, STSS and DTFS, and the
-/// index map slots renamed per split, naive and encoded.
+/// The models whose levels of detail are measured. Each has the published fractions of vertices
+/// sent over all levels by NF, STSS and DTFS, and the index-map slots renamed per split, naive and
+/// encoded.
 const PUBLISHED: [(&str, [f64; 3], [f64; 2]); 2] =
     [("cow", [0.885, 0.731, 0.577], [6.6, 3.0]), ("bunny", [0.809, 0.691, 0.544], [5.9, 3.0])];
 
@@ -70,38 +74,39 @@ const PUBLISHED: [(&str, [f64; 3], [f64; 2]); 2] =
 struct Args {
     #[command(flatten)]
     models: ModelArgs,
-    /// Number of timed rounds
+    /// The number of timed rounds
     #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     rounds: u8,
-    /// Simplify to one in N triangles; the page shows one in 20, and one in 5 of the models that are no clean surfaces
+    /// Simplify to 1 in N triangles; the page shows 1 in 20, and 1 in 5 for models with defects
     #[arg(long, default_value_t = 20, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     share: u16,
-    /// Let both programs change the topology
+    /// Allow both programs to change the topology
     #[arg(long)]
     permissive: bool,
-    /// What a collapse of ours costs: distance or planes; the page shows both
+    /// The cost of our collapses: distance or planes; the page shows both
     #[arg(long, default_value_t, value_name = "PRICE")]
     price: Price,
-    /// Write levels.md into this folder
+    /// Write levels.md to this directory
     #[arg(long, value_name = "DIR")]
     docs: Option<PathBuf>,
 }
 
-/// The figures of a model at all levels, with one method's strips.
+/// The metrics of a model at all levels, with the strips of one method.
 struct MeasuredLevels {
     model: String,
     strips: &'static str,
-    /// Vertices sent over all levels by each filter and by repaired strips, as fractions of three per triangle.
+    /// The vertices sent over all levels by each filter and by repaired strips, as fractions of
+    /// three per triangle.
     fractions: Vec<f64>,
-    /// The same at the base mesh.
+    /// The vertices sent at the base mesh, in the same order.
     base: Vec<f64>,
-    /// Index map slots renamed per split, naive and encoded.
+    /// The index-map slots renamed per split, naive and encoded.
     places: [f64; 2],
-    /// Indices per second of STSS and DTFS.
+    /// The speeds of STSS and DTFS in indices per second.
     filter_speeds: [f64; 2],
-    /// Splits per second, naive and encoded.
+    /// The speed in splits per second, naive and encoded.
     split_speeds: [f64; 2],
-    /// Microseconds per collapse for repairing strips.
+    /// The time to repair strips, in microseconds per collapse.
     repair_microseconds: f64,
 }
 
@@ -300,7 +305,7 @@ fn filter_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) ->
     Ok(times.map(|times| entries as f64 / median(times)))
 }
 
-/// Times the vertex splits from the base mesh to the full one.
+/// Times the vertex splits from the base mesh to the full mesh.
 fn split_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) -> Result<[f64; 2], Failure> {
     let mut speeds = [0.0; 2];
     for (encoding, speed) in [Encoding::Naive, Encoding::Offsets].into_iter().zip(&mut speeds) {

@@ -1,4 +1,5 @@
-//! The tests of paper 002: how long every level model takes to recover a share of all levels, and its memory.
+//! The tests of paper 002: the memory of every level model, and the time to recover a fraction of
+//! all levels.
 
 use tristrip::lod::ModelKind;
 use tristrip::{Method, StripifyOptions};
@@ -14,15 +15,17 @@ use tristrip_pipeline::{Amount, Deviation, Goal, Ratio, levels, simplify};
 /// The model of the paper.
 const SETS: ComparedModel = ComparedModel::Library(ModelKind::Sets);
 
-/// What the paper prints of a model, in its table 2: strips, and megabytes of SETS and of MTS.
+/// The values that table 2 of the paper prints for a model: strips, and megabytes of SETS and of
+/// MTS.
 const PUBLISHED: [(&str, usize, [f64; 2]); 2] =
     [("cow_2904", 136, [0.338, 0.253]), ("bunny", 1229, [4.150, 2.964])];
-/// Models that are also measured. The first stands in for Phone, which is not available: it has as many triangles.
+/// Additional models. The first replaces the model Phone, which is not available; it has the same
+/// number of triangles.
 const LARGE: [(&str, Option<usize>); 2] = [("dragon", Some(165_963)), ("dragon", None)];
-/// The published megabytes count 2²⁰ bytes.
+/// The published megabytes have 2²⁰ bytes.
 const MEGABYTE: f64 = 1_048_576.0;
 
-/// What was measured on a model.
+/// The measurements of a model.
 pub(super) struct MeasuredRecovery {
     model: String,
     triangles: usize,
@@ -30,7 +33,7 @@ pub(super) struct MeasuredRecovery {
     models: Vec<ModelRecovery>,
 }
 
-/// Measures the models of the paper that are among the sources.
+/// Measures the models of the paper that are in the model directory.
 pub(super) fn measure_all(sources: &[Source], rounds: usize) -> Result<Vec<MeasuredRecovery>, Failure> {
     let mut figures = Vec::new();
     let named = |name: &str| sources.iter().find(|source| source.name == name);
@@ -79,7 +82,7 @@ impl MeasuredRecovery {
     }
 }
 
-/// Compares with what the paper prints.
+/// Compares with the printed values of the paper.
 pub(super) fn compare(figures: &[MeasuredRecovery]) -> Vec<Target> {
     let mut targets = Vec::new();
     for (name, strips, megabytes) in PUBLISHED {
@@ -102,7 +105,7 @@ pub(super) fn compare(figures: &[MeasuredRecovery]) -> Vec<Target> {
             targets.push(Target::at_most(what, 0.5, found, 2));
         }
         for sweep in Sweep::ALL {
-            // The published times contain drawing, which is the same for both.
+            // The published times include drawing, which takes the same time for both.
             if let Some(ratio) = figures.ratio(sweep, 20).filter(|_| name == "bunny") {
                 let what = format!("time of sets relative to mts, 20 % of levels, {sweep}, {name}");
                 targets.push(Target::at_most(what, 0.68, ratio, 2));

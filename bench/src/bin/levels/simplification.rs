@@ -1,4 +1,5 @@
-//! Simplification compared with meshoptimizer's: times, and distances of both results from the full mesh.
+//! Simplification compared with meshoptimizer: times, and the distances of both results from the
+//! full mesh.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,16 +12,16 @@ use tristrip_bench::memory::extra_bytes;
 use tristrip_bench::text::Table;
 use tristrip_pipeline::{ChangedSurface, surface_change};
 
-/// Sample points in each direction for the distance of two surfaces.
+/// The number of sample points in each direction for the distance between two surfaces.
 pub(crate) const POINTS: usize = 40_000;
-/// What both programs are asked for.
+/// The goal for both programs.
 #[derive(Clone, Copy)]
 pub(crate) struct SimplificationGoal {
-    /// One in this number of triangles.
+    /// The triangles are reduced to 1 in this number.
     pub(crate) share: usize,
     /// Whether the topology may change.
     pub(crate) permissive: bool,
-    /// What a collapse of ours costs.
+    /// The cost of our collapses.
     pub(crate) price: Price,
 }
 
@@ -30,28 +31,28 @@ impl SimplificationGoal {
     }
 }
 
-/// The figures of a model simplified by both programs to the same number of triangles.
+/// The metrics of a model that both programs simplified to the same number of triangles.
 pub(crate) struct ComparedSimplification {
     pub(crate) model: String,
     pub(crate) before: usize,
-    /// Triangles at which ours and meshoptimizer's stop.
+    /// The number of triangles at which our program and meshoptimizer stop.
     pub(crate) after: [usize; 2],
     /// Times, in seconds.
     pub(crate) times: [f64; 2],
-    /// Root mean square and largest distances from the full mesh, as fractions of the diagonal.
+    /// The root mean square and maximum distances from the full mesh, as fractions of the diagonal.
     pub(crate) rms: [f64; 2],
     pub(crate) largest: [f64; 2],
     pub(crate) bytes_per_triangle: f64,
 }
 
 impl ComparedSimplification {
-    /// Checks whether both have about the same number of triangles.
+    /// Checks whether both results have about the same number of triangles.
     pub(crate) fn is_alike(&self) -> bool {
         self.after[0].abs_diff(self.after[1]) <= 2 + self.after[0] / 100
     }
 }
 
-/// Simplifies with both programs, alternating.
+/// Simplifies with both programs in alternation.
 pub(crate) fn measure(
     name: &str,
     mesh: &Mesh,
@@ -71,7 +72,8 @@ pub(crate) fn measure(
         meshopt::simplify(black_box(triangles), &adapter, 3 * target, f32::MAX, options, None)
     };
     let mut theirs = peer();
-    // Ours stops where meshoptimizer stops: with more or fewer triangles the distances could not be compared.
+    // Our program stops at the count of meshoptimizer. With other counts, the distances would not
+    // be comparable.
     let target = theirs.len() / 3;
     let options = SimplifyOptions::default().with_triangles(target).with_permissive(goal.permissive);
     let options = options.with_price(goal.price);
@@ -122,12 +124,12 @@ fn diagonal(mesh: &Mesh) -> f64 {
     (0..3).map(|k| (high[k] - low[k]).max(0.0).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Returns a sentence on the figures of all models.
+/// Returns a sentence about the metrics of all models.
 pub(crate) fn summary(price: Price, figures: &[ComparedSimplification]) -> String {
     let alike: Vec<_> = figures.iter().filter(|figures| figures.is_alike()).collect();
     let ratio = |[ours, theirs]: [f64; 2]| ours / theirs;
     let mean = |of: fn(&ComparedSimplification) -> [f64; 2]| {
-        // Where both are the full mesh there is no ratio.
+        // If both results are the full mesh, there is no ratio.
         let logarithms: Vec<f64> =
             alike.iter().map(|f| ratio(of(f)).ln()).filter(|ratio| ratio.is_finite()).collect();
         (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp()

@@ -1,4 +1,4 @@
-//! What building Skip Strips takes, and what the model is like.
+//! The cost of building Skip Strips, and the properties of the model.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -12,18 +12,20 @@ use tristrip_bench::models::{Source, load};
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::Table;
 
-/// The models, with the most of three vertices per triangle that full detail may send, and the most seconds for the merge tree and the model.
+/// The models, with the maximum fraction of three vertices per triangle at full detail, and the
+/// maximum seconds for the merge tree and the model.
 const MODELS: [(&str, f64, Option<f64>); 3] =
     [("bunny", 0.39, Some(0.3)), ("terrain_gcanyon_512", 0.335, None), ("dragon", 0.43, Some(5.0))];
-/// The most bytes per vertex beside the strips.
+/// The maximum number of bytes per vertex, in addition to the strips.
 const MAX_BYTES: f64 = 90.0;
-/// The threads that price the collapses of the merge tree.
+/// The number of threads that price the collapses of the merge tree.
 const TREE_THREADS: usize = 2;
-/// How often a tree and its model are built: their times are medians.
+/// How often a tree and its model are built. Times are medians.
 const BUILDS: usize = 3;
-/// The most nanoseconds of a collapse or split.
+/// The maximum time of a collapse or split, in nanoseconds.
 const MAX_NANOSECONDS: f64 = 100.0;
-/// The levels between which collapses and splits are timed, in shares of all, and how often.
+/// The levels between which collapses and splits are timed, as fractions of all levels, and the
+/// number of repetitions.
 const MOVES: [usize; 4] = [4, 2, 3, 0];
 
 /// A model that was built.
@@ -35,7 +37,7 @@ pub(super) struct BuiltModel {
     pub(super) figures: BuildFigures,
 }
 
-/// What was measured.
+/// The measurements.
 pub(super) struct BuildFigures {
     pub(super) name: String,
     triangles: usize,
@@ -51,7 +53,7 @@ pub(super) struct BuildFigures {
     full: f64,
 }
 
-/// Builds a model that has targets; `None` for any other.
+/// Builds a model that has targets; returns `None` for other models.
 pub(super) fn build(source: &Source) -> Result<Option<BuiltModel>, Failure> {
     if MODELS.iter().all(|(name, ..)| *name != source.name) {
         return Ok(None);
@@ -94,7 +96,7 @@ pub(super) fn build(source: &Source) -> Result<Option<BuiltModel>, Failure> {
     Ok(Some(BuiltModel { mesh, strips, sequence: Arc::new(tree.sequence), model, figures }))
 }
 
-/// Returns the mean time of a collapse or split with its checks, over moves between levels.
+/// Returns the mean time of a collapse or split, including its checks, over moves between levels.
 fn nanoseconds_per_move(model: &Arc<SkipStrips>) -> Result<f64, Failure> {
     let count = model.levels().collapse_count();
     let mut view = model.view_without_strips();

@@ -1,20 +1,25 @@
-//! A hierarchy of clusters, today's way to view-dependent detail: the rival of Skip Strips, built by meshoptimizer's clusterlod.
+//! A cluster hierarchy, the current approach to view-dependent detail, as the alternative to Skip
+//! Strips. It is built by meshoptimizer's clusterlod.
 //!
 //! ```text
-//! full mesh ─▶ clusters of about 128 triangles ─▶ groups of about 16 neighbours ─▶ each simplified to half, its border locked ─┐
-//!                        ▲                                                                                                     │
-//!                        └───────────────────────────────── split into clusters again ◀────────────────────────────────────────┘
+//! full mesh ─▶ clusters of about 128 triangles ─▶ groups of about 16 neighbours ─┐
+//!                 ▲                                                              ▼
+//!                 └─ split into clusters ◀─ each simplified to half, its border locked
 //! ```
-//! Each group has a sphere and the error of its simplified triangles; both contain those of the groups from which its clusters come. A *cut* therefore
-//! covers the surface once: a cluster is drawn if the error of its own group is too large to be simplified further, and that of the group from which
-//! it comes is allowed. Clusters never change: a frame is a list of ranges of one index buffer, here strips made once per cluster by `best`.
+//! Each group has a sphere and the error of its simplified triangles. Both bound those of the
+//! groups that its clusters come from. A *cut* therefore covers the surface exactly once: a cluster
+//! is drawn if the error of its own group exceeds the limit, and the error of the group that it
+//! comes from does not. Clusters never change. A frame is a list of ranges of one index buffer;
+//! here it contains strips that `best` builds once per cluster.
 //!
 //! # References
-//! Arseny Kapoulkine: *meshoptimizer*, `demo/clusterlod.h`. Karis, Stubbe, Wihlidal: *A Deep Dive into Nanite Virtualized Geometry*, 2021. Cignoni, Ganovelli,
-//! Gobbetti, Marton, Ponchio, Scopigno: *Batched Multi Triangulation*, 2005.
+//! Arseny Kapoulkine: *meshoptimizer*, `demo/clusterlod.h`. Karis, Stubbe, Wihlidal: *A Deep Dive
+//! into Nanite Virtualized Geometry*, 2021. Cignoni, Ganovelli, Gobbetti, Marton, Ponchio,
+//! Scopigno: *Batched Multi Triangulation*, 2005.
 //!
 //! # Complexity
-//! A cut takes a step per group, of which there are about two per thousand triangles, and per cluster of the groups that are not simplified.
+//! A cut takes one step per group (about two per thousand triangles), and one per cluster of the
+//! groups that are not simplified.
 
 use std::ops::Range;
 
@@ -24,7 +29,7 @@ use tristrip::{Faces, Mesh, Method, StripifyOptions, Strips, strip_triangles, st
 use tristrip_bench::failure::Failure;
 use tristrip_bench::meshoptimizer::adapter;
 
-/// The most triangles and the most vertices of a cluster, as in meshoptimizer's own demonstration.
+/// The maximum number of triangles and of vertices of a cluster, as in meshoptimizer's demo.
 pub(super) const CLUSTER_TRIANGLES: usize = 128;
 
 /// A sphere in mesh units.
@@ -37,11 +42,11 @@ pub(super) struct Sphere {
 /// Triangles that are drawn together or not at all.
 #[derive(Debug, Clone, PartialEq)]
 struct Cluster {
-    /// What it is culled by.
+    /// The culling sphere.
     sphere: Sphere,
-    /// The group that was simplified to it; none for a cluster of the full mesh.
+    /// The group that was simplified to it; `None` for a cluster of the full mesh.
     refined: Option<u32>,
-    /// Its strips among all.
+    /// The range of its strips.
     strips: Range<u32>,
     triangle_count: u32,
     vertex_count: u32,
@@ -61,7 +66,7 @@ struct Group {
 pub(super) struct ClusterHierarchy {
     clusters: Vec<Cluster>,
     groups: Vec<Group>,
-    /// The strips of all clusters, with [`RESTART`] between those of one.
+    /// The strips of all clusters, with [`RESTART`] between the strips of one cluster.
     strips: Vec<u32>,
 }
 
@@ -73,12 +78,15 @@ pub(super) struct Cut {
 }
 
 impl ClusterHierarchy {
-    /// Builds the hierarchy with meshoptimizer's default configuration for rasterization, but for what positions without attributes need.
+    /// Builds the hierarchy with meshoptimizer's default configuration for rasterization, except
+    /// for the settings below.
     pub(super) fn build(mesh: &Mesh) -> Result<Self, Failure> {
         let indices = mesh.faces().as_triangles().ok_or("meshoptimizer accepts only triangles")?;
         let vertices = adapter(mesh.positions())?;
-        // Clusters are culled by their own spheres instead of those of their groups. There are no attributes whose seams a permissive simplification would
-        // have to cross; on the dragon, it leaves points 4 pixels away at a stated error of 0.1, and this one 0.14.
+        // Clusters are culled by their own spheres, not by those of their groups. Without
+        // attributes there are no seams that a permissive simplification would have to cross. On
+        // the dragon, it leaves points 4 pixels away at a stated error of 0.1; this configuration
+        // leaves them 0.14 pixels away.
         let config = ClodConfig {
             optimize_bounds: true,
             simplify_permissive: false,
@@ -87,7 +95,8 @@ impl ClusterHierarchy {
         let mut hierarchy = Self { clusters: Vec::new(), groups: Vec::new(), strips: Vec::new() };
         let mut lists = Vec::new();
         meshopt::clod_build(config, &ClodMesh::new(indices, &vertices), |group, clusters| {
-            // Fewer than triangles; -1 would mean that the clusters are those of the full mesh.
+            // There are fewer groups than triangles. -1 would mean that the clusters are those of
+            // the full mesh.
             let id = i32::try_from(hierarchy.groups.len()).unwrap_or(-1);
             let first = hierarchy.clusters.len() as u32;
             let sphere =
@@ -117,8 +126,10 @@ impl ClusterHierarchy {
         Ok(hierarchy)
     }
 
-    /// Chooses the clusters of a frame: `allows` tells whether an error within a sphere is allowed, and `sees` whether a sphere is in the image. The
-    /// cut covers the surface if what is allowed for a sphere is allowed for every sphere in it, and for every smaller error.
+    /// Chooses the clusters of a frame. `allows` returns whether an error within a sphere is
+    /// allowed, and `sees` whether a sphere is in the image. The cut covers the surface if an error
+    /// that is allowed for a sphere is also allowed for every sphere inside it, and for every
+    /// smaller error.
     pub(super) fn choose(
         &self,
         allows: impl Fn(Sphere, f32) -> bool,
@@ -154,12 +165,13 @@ impl ClusterHierarchy {
         cut.clusters.iter().map(|&id| self.clusters[id as usize].triangle_count as usize).sum()
     }
 
-    /// Counts the vertices of the clusters of a cut, each once per cluster: what mesh shaders transform.
+    /// Counts the vertices of the clusters of a cut, once per cluster, as mesh shaders transform
+    /// them.
     pub(super) fn vertex_count(&self, cut: &Cut) -> usize {
         cut.clusters.iter().map(|&id| self.clusters[id as usize].vertex_count as usize).sum()
     }
 
-    /// Returns the bytes of the hierarchy, without the vertices.
+    /// Returns the size of the hierarchy in bytes, without the vertices.
     pub(super) fn memory(&self) -> usize {
         size_of_val(&self.clusters[..]) + size_of_val(&self.groups[..]) + size_of_val(&self.strips[..])
     }
@@ -173,7 +185,7 @@ impl Cut {
 
 /// Appends the strips of a cluster, over the vertices of the mesh.
 fn append_strips(mesh: &Mesh, list: &[u32], out: &mut Vec<u32>) -> Result<(), Failure> {
-    // Strips over the few vertices of the cluster take no memory per vertex of the mesh.
+    // Strips over the local vertices of the cluster use no memory per vertex of the mesh.
     let (vertices, local) = meshopt::clod_local_indices(list);
     let positions: Vec<_> = vertices.iter().map(|&vertex| mesh.positions()[vertex as usize]).collect();
     let local = Mesh::new(positions, Faces::from_triangles(local.into_iter().map(u32::from).collect())?)?;
@@ -252,7 +264,7 @@ mod tests {
         }
     }
 
-    /// From a point on the surface, errors may grow with the distance.
+    /// Seen from a point on the surface, errors may grow with the distance.
     #[test]
     fn cuts_of_a_view_have_no_cracks_and_several_levels() {
         for mesh in [surface(true), surface(false)] {

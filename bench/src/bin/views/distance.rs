@@ -1,8 +1,10 @@
-//! How far a drawn surface is from the full mesh, in pixels: one measure for all alternatives, which state errors of different kinds.
+//! The distance of a drawn surface from the full mesh, in pixels. It is one measure for all
+//! alternatives, whose stated errors have different definitions.
 //!
 //! # Algorithm
-//! Some vertices of the full mesh that are in the image and face the eye; for each the distance of the nearest drawn triangle, over its distance from
-//! the eye. Triangles lie in a tree of boxes, split at the median center along the longest axis.
+//! Takes vertices of the full mesh that are in the image and face the eye. For each vertex, the
+//! distance of the nearest drawn triangle is divided by the distance of the vertex from the eye.
+//! Triangles are in a tree of boxes, split at the median center along the longest axis.
 //!
 //! # References
 //! Ericson: *Real-Time Collision Detection*, 2005, section 5.1.5: the closest point of a triangle.
@@ -15,9 +17,9 @@ use tristrip::random::Random;
 
 use crate::frames::{Frame, Point, cross, dot, sub};
 
-/// The most points of a frame.
+/// The maximum number of points of a frame.
 pub(super) const POINTS: usize = 4000;
-/// The most triangles of a leaf.
+/// The maximum number of triangles of a leaf.
 const LEAF: usize = 4;
 
 /// Vertices of the full mesh with their normals.
@@ -26,7 +28,7 @@ pub(super) struct SurfacePoints {
 }
 
 impl SurfacePoints {
-    /// Takes all vertices in an order at random, so that the first ones in an image are spread over it.
+    /// Takes all vertices in random order, which spreads the first ones in an image over it.
     pub(super) fn of(mesh: &Mesh) -> Self {
         let positions = mesh.positions();
         let mut vertices: Vec<_> = positions.iter().map(|&position| (position, [0.0; 3])).collect();
@@ -46,7 +48,8 @@ impl SurfacePoints {
         Self { vertices }
     }
 
-    /// Returns the root mean square and the maximum of the distances in pixels in a frame; 0 if nothing is seen.
+    /// Returns the root mean square and the maximum of the distances in a frame, in pixels; 0 if no
+    /// vertex is visible.
     pub(super) fn pixels(&self, frame: &Frame, mesh: &Mesh, triangles: &[[u32; 3]]) -> [f64; 2] {
         let tree = BoxTree::new(mesh.positions(), triangles);
         let is_seen = |&&(position, normal): &&([f32; 3], Point)| {
@@ -78,7 +81,7 @@ struct BoxNode {
     high: [f32; 3],
     first: u32,
     count: u32,
-    /// The second child; the first one follows its parent. None for a leaf.
+    /// The index of the second child. The first child follows its parent. `None` for a leaf.
     second: Option<u32>,
 }
 
@@ -91,7 +94,7 @@ impl<'a> BoxTree<'a> {
         tree
     }
 
-    /// Builds the tree of some triangles, and returns its root.
+    /// Builds the tree of some triangles. Returns its root.
     fn build(&mut self, first: usize, end: usize) -> u32 {
         let corners = |triangle: &[u32; 3]| triangle.map(|vertex| self.positions[vertex as usize]);
         let center =
@@ -118,7 +121,7 @@ impl<'a> BoxTree<'a> {
         node as u32
     }
 
-    /// Returns the distance of the nearest triangle; infinite if there is none.
+    /// Returns the distance to the nearest triangle; infinite if there is none.
     fn distance(&self, point: Point) -> f64 {
         let mut least = f64::INFINITY;
         let mut stack: Vec<(f64, u32)> = Vec::new();
@@ -138,7 +141,7 @@ impl<'a> BoxTree<'a> {
             };
             let mut children =
                 [number + 1, second].map(|child| (self.nodes[child as usize].square_distance(point), child));
-            // The nearer one is looked at first.
+            // Visit the nearer child first.
             if children[0].0 < children[1].0 {
                 children.swap(0, 1);
             }
@@ -158,13 +161,13 @@ impl BoxNode {
     }
 }
 
-/// Returns the square of the distance of a point from a triangle.
+/// Returns the squared distance of a point from a triangle.
 fn square_distance(point: Point, [a, b, c]: [Point; 3]) -> f64 {
     let (ab, ac) = (sub(b, a), sub(c, a));
     let normal = cross(ab, ac);
     let area = dot(normal, normal);
     if area > 0.0 {
-        // Inside of all edges, the nearest point is in the plane of the triangle.
+        // Inside all edges, the nearest point is the projection onto the plane of the triangle.
         let is_inside = |from: Point, edge: Point| dot(cross(edge, sub(point, from)), normal) >= 0.0;
         if is_inside(a, ab) && is_inside(b, sub(c, b)) && is_inside(c, sub(a, c)) {
             let height = dot(sub(point, a), normal);
@@ -201,7 +204,7 @@ mod tests {
         ] {
             assert!((square_distance(point, triangle) - expected).abs() < 1e-12, "{point:?}");
         }
-        // Without an area there are still edges.
+        // A triangle without area still has edges.
         let line = [[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
         assert!((square_distance([5.0, 1.0, 0.0], line) - 5.0).abs() < 1e-12);
     }
@@ -224,7 +227,8 @@ mod tests {
         assert!(BoxTree::new(&positions, &[]).distance([0.0; 3]).is_infinite());
     }
 
-    /// A square at a distance of 10, drawn by one whose corner is 0.1 farther away: at 45 degrees half of 1080 rows per tangent.
+    /// A square at distance 10, drawn by one with a corner 0.1 farther away. At 45°, the scale is
+    /// half of the 1080 rows.
     #[test]
     fn pixels_are_those_of_the_distance_in_the_image() {
         let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];

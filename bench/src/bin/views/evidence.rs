@@ -1,4 +1,5 @@
-//! Views from anywhere: whether display strips draw what they are to draw, and whether the surface folds over.
+//! Checks views from random cameras: whether display strips draw the correct triangles, and whether
+//! the surface folds over.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -16,29 +17,31 @@ use tristrip_bench::text::Table;
 use crate::frames::{cross, dot, sub};
 use crate::proof::{from_lowest, sorted};
 
-/// The views of each model.
+/// The number of views per model.
 pub(super) const VIEWS: usize = 100;
-/// The most models, in the order of their names.
+/// The maximum number of models, in order of their names.
 const MODELS: usize = 20;
-/// The sizes of models that are looked at, in triangles: large ones would take minutes, small ones have few views.
+/// The range of model sizes, in triangles. Larger models would take minutes, smaller ones have few
+/// views.
 const SIZES: std::ops::Range<usize> = 2000..150_000;
-/// The cosine of the angle between normals below which an edge is folded.
+/// An edge is folded if the cosine of the angle between its normals is below this value.
 const FOLDED: f64 = -0.9;
 
-/// What was seen of a model.
+/// The results of a model.
 pub(super) struct ViewFigures {
     name: String,
     triangles: usize,
     exact: usize,
-    /// The triangles of all views that no level of the merge tree has.
+    /// The number of triangles in all views that no level of the merge tree has.
     foreign: usize,
     /// Triangles that face away from the full mesh: of the full mesh, and of the worst view.
     turned: [usize; 2],
-    /// Folded edges per thousand: of the full mesh, of the worst level of as many triangles, of all views, and of the worst view.
+    /// Folded edges per thousand: of the full mesh, of the worst level of as many triangles, of all
+    /// views, and of the worst view.
     folded: [f64; 4],
 }
 
-/// Looks at models from random cameras.
+/// Checks models from random cameras.
 pub(super) fn look_all(sources: &[Source]) -> Result<Vec<ViewFigures>, Failure> {
     let mut seen = Vec::new();
     for source in sources {
@@ -89,7 +92,8 @@ fn look(name: &str, mesh: &Mesh) -> Result<ViewFigures, Failure> {
 /// Returns every triangle that is drawn at some level of a sequence.
 fn triangles_of_levels(sequence: &CollapseSequence) -> Result<HashSet<[u32; 3]>, Failure> {
     let mut drawn = sequence.drawn(sequence.len())?;
-    // The numbers of the triangles at each vertex, which lose no triangle: a degenerate one is not drawn.
+    // The indices of the triangles at each vertex. Entries are never removed, but degenerate
+    // triangles are not drawn.
     let mut around = HashMap::<u32, Vec<usize>>::new();
     for (number, triangle) in drawn.iter().enumerate() {
         triangle.iter().for_each(|&v| around.entry(v).or_default().push(number));
@@ -113,11 +117,11 @@ fn triangles_of_levels(sequence: &CollapseSequence) -> Result<HashSet<[u32; 3]>,
     Ok(known)
 }
 
-/// The full mesh, by position: vertices on a seam are one point.
+/// The full mesh by position: vertices on a seam are one point.
 struct FullSurface {
-    /// For each vertex the first one of its position.
+    /// For each vertex, the first vertex at its position.
     first: Vec<u32>,
-    /// For each of these the sum of the normals of its triangles, by area.
+    /// For each of these, the sum of the area-weighted normals of its triangles.
     normals: Vec<[f64; 3]>,
 }
 
@@ -132,7 +136,8 @@ impl FullSurface {
         Ok(Self { first, normals })
     }
 
-    /// Returns for each point that a view draws the sum of the normals at all points that it stands for.
+    /// Returns, for each point that a view draws, the sum of the normals of all points that
+    /// collapsed to it.
     fn normals_of_corners(
         &self,
         sequence: &CollapseSequence,
@@ -142,7 +147,7 @@ impl FullSurface {
         for collapse in view.collapses_done() {
             let renames = sequence.collapse(sequence.len() - 1 - collapse)?.renames;
             let Some(rename) = renames.first() else { continue };
-            // What is removed stands for nothing more afterwards.
+            // A removed point represents nothing afterwards.
             let [removed, kept] = [rename.removed, rename.kept].map(|v| self.first[v as usize] as usize);
             let sum = sums[removed];
             add(&mut sums[kept], sum);
@@ -178,7 +183,8 @@ fn is_exact(view: &SkipView, triangles: &[[u32; 3]]) -> bool {
         && sorted(view.display_strips().triangles()) == sorted(triangles.iter().copied())
 }
 
-/// Returns a camera within two diagonals of the bounding box that looks at a point of it, and the criteria of its view.
+/// Returns a random camera within two diagonals of the bounding box that looks at a point of the
+/// box, and the criteria of its view.
 fn random_view(random: &mut Random, mesh: &Mesh) -> Result<(Camera, ViewCriteria), Failure> {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for position in mesh.positions() {
@@ -195,7 +201,7 @@ fn random_view(random: &mut Random, mesh: &Mesh) -> Result<(Camera, ViewCriteria
     Ok((Camera::new(eye, look_at)?, criteria))
 }
 
-/// Returns the folded edges of triangles, per thousand edges of two triangles.
+/// Returns the number of folded edges per thousand edges of two triangles.
 fn folded(mesh: &Mesh, triangles: &[[u32; 3]]) -> f64 {
     let mut normals = HashMap::new();
     let (mut edges, mut folded) = (0_usize, 0_usize);
@@ -218,7 +224,7 @@ fn unit(normal: [f64; 3]) -> Option<[f64; 3]> {
     (length > 0.0).then(|| normal.map(|x| x / length))
 }
 
-/// Compares with the targets: every view is exact, and folds over nowhere.
+/// Compares with the targets: every view is exact, and no view folds over.
 pub(super) fn compare(seen: &[ViewFigures]) -> Vec<Target> {
     let all = VIEWS * seen.len();
     let exact: usize = seen.iter().map(|model| model.exact).sum();

@@ -1,4 +1,5 @@
-//! Flights through the committed cameras: what the frames take and send, and what they would take if their strips were computed again.
+//! Flights through the committed cameras: the time and the vertices sent per frame, compared with
+//! strips that are computed from scratch.
 
 use std::fs;
 use std::path::Path;
@@ -17,20 +18,21 @@ use crate::frames::Frame;
 use crate::others::{self, OtherFigures, Others};
 use crate::proof::sorted;
 
-/// A flight, and what it is to reach.
+/// A flight and its targets.
 struct Flight {
-    /// The name of its cameras in `testdata/views`.
+    /// The name of its camera file in `testdata/views`.
     name: &'static str,
     model: &'static str,
     /// The error in pixels, chosen for about the published number of triangles.
     pixels: f32,
-    /// The most of three vertices per triangle that `dtfs` and repaired strips may send.
+    /// The maximum fraction of three vertices per triangle that `dtfs` and repaired strips may
+    /// send.
     most: Option<[f64; 2]>,
-    /// The most milliseconds of a frame.
+    /// The maximum time of a frame in milliseconds.
     milliseconds: Option<f64>,
 }
 
-/// The flights. The numbers of triangles are those of tables 3 and 4 of the paper.
+/// The flights. Their triangle counts are those of tables 3 and 4 of the paper.
 const FLIGHTS: [Flight; 5] = [
     Flight { name: "bunny_10k", model: "bunny", pixels: 1.463, most: Some([0.66, 0.45]), milliseconds: None },
     Flight { name: "bunny_30k", model: "bunny", pixels: 0.473, most: None, milliseconds: None },
@@ -50,29 +52,32 @@ const FLIGHTS: [Flight; 5] = [
         milliseconds: Some(4.0),
     },
 ];
-/// The share of the triangles above which the time of a frame has a target beside strips computed again.
+/// The minimum fraction of triangles for which the time of a frame has a target relative to strips
+/// from scratch.
 const DETAILED: f64 = 0.3;
-/// The frames, evenly apart, that are proven, of which the vertices sent are counted, and of which the strips are computed again.
+/// The number of evenly spaced frames that are proven, whose vertices sent are counted, and whose
+/// strips are computed from scratch.
 const SAMPLES: usize = 5;
-/// How often a flight is flown: the time of a frame is the median.
+/// The number of repetitions of a flight. The time of a frame is the median.
 const ROUNDS: usize = 5;
 
-/// What was measured of a flight.
+/// The measurements of a flight.
 pub(super) struct FlightFigures {
     name: &'static str,
     pixels: f32,
-    /// The share of the triangles of the full mesh.
+    /// The fraction of the triangles of the full mesh.
     detail: f64,
     triangles: f64,
     moved: f64,
     looked_at: f64,
-    /// Milliseconds of an update, and of one of a view with repaired strips.
+    /// The time of an update in milliseconds, and of an update with repaired strips.
     milliseconds: f64,
     worst: f64,
     repair_milliseconds: f64,
-    /// Vertices sent, as fractions of three per triangle: by `dtfs`, `linked` and repaired strips, and by `dtfs` on a level.
+    /// The vertices sent as fractions of three per triangle: by `dtfs`, `linked` and repaired
+    /// strips, and by `dtfs` on a level.
     sent: [f64; 4],
-    /// Milliseconds and vertices sent of strips computed again, by method.
+    /// The milliseconds and the vertices sent of strips from scratch, by method.
     again: Vec<(Method, f64, f64)>,
     pub(super) others: Vec<OtherFigures>,
 }
@@ -147,7 +152,7 @@ fn fly(
     })
 }
 
-/// Returns the milliseconds of each frame.
+/// Returns the time of each frame in milliseconds.
 fn times(built: &BuiltModel, cameras: &[Camera], criteria: &ViewCriteria) -> Result<Vec<f64>, Failure> {
     let mut view = built.model.view();
     let time = |camera| {
@@ -158,7 +163,7 @@ fn times(built: &BuiltModel, cameras: &[Camera], criteria: &ViewCriteria) -> Res
     cameras.iter().map(time).collect()
 }
 
-/// Checks that display strips draw what the view says, in a sample of the frames.
+/// Proves, in a sample of the frames, that display strips draw the triangles of the view.
 fn prove(
     built: &BuiltModel,
     cameras: &[Camera],
@@ -175,7 +180,8 @@ fn prove(
     Ok(())
 }
 
-/// Returns the vertices sent by `dtfs`, by `linked`, and by `dtfs` on the level of as many triangles, as fractions of three per triangle.
+/// Returns the vertices sent by `dtfs`, by `linked`, and by `dtfs` on the level of as many
+/// triangles, as fractions of three per triangle.
 fn sent_by(built: &BuiltModel, view: &mut SkipView) -> Result<[f64; 4], Failure> {
     let of = |sent: usize, triangles: usize| sent as f64 / (3 * triangles).max(1) as f64;
     let count = view.triangle_count();
@@ -190,10 +196,11 @@ fn sent_by(built: &BuiltModel, view: &mut SkipView) -> Result<[f64; 4], Failure>
     ])
 }
 
-/// The methods by which strips are computed again.
+/// The methods that compute strips from scratch.
 const AGAIN: [Method; 3] = [Method::STRIPE, Method::Sequential, Method::Best];
 
-/// Computes the strips of a frame from its triangles: the milliseconds, and the vertices sent as a fraction of three per triangle.
+/// Computes the strips of a frame from its triangles. Returns the milliseconds, and the vertices
+/// sent as a fraction of three per triangle.
 fn compute_again(mesh: &Mesh, view: &SkipView) -> Result<Vec<(Method, [f64; 2])>, Failure> {
     let triangles = view.renamed_triangles();
     let count = triangles.len();
@@ -275,7 +282,7 @@ pub(super) fn table(flown: &[FlightFigures]) -> Table {
     table
 }
 
-/// Returns a row per flight with the strips computed again.
+/// Returns a row per flight with the strips from scratch.
 pub(super) fn baselines(flown: &[FlightFigures]) -> Table {
     let heads = ["flight", "update ms", "stripe ms", "sent", "sequential ms", "sent", "best ms", "sent"];
     let mut table = Table::new(1, &heads);

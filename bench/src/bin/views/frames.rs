@@ -1,4 +1,5 @@
-//! The frames of a flight, with what a program other than [`SkipView`](tristrip::lod::SkipView) has to know of a camera.
+//! The frames of a flight, with the camera data that programs other than
+//! [`SkipView`](tristrip::lod::SkipView) need.
 
 use tristrip::Mesh;
 use tristrip::lod::Camera;
@@ -10,27 +11,29 @@ pub(super) type Point = [f64; 3];
 #[derive(Debug, Clone)]
 pub(super) struct Frame {
     pub(super) camera: Camera,
-    /// Whether it is proven and counted.
+    /// Whether the frame is proven and counted.
     pub(super) is_sample: bool,
-    /// The triangles of the view by Skip Strips.
+    /// The number of triangles of the Skip Strips view.
     pub(super) triangle_count: usize,
     pub(super) eye: Point,
-    /// The normals of the planes through the eye that bound what is seen, inward: four sides, and the direction of the view.
+    /// The inward normals of the planes through the eye that bound the view: four sides, and the
+    /// view direction.
     planes: [Point; 5],
-    /// The pixels that a length of one covers at a distance of one.
+    /// The number of pixels that a unit length covers at unit distance.
     pub(super) pixels_per_slope: f64,
-    /// The distance of the nearest vertex of the full mesh in the image, if there is one.
+    /// The distance of the nearest vertex of the full mesh in the image; `None` if there is none.
     pub(super) nearest: Option<f64>,
 }
 
 impl Frame {
-    /// Creates the frame of a camera. Its planes and its scale are those by which [`tristrip::lod::ViewCriteria`] chooses detail.
+    /// Creates the frame of a camera. It uses the same planes and scale as
+    /// [`tristrip::lod::ViewCriteria`].
     pub(super) fn new(camera: Camera, mesh: &Mesh, is_sample: bool, triangle_count: usize) -> Self {
         let [right, up, forward] = camera.axes();
         let half_height = (f64::from(camera.field_of_view()).to_radians() / 2.0).tan();
         let [columns, rows] = camera.image().map(f64::from);
         let half_width = half_height * columns / rows;
-        // Inward from the right, the left, the top and the bottom of the image.
+        // Inward from the right, left, top and bottom of the image.
         let sides = [
             (half_width, right, -1.0),
             (half_width, right, 1.0),
@@ -52,7 +55,7 @@ impl Frame {
         frame
     }
 
-    /// Checks whether a sphere is not outside of one of the planes.
+    /// Checks whether a sphere is not completely outside one of the planes.
     pub(super) fn sees(&self, center: [f32; 3], radius: f32) -> bool {
         let away = sub(center.map(f64::from), self.eye);
         self.planes.iter().all(|&plane| dot(plane, away) + f64::from(radius) >= 0.0)
@@ -64,7 +67,8 @@ impl Frame {
         dot(away, away).sqrt()
     }
 
-    /// Returns the pixels that a length covers at the nearest vertex in the image; 0 if there is none.
+    /// Returns the number of pixels that a length covers at the nearest vertex in the image; 0 if
+    /// there is none.
     pub(super) fn pixels_at_nearest(&self, length: f64) -> f64 {
         self.nearest.map_or(0.0, |distance| length * self.pixels_per_slope / distance)
     }
@@ -93,7 +97,7 @@ mod tests {
 
     use super::*;
 
-    /// A square of 90 degrees around the z axis, seen from the origin.
+    /// A square of 90° around the z axis, seen from the origin.
     #[test]
     fn a_frame_sees_what_is_within_its_planes() {
         let camera = Camera::new([0.0; 3], [0.0, 0.0, 1.0]).unwrap();
@@ -102,10 +106,10 @@ mod tests {
         let mesh = Mesh::new(corners, Faces::from_triangles(vec![0, 1, 2]).unwrap()).unwrap();
         let frame = Frame::new(camera, &mesh, true, 1);
         assert!(frame.sees([0.9, -0.9, 1.0], 0.0) && !frame.sees([1.1, 0.0, 1.0], 0.0));
-        // The plane at 45 degrees is 0.2 / √2 away.
+        // The plane at 45° is 0.2 / √2 away.
         assert!(frame.sees([1.2, 0.0, 1.0], 0.15) && !frame.sees([1.2, 0.0, 1.0], 0.14));
         assert!(!frame.sees([0.0, 0.0, -1.0], 0.5));
-        // Only the third vertex is in the image, and 50 pixels cover as much as it is away.
+        // Only the third vertex is in the image. 50 pixels cover its distance.
         assert_eq!(frame.nearest, Some(5.0));
         assert!((frame.pixels_at_nearest(0.1) - 1.0).abs() < 1e-9);
     }

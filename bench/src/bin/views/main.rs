@@ -1,10 +1,12 @@
-//! Measures view-dependent detail by Skip Strips: building, flights, vertices sent, and the time beside that of strips computed again.
+//! Measures view-dependent detail by Skip Strips: building, flights, vertices sent, and update
+//! times compared with strips from scratch.
 //!
 //! ```sh
 //! cargo run --profile dist -p tristrip-bench --bin views -- --docs docs
 //! ```
 //!
-//! Every flight is proven on a sample of its frames before it is timed. Times are those of one thread, except that two build the merge tree.
+//! Every flight is proven on a sample of its frames before it is timed. Times are for one thread,
+//! except that two threads build the merge tree.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 mod building;
@@ -33,10 +35,10 @@ const COMMAND: &str = "cargo run --profile dist -p tristrip-bench --bin views --
 struct Args {
     #[command(flatten)]
     models: ModelArgs,
-    /// Number of frames of a flight
+    /// The number of frames of a flight
     #[arg(long, default_value_t = 300, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
     frames: u16,
-    /// Write views.md into this folder
+    /// Write views.md to this directory
     #[arg(long, value_name = "DIR")]
     docs: Option<PathBuf>,
 }

@@ -1,11 +1,13 @@
-//! Other ways to the same picture, in the same run: what the frames of a flight take and send if they are not drawn by Skip Strips.
+//! Alternatives to Skip Strips in the same run: the time and the vertices sent for the same frames
+//! of a flight.
 //!
 //! ```text
-//! frames of a flight ─▶ Alternative: follow (timed in every frame), finish (timed in samples) ─▶ Drawn, proven ─▶ a row of the table
-//!                         skip       display strips, repaired strips, a list of the same triangles
-//!                         levels     `blocks` at one level of the whole model
-//!                         rival      meshoptimizer: the whole model simplified per frame
-//!                         cut        meshoptimizer's clusterlod: a cut through a hierarchy of clusters
+//! frames of a flight ─▶ Alternative: follow (timed in every frame), finish (timed in samples)
+//!                         ─▶ Drawn, proven ─▶ a row of the table
+//! skip     display strips, repaired strips, a list of the same triangles
+//! levels   `blocks` at one level of the whole model
+//! rival    meshoptimizer: the whole model simplified per frame
+//! cut      meshoptimizer's clusterlod: a cut through a cluster hierarchy
 //! ```
 
 mod alternative;
@@ -37,7 +39,7 @@ use rival::{Order, SimplifyAlternative};
 pub(super) use skip::REPAIRED;
 use skip::{DisplayAlternative, ListAlternative, RepairedAlternative};
 
-/// What the alternatives to Skip Strips need of a model, built once.
+/// The data of a model for all alternatives, built once.
 pub(super) struct Others {
     levels: LevelStrips,
     clusters: ClusterHierarchy,
@@ -46,7 +48,7 @@ pub(super) struct Others {
 }
 
 impl Others {
-    /// Builds what the alternatives need.
+    /// Builds the data for the alternatives.
     pub(super) fn build(built: &BuiltModel) -> Result<Self, Failure> {
         Ok(Self {
             levels: LevelStrips::build(&built.mesh, &built.strips)?,
@@ -57,7 +59,7 @@ impl Others {
     }
 }
 
-/// Draws the frames of a flight in all ways.
+/// Draws the frames of a flight with all alternatives.
 pub(super) fn fly_all(
     flight: &'static str,
     built: &BuiltModel,
@@ -87,14 +89,14 @@ pub(super) fn fly_all(
     alternatives.iter_mut().map(|alternative| run.fly(&mut **alternative)).collect()
 }
 
-/// A flight that all alternatives make.
+/// A flight that all alternatives draw.
 struct Run<'a> {
     flight: &'static str,
     mesh: &'a Mesh,
     frames: &'a [Frame],
     points: &'a SurfacePoints,
     allowed: f64,
-    /// The distances measured, in pixels, by surface and frame.
+    /// The measured distances in pixels, by surface and frame.
     measured: HashMap<(&'static str, usize), [f64; 2]>,
 }
 

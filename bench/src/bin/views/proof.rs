@@ -1,4 +1,4 @@
-//! Whether two sets of triangles are equal, and whether a surface has cracks.
+//! Compares two sets of triangles, and finds cracks in a surface.
 
 use std::collections::HashSet;
 
@@ -6,12 +6,12 @@ use tristrip::Mesh;
 use tristrip_bench::failure::Failure;
 use tristrip_bench::meshoptimizer::adapter;
 
-/// Returns a triangle from its lowest vertex on.
+/// Returns a triangle rotated to start with its lowest vertex.
 pub(super) fn from_lowest([a, b, c]: [u32; 3]) -> [u32; 3] {
     [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or([a, b, c])
 }
 
-/// Returns triangles from their lowest vertex on, sorted.
+/// Returns sorted triangles, each rotated to start with its lowest vertex.
 pub(super) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     let mut sorted: Vec<_> = triangles.into_iter().map(from_lowest).collect();
     sorted.sort_unstable();
@@ -20,7 +20,7 @@ pub(super) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32;
 
 /// Edges of triangles, by position.
 pub(super) struct Borders {
-    /// For each vertex the first one of its position.
+    /// For each vertex, the first vertex at its position.
     first: Vec<u32>,
     /// The vertices at the borders of the full mesh.
     at_border: HashSet<u32>,
@@ -35,7 +35,7 @@ impl Borders {
         Ok(borders)
     }
 
-    /// Returns the edges of which no triangle has the other direction.
+    /// Returns the edges that no triangle has in the opposite direction.
     fn open_edges(&self, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
         let welded = triangles.iter().map(|triangle| triangle.map(|vertex| self.first[vertex as usize]));
         let real = welded.filter(|[a, b, c]| a != b && b != c && c != a);
@@ -46,7 +46,7 @@ impl Borders {
         edges.iter().copied().filter(is_open).collect()
     }
 
-    /// Counts the open edges of triangles that are not at a border of the full mesh: the cracks.
+    /// Counts the open edges that are not at a border of the full mesh. These are the cracks.
     pub(super) fn cracks(&self, triangles: &[[u32; 3]]) -> usize {
         let is_crack = |edge: &[u32; 2]| !edge.iter().all(|vertex| self.at_border.contains(vertex));
         self.open_edges(triangles).iter().filter(|edge| is_crack(edge)).count()

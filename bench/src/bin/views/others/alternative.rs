@@ -1,4 +1,4 @@
-//! A way to draw the frames of a flight, what it draws, and what was measured of it.
+//! An alternative way to draw the frames of a flight, its output, and its measurements.
 
 use tristrip::Strips;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
@@ -6,39 +6,41 @@ use tristrip_bench::failure::Failure;
 
 use crate::frames::Frame;
 
-/// The vertex cache by which transformed vertices are counted.
+/// The vertex cache for counting transformed vertices.
 const CACHE: VertexCache = VertexCache::fifo(16);
 
-/// A way to draw the frames of a flight.
+/// An alternative way to draw the frames of a flight.
 pub(super) trait Alternative {
-    /// Returns the name that the table shows.
+    /// Returns the name in the table.
     fn name(&self) -> &'static str;
 
-    /// Moves from the frame before to this one. Timed in every frame but the first.
+    /// Moves from the previous frame to this one. Timed in every frame but the first.
     fn follow(&mut self, frame: &Frame) -> Result<(), Failure>;
 
-    /// Does what else a frame takes before it can be drawn. Timed in samples only, because it takes long.
+    /// Does the remaining work before a frame can be drawn. Timed only in samples, because it is
+    /// slow.
     fn finish(&mut self, _frame: &Frame) -> Result<(), Failure> {
         Ok(())
     }
 
-    /// Names the surface that is drawn: alternatives of one name draw the same triangles in a frame.
+    /// Returns the name of the drawn surface. Alternatives with the same name draw the same
+    /// triangles in a frame.
     fn surface(&self) -> &'static str;
 
-    /// Proves what is drawn, and returns it.
+    /// Proves the drawn triangles, and returns them.
     fn drawn(&mut self, frame: &Frame) -> Result<Drawn, Failure>;
 
-    /// Returns the bytes of the model, and of a view of it.
+    /// Returns the size of the model, and of a view of it, in bytes.
     fn bytes(&self) -> [usize; 2];
 }
 
-/// What is drawn in a frame.
+/// The drawn data of a frame.
 pub(super) struct Drawn {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) vertices_sent: usize,
-    /// The vertices that a graphics processor transforms.
+    /// The number of vertices that a GPU transforms.
     pub(super) transformed: usize,
-    /// The error that the alternative states, in pixels.
+    /// The stated error of the alternative, in pixels.
     pub(super) pixels: f64,
 }
 
@@ -58,22 +60,22 @@ impl Drawn {
     }
 }
 
-/// What was measured of an alternative in a flight: medians.
+/// The measurements of an alternative in a flight, as medians.
 pub(crate) struct OtherFigures {
     pub(crate) flight: &'static str,
     pub(crate) name: &'static str,
     pub(crate) triangles: f64,
     pub(crate) vertices_sent: f64,
-    /// Vertices sent, as a fraction of three per triangle.
+    /// The vertices sent, as a fraction of three per triangle.
     pub(crate) fraction: f64,
-    /// Vertices transformed per triangle.
+    /// The vertices transformed per triangle.
     pub(crate) transformed: f64,
     pub(crate) milliseconds: f64,
-    /// Bytes per vertex of the full mesh, of the model and of a view.
+    /// The bytes per vertex of the full mesh, for the model and for a view.
     pub(crate) bytes: [f64; 2],
-    /// The error allowed, and the error that the alternative states, in pixels.
+    /// The allowed error, and the stated error of the alternative, in pixels.
     pub(crate) allowed: f64,
     pub(crate) stated: f64,
-    /// The root mean square and the maximum of the distances measured, in pixels.
+    /// The root mean square and the maximum of the measured distances, in pixels.
     pub(crate) measured: [f64; 2],
 }

@@ -1,4 +1,4 @@
-//! A cut through a hierarchy of clusters. What is outside of the image is not drawn at all.
+//! A cut through a cluster hierarchy. Clusters outside the image are not drawn.
 
 use tristrip::lod::ViewCriteria;
 use tristrip_bench::failure::Failure;
@@ -8,17 +8,17 @@ use crate::clusters::{ClusterHierarchy, Cut};
 use crate::frames::Frame;
 use crate::proof::Borders;
 
-/// How many cuts are tried for a number of triangles.
+/// The number of cuts that are tried to reach a number of triangles.
 const CUTS: usize = 16;
-/// The largest error that is tried, in errors allowed.
+/// The maximum error that is tried, relative to the allowed error.
 const MAX_SCALE: f64 = 100.0;
 
-/// How the error in pixels is chosen.
+/// The choice of the error in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Detail {
-    /// What the criteria allow.
+    /// The error that the criteria allow.
     Allowed,
-    /// The least error at which a cut has no more triangles than the view by Skip Strips.
+    /// The minimum error at which a cut has no more triangles than the Skip Strips view.
     AsMany,
 }
 
@@ -44,7 +44,7 @@ impl<'a> CutAlternative<'a> {
     }
 }
 
-/// Chooses the clusters of a frame by an error in pixels.
+/// Chooses the clusters of a frame for an error in pixels.
 fn choose(hierarchy: &ClusterHierarchy, frame: &Frame, pixels: f64, is_culled: bool, cut: &mut Cut) {
     let needed = frame.pixels_per_slope / pixels;
     hierarchy.choose(

@@ -1,4 +1,5 @@
-//! `blocks` at one level of the whole model: the level whose error is allowed at the nearest vertex in the image.
+//! `blocks` at one level of the whole model: the level whose error is allowed at the nearest vertex
+//! in the image.
 
 use std::sync::Arc;
 
@@ -14,7 +15,7 @@ use super::alternative::{Alternative, Drawn};
 use crate::frames::Frame;
 use crate::proof::sorted;
 
-/// `blocks` over the usual simplification, which orders collapses by their errors alone.
+/// `blocks` over standard simplification, which orders collapses only by their errors.
 pub(super) struct LevelStrips {
     sequence: Arc<CollapseSequence>,
     model: Arc<Blocks>,
@@ -54,7 +55,7 @@ impl Alternative for LevelsAlternative<'_> {
 
     fn follow(&mut self, frame: &Frame) -> Result<(), Failure> {
         let Some(nearest) = frame.nearest else {
-            // Nothing is seen.
+            // No vertex is visible.
             return Ok(self.cursor.set_level(0)?);
         };
         let view =

@@ -1,4 +1,4 @@
-//! The section of the page, its tables, and who is best in what.
+//! The section of the page with its tables, and the best alternative per metric.
 
 use tristrip_bench::text::Table;
 
@@ -6,9 +6,9 @@ use super::alternative::OtherFigures;
 use crate::clusters::CLUSTER_TRIANGLES;
 use crate::distance::POINTS;
 
-/// Errors that are no larger than those allowed, in shares of them: distances are rounded.
+/// The tolerance for errors relative to the allowed error, because distances are rounded.
 const ROUNDING: f64 = 1.001;
-/// The shares of the triangles of Skip Strips, the first row, that count as as many.
+/// The maximum number of triangles, relative to Skip Strips in the first row, that counts as equal.
 const AS_MANY: f64 = 1.01;
 
 /// Returns the section of the page.
@@ -92,7 +92,8 @@ pub(crate) fn table<'a>(figures: impl IntoIterator<Item = &'a OtherFigures>) -> 
     table
 }
 
-/// Returns a row per flight: the best of those that keep the allowed error, by column; and of all with as many triangles, the nearest to the full mesh.
+/// Returns a row per flight: per column the best alternative that keeps the allowed error, and the
+/// alternative with as many triangles that is nearest to the full mesh.
 pub(crate) fn best<'a>(flights: impl IntoIterator<Item = &'a [OtherFigures]>) -> Table {
     let heads = [
         "flight",

@@ -1,7 +1,9 @@
-//! meshoptimizer: the whole model simplified for each frame to as many triangles as the view has, as strips or in the order for the vertex cache.
+//! meshoptimizer: simplifies the whole model in each frame to the number of triangles of the view,
+//! as strips or as a cache-ordered list.
 //!
 //! # References
-//! Arseny Kapoulkine: *meshoptimizer*, <https://github.com/zeux/meshoptimizer>; the crate `meshopt`.
+//! Arseny Kapoulkine: *meshoptimizer*, <https://github.com/zeux/meshoptimizer>; the crate
+//! `meshopt`.
 
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 use tristrip::{Mesh, Strips};
@@ -13,12 +15,12 @@ use super::alternative::{Alternative, Drawn};
 use crate::frames::Frame;
 use crate::proof::sorted;
 
-/// What follows the simplification.
+/// The step after the simplification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
-    /// The order for the vertex cache that favours strips, and the strips.
+    /// Strip-friendly vertex-cache order, then strips.
     Strips,
-    /// The order for the vertex cache, as a list.
+    /// Vertex-cache order, as a list.
     Cache,
 }
 

@@ -1,4 +1,4 @@
-//! Skip Strips: its display strips, its repaired strips, and its triangles without strips.
+//! Skip Strips with display strips, with repaired strips, and as a triangle list.
 
 use tristrip::Effort;
 use tristrip::lod::{RepairOptions, RepairedView, SkipView, ViewCriteria};
@@ -54,7 +54,7 @@ pub(crate) const REPAIRED: &str = "Skip Strips, repaired";
 /// The effort of repaired strips.
 const EFFORT: u8 = 3;
 
-/// Strips repaired from frame to frame.
+/// Strips that are repaired from frame to frame.
 pub(super) struct RepairedAlternative {
     view: RepairedView,
     criteria: ViewCriteria,
@@ -96,7 +96,7 @@ impl Alternative for RepairedAlternative {
     }
 }
 
-/// The triangles of the view as a list, written again for each frame.
+/// The triangles of the view as a list, rewritten in each frame.
 pub(super) struct ListAlternative {
     view: SkipView,
     criteria: ViewCriteria,
