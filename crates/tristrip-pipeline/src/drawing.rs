@@ -1,5 +1,5 @@
-//! Chooses how a file draws each part: whichever takes the fewest indices. A result is never larger
-//! than its source.
+//! Chooses how a file draws each part: by the representation with the fewest indices. By default, a
+//! file never has more indices than its source.
 //!
 //! Strips are shorter than a list only if triangles share edges. A strip of one triangle takes four
 //! indices with its restart, or six if degenerate triangles join it. In a list it takes three. A

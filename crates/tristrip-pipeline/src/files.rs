@@ -3,8 +3,8 @@
 //!
 //! ```text
 //! source ─ materials of an OBJ, images of a .gltf ─▶ model ─▶ … ─▶ encoded ─┬▶ one file
-//!                                                                           ├▶ .gltf and .bin
-//!                                                                           └▶ OBJ, libraries, images
+//!                                                                           ├▶ .gltf, .bin
+//!                                                                           └▶ OBJ, MTL, images
 //! ```
 //! A file is written under a temporary name and then renamed. If writing fails, the old file stays
 //! unchanged.

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::Serialize;
 
-/// A ratio of triangles or collapses, from 0 to 1. Its text is `0.05` or `5%`.
+/// A ratio of triangles or collapses, from 0 to 1. Parsed from `0.05` or `5%`.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Ratio(f64);
@@ -53,7 +53,7 @@ impl FromStr for Ratio {
     }
 }
 
-/// A distance. Its text is `0.01` in mesh units, or `0.1%` of the diagonal of the bounding box.
+/// A distance. Parsed from `0.01` (in mesh units) or `0.1%` (of the diagonal of the bounding box).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Deviation {
     /// A distance in mesh units.

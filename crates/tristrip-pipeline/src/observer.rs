@@ -166,8 +166,8 @@ pub trait Observer: Sync {
     ///
     /// The result is then a valid simplification, without the stages that have not started. This
     /// method is called again before and during the fit, and before the comparison. If the observer
-    /// also cancels, the operation returns [`Error::Cancelled`] instead. Levels and chains always
-    /// return this error, because they need all collapses.
+    /// also cancels, the operation returns [`Error::Cancelled`] instead. Levels and chains return
+    /// this error whenever they are stopped, because they need all collapses.
     ///
     /// ```
     /// use tristrip_io::{Format, read};

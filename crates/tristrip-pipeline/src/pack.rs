@@ -2,9 +2,9 @@
 //! refines them to the full meshes.
 //!
 //! ```text
-//! Model ─ scene ─▶ parts ─ groups ─▶ one mesh per group ─ stream_of_mesh ─┬▶ base triangles ─▶ GLB
-//!                                                                         └▶ chunks, appended to it,
-//!                                                                            the largest error first
+//! Model ─ scene ─▶ parts ─ groups ─▶ mesh per group ─ stream_of_mesh ─┬▶ base triangles ─▶ GLB
+//!                                                                     └▶ chunks, appended to it,
+//!                                                                        largest error first
 //! ```
 //!
 //! # Algorithm
@@ -67,7 +67,7 @@ const MAX_BY_DISTANCE: usize = 200_000;
 pub struct Options {
     /// How meshes are encoded.
     pub stream: StreamOptions,
-    /// The viewpoint, in scene coordinates, that weights errors: by distance, and by half on back
+    /// The viewpoint for weighting errors, in scene coordinates: by distance, and by half on back
     /// faces. `None` for uniform weights.
     pub eye: Option<[f32; 3]>,
     /// Whether the bytes are read back and proven.
@@ -85,7 +85,7 @@ impl Options {
         /// Sets how meshes are encoded.
         with_stream(stream: StreamOptions);
 
-        /// Sets the viewpoint that weights errors, in scene coordinates.
+        /// Sets the viewpoint for weighting errors, in scene coordinates.
         with_eye(eye: Option<[f32; 3]>);
 
         /// Sets whether the bytes are read back and proven.
@@ -368,8 +368,7 @@ fn pays(group: &Group, streamed: &StreamedMesh, coarse: &[u32]) -> bool {
     streamed.stream.chunks.iter().map(|chunk| chunk.bytes.len()).sum::<usize>() < left_out
 }
 
-/// Reads the base meshes back, and proves that they draw exactly the triangles meant for the time
-/// before the first chunk.
+/// Reads the base meshes back, and proves that they draw exactly the expected triangles.
 fn prove_base(coarse: &Model, bytes: &Arc<Vec<u8>>) -> Result<(), Error> {
     let again = read_base(bytes).map_err(unproven)?;
     match verify_models(&meshes(coarse), &meshes(&again))? {

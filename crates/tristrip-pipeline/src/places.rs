@@ -2,7 +2,7 @@
 //!
 //! Parts that the same nodes place, such as the primitives of one glTF mesh, share a list of
 //! transforms. They can be compared in their own coordinates. All parts of a file without nodes
-//! have the identity transform. So has a part that no node shows.
+//! have the identity transform. A part that no node shows also has it.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -110,7 +110,7 @@ impl Place {
         let point = |p: [f32; 3]| turned([0, 1, 2].map(|k| f64::from(p[k]) - m[k][3]));
         let [columns, rows] = camera.image();
         let inward = Camera::new(point(camera.eye()), point(camera.look_at())).ok()?;
-        // The up direction of the image: the up axis of the view direction would differ in part
+        // Set the up axis of the image explicitly: the default up axis may differ in part
         // coordinates.
         let [right, up, _] = camera.axes();
         let inward = inward.with_up(turned(up)).ok()?;

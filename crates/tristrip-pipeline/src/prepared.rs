@@ -71,7 +71,7 @@ impl<'a> PreparedModel<'a> {
     }
 
     /// Builds the strips of each part, over its vertices. Searches report their progress to the
-    /// watch. Vertices are welded if the model was prepared so.
+    /// watch. Vertices are welded if the model was prepared with welding.
     ///
     /// # Errors
     /// A part is too large, or an option has an invalid value.

@@ -3,10 +3,10 @@
 //!
 //! # Algorithm
 //! Sample points on each surface in proportion to area, with a seeded generator. For each point,
-//! search the nearest point of the other surface in a tree of bounding boxes, in both directions.
-//! Removed vertices are the most likely to be far away, so they are also searched for the maximum
-//! distance. Normals and texture coordinates are interpolated at both points and compared, from the
-//! original to the simplified surface.
+//! find the nearest point of the other surface in a tree of bounding boxes, in both directions.
+//! Removed vertices are the most likely to be far away, so their nearest points also count for the
+//! maximum distance. Normals and texture coordinates are interpolated at both points and compared,
+//! from the original to the simplified surface.
 //!
 //! # References
 //! Cignoni, Rocchini, Scopigno: *Metro: Measuring Error on Simplified Surfaces*, 1998.

@@ -230,7 +230,7 @@ fn criteria(pixels: f32) -> Result<ViewCriteria, Error> {
     Ok(ViewCriteria::default().with_pixels(pixels).with_hysteresis(Hysteresis::new(1.0)?))
 }
 
-/// Searches the error in pixels at which the views of some cameras have a given mean number of
+/// Finds the error in pixels at which the views of some cameras have a given mean number of
 /// triangles.
 #[allow(clippy::cast_possible_truncation, reason = "pixels are f32")]
 fn pixels_of(model: &Arc<SkipStrips>, cameras: &[Camera], target: f64) -> Result<f32, Error> {

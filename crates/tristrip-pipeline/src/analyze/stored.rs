@@ -1,7 +1,7 @@
 //! The statistics of a part of a file as stored.
 //!
-//! Restarts separate strips. A repeated vertex in a strip marks a join by degenerate triangles.
-//! Joined strips are counted as two, but simulated as stored. Polygons are drawn as triangle fans.
+//! Restarts separate strips, and degenerate triangles join them. Joined strips are counted as two,
+//! but simulated as stored. Polygons are drawn as triangle fans.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

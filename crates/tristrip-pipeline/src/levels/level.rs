@@ -7,7 +7,7 @@ use tristrip::lod::View;
 use crate::error::Error;
 use crate::goal::Deviation;
 
-/// A level of detail. Its text is `120` or `40%`.
+/// A level of detail. Parsed from `120` or `40%`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Level {
     /// The number of undone collapses.

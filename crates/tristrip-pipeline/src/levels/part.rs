@@ -135,7 +135,7 @@ impl LevelPart {
     /// Proves that display strips draw exactly the triangles of a level.
     ///
     /// # Errors
-    /// The part does not have this level, or [`Error::Unproven`].
+    /// The part does not have this level, or the strips are not proven ([`Error::Unproven`]).
     pub fn prove(&self, level: usize, display: &Strips) -> Result<(), Error> {
         self.check(level)?;
         let expected = Faces::from_triangles(self.sequence.drawn(level)?.into_flattened())?;

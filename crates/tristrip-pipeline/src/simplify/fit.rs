@@ -12,7 +12,7 @@
 //! 1. Sample points on both surfaces with a seeded generator, about equally many per triangle of
 //!    the simplified surface. Each point represents an area (`points`). The vertices of both
 //!    surfaces are additional points without weight: they only measure the maximum distance.
-//! 2. In each round, search the nearest point of the other surface for each point. The search walks
+//! 2. In each round, find the nearest point of the other surface for each point. The search walks
 //!    from triangle to neighbour as long as the distance falls (`surface`). It is wider for points
 //!    much farther away than most. For a point of the original, the first search starts at the
 //!    triangle that the collapses moved its corners to. For a point of the simplified surface, it

@@ -1,4 +1,4 @@
-//! Simplifies the parts of a model toward one goal. The number of triangles applies to the model,
+//! Simplifies the parts of a model toward one goal. The triangle budget applies to the whole model,
 //! and each part keeps the triangles that it needs.
 //!
 //! Parts that are simplified as one surface are a *group*. In a scene with a dense and a coarse
@@ -92,7 +92,7 @@ impl Default for CollapseRules {
 /// The number of triangles to keep.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum TriangleGoal<'a> {
-    /// The minimum that the error limit allows.
+    /// As few as the error limit allows.
     Fewest,
     /// A number for the whole model.
     OfModel(usize),
@@ -224,7 +224,7 @@ pub(super) fn groups_of(parts: &[Part<'_>]) -> Vec<Vec<usize>> {
 }
 
 /// Simplifies groups until they have at most this number of triangles together. All groups end at
-/// about the same cost, and none goes below what it needs.
+/// about the same cost, and none is simplified further than needed.
 fn share(groups: &mut [SurfaceGroup<'_>], count: usize, watched: &Watched<'_>) {
     // 1. In rounds, the groups with the lowest costs.
     while triangle_count(groups) > count {

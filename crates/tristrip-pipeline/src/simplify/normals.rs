@@ -40,10 +40,10 @@ use tangents::tangents;
 /// 0.12 for a truck with dark smears.
 const MAX_UNFIT: f64 = 0.02;
 
-/// The share of flat sides above which the normals of a part are repaired: 0.65 for the body of a
-/// truck, 0.44 for its wheels, 0.28 for a cloth with 115,200 triangles, 0.11 for a man. Without
-/// flat sides, the kept normals are closer to those of the original surface than normals of the few
-/// remaining faces.
+/// The share of flat sides above which the normals of a part are repaired. It is 0.65 for the body
+/// of a truck, 0.44 for its wheels, 0.28 for a cloth with 115,200 triangles, and 0.11 for a man.
+/// Without flat sides, the kept normals are closer to those of the original surface than normals of
+/// the few remaining faces.
 const FLAT_SIDES: f64 = 0.33;
 
 /// How the normals of a part are made.

@@ -127,8 +127,8 @@ impl LevelOrder {
         starts.zip(&self.ends).map(|(&start, &end)| &self.parts[start as usize..end as usize])
     }
 
-    /// Returns levels from the base mesh to the full mesh in at least one equal step, without
-    /// repeats.
+    /// Returns the levels at the ends of `steps` equal steps from the base mesh to the full mesh,
+    /// without repeats. There is at least one step.
     pub fn evenly(&self, steps: usize) -> Vec<usize> {
         let (steps, last) = (steps.max(1), self.collapse_count());
         let mut levels: Vec<usize> = (0..=steps).map(|step| (last * step + steps / 2) / steps).collect();

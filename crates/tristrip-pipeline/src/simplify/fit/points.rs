@@ -17,8 +17,7 @@ const MIN_SHARE: f64 = 0.5;
 const LARGEST_SHARE: f64 = 4.0;
 /// The maximum number of points of a triangle that are tried as the start of a search.
 const MAX_STARTS: usize = 16;
-/// Points farther away than this multiple of the root mean square are searched again with a wider
-/// search.
+/// Points farther away than this multiple of the root mean square get a second, wider search.
 const FAR: f64 = 8.0;
 
 /// A pair of points, one on each surface. One is fixed, the other is found by a search.
@@ -41,7 +40,7 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// Samples points on both surfaces and searches the nearest point of each.
+    /// Samples points on both surfaces and finds the nearest point of each on the other surface.
     ///
     /// `starts` has, for each triangle of the original, the simplified triangle at which its
     /// searches start. Removed components have no such triangle and get no points. The first

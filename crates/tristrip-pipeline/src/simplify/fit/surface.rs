@@ -1,4 +1,4 @@
-//! A surface over its positions. Nearest points are searched by walking from triangle to neighbour.
+//! A surface over its positions. Nearest points are found by walking from triangle to neighbour.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap, HashSet};
@@ -123,8 +123,8 @@ impl FitSurface {
         (square, Spot { triangle, shares })
     }
 
-    /// Searches the nearest point among the triangles around a spot, in order of distance.
-    /// Triangles that are farther away are also expanded, because their neighbours may be nearer.
+    /// Finds the nearest point among the triangles around a spot, in order of distance. Triangles
+    /// that are farther away are also expanded, because their neighbours may be nearer.
     pub(super) fn nearest_around(&self, point: Point, spot: Spot) -> Spot {
         let mut best = self.nearest_in(point, spot.triangle);
         // The squares are non-negative, so their bit patterns sort like their values.
@@ -149,8 +149,8 @@ impl FitSurface {
         best.1
     }
 
-    /// Searches the nearest point, starting at a triangle. With `stays`, a point inside that
-    /// triangle is returned at once.
+    /// Finds the nearest point by a walk that starts at a triangle. With `stays`, a point inside
+    /// that triangle is returned at once.
     pub(super) fn nearest(&self, point: Point, start: u32, stays: bool) -> Spot {
         let (mut least, mut spot) = self.nearest_in(point, start);
         // The triangles around a corner of high valence are visited once, and not at all with
