@@ -1,6 +1,6 @@
-//! Hostile and regular shapes. On these meshes a search or a data structure takes longer than on
-//! models if its cost per triangle depends on the length of strips, the faces per vertex or edge,
-//! the corners per polygon, or the order of the faces.
+//! Hostile and regular shapes. They expose searches and data structures whose cost per triangle is
+//! not bounded: it may depend on the length of strips, the faces per vertex or edge, the corners
+//! per polygon, or the order of the faces.
 //!
 //! ```text
 //! ribbons, fans, bipyramids, tori, Klein bottles   one long path, or many of equal length;

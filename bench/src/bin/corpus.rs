@@ -1,7 +1,7 @@
-//! Checks a directory of real models with every method. Each result is proven by `verify`, gives
-//! the same bytes with 1, 2 and 7 threads, and is written to files that an independent checker
-//! proves again (`tools/corpus/check_files.py`). For models of more than 8,000 triangles, variants
-//! of methods run with 1 and one other number of threads.
+//! Checks a directory of real models with every method. Each result is proven by `verify`, and
+//! gives the same bytes with 1, 2 and 7 threads. It is also written to files that an independent
+//! checker proves again (`tools/corpus/check_files.py`). For models of more than 8,000 triangles,
+//! variants of methods run with 1 and one other number of threads.
 //!
 //! ```sh
 //! cargo build --profile dist -p tristrip-bench

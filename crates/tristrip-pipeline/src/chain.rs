@@ -10,7 +10,7 @@
 //! 1. Every part is simplified once, down to the coarsest level or the error limit. Parts that
 //!    share a border are simplified together. The collapses of all parts are merged into one order,
 //!    by cost. A level is the first point in this order with at most the requested number of
-//!    triangles, and each level is a simplification of the next finer one.
+//!    triangles. Each level is therefore a simplification of the next finer one.
 //! 2. Vertices are numbered in reverse order of removal: first those of the coarsest level, then
 //!    each vertex that a collapse removed, last collapse first. A level, and any point between two
 //!    levels, uses a prefix of the vertices. A program can load a coarse level first and append

@@ -17,7 +17,7 @@ pub(crate) const POINTS: usize = 40_000;
 /// The goal for both programs.
 #[derive(Clone, Copy)]
 pub(crate) struct SimplificationGoal {
-    /// The triangles are reduced to 1 in this number.
+    /// The reduction factor: one in `share` triangles is kept.
     pub(crate) share: usize,
     /// Whether the topology may change.
     pub(crate) permissive: bool,

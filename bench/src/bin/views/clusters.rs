@@ -127,8 +127,8 @@ impl ClusterHierarchy {
     }
 
     /// Chooses the clusters of a frame. `allows` returns whether an error within a sphere is
-    /// allowed, and `sees` whether a sphere is in the image. The cut covers the surface if an error
-    /// that is allowed for a sphere is also allowed for every sphere inside it, and for every
+    /// allowed, and `sees` whether a sphere is in the image. The cut covers the surface if `allows`
+    /// is monotonic: an allowed error must also be allowed for every sphere inside, and for every
     /// smaller error.
     pub(super) fn choose(
         &self,

@@ -3,8 +3,8 @@
 use super::paper::{ModelSize, PublishedRow};
 use super::runner::Runner;
 
-/// A file is the published model if its number of triangles, and its number of all vertices or of
-/// used vertices, differ from the published numbers by at most this many percent.
+/// The maximum difference, in percent, between the sizes of a file and the published model. It
+/// applies to the number of triangles, and to the number of all vertices or of used vertices.
 const NEAR_PERCENT: f64 = 3.0;
 
 /// The relation of a measured file to a published model.

@@ -34,7 +34,7 @@ pub(super) const CACHE_ENTRIES: std::ops::RangeInclusive<u32> = 2..=64;
 pub(super) const ONE_STRIP_COMPONENTS: &str = "one_strip_components";
 
 /// The measurements of a recipe in addition to the metrics of its strips.
-#[allow(clippy::struct_excessive_bools, reason = "each is asked for by itself")]
+#[allow(clippy::struct_excessive_bools, reason = "each is requested separately")]
 #[derive(Debug, Clone, Default)]
 pub(super) struct Extras {
     /// Generalized triangle meshes for every size of the vertex cache.

@@ -7,7 +7,7 @@
 //! pixels.
 //!
 //! A level is drawn from the coverage at which its error is one pixel on a screen of 1920 × 1080
-//! pixels, but from at most [`STEP`] times the starting coverage of the level before it. This gives
+//! pixels. Its starting coverage is at most [`STEP`] times that of the level before it. This gives
 //! a level its own range even if its error equals that of the level before. The last level is drawn
 //! down to coverage 0.
 //!

@@ -141,9 +141,9 @@ impl Watched<'_> {
     }
 }
 
-/// Simplifies all parts until they have at most the requested number of triangles together, the
-/// error in the scene would exceed the maximum, or the observer stops it. With a maximum error,
-/// small components may be removed.
+/// Simplifies all parts until they have at most the requested number of triangles together. Stops
+/// earlier if the error in the scene would exceed the maximum, or if the observer stops it. With a
+/// maximum error, small components may be removed.
 pub(crate) fn simplify_all(
     parts: &[Part<'_>],
     goal: TriangleGoal<'_>,
