@@ -1,5 +1,5 @@
-//! Measures what a page can show of a model while its file arrives, next to files that are shown when
-//! they are complete.
+//! Measures what a page can show of a model while its file loads, compared with files that are
+//! shown after they have fully loaded.
 //!
 //! ```sh
 //! gltfpack -cc -i dragon.obj -o dragon_cc.glb && zstd -19 dragon_cc.glb
@@ -8,10 +8,10 @@
 //!     --docs docs
 //! ```
 //!
-//! A chunk is shown when a network of the given bandwidth has delivered the file up to its end and the
-//! chunks so far are decoded, whichever is later. Other files are charged for the bytes that are served
-//! only, not for decompression and decoding. Distances are root mean squares over both surfaces, in
-//! percent of the diagonal.
+//! A chunk is shown when the network has delivered the file up to its end and the chunks so far are
+//! decoded, whichever is later. For other files only the transfer of the served bytes counts, not
+//! decompression or decoding. Distances are root mean squares over both surfaces, in percent of the
+//! diagonal.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 use std::fs;
@@ -29,33 +29,34 @@ use tristrip_io::read_path;
 use tristrip_pipeline::pack;
 use tristrip_render::chart::{Axis, Mark, Panel, Scale, Series, svg};
 
-/// The chunks that are compared with the full mesh, about: each takes ten seconds for a million triangles.
+/// The approximate number of chunks that are compared with the full mesh. Each comparison takes ten
+/// seconds for a million triangles.
 const COMPARED: usize = 12;
 
-/// Measure what is shown of a model while its file arrives
+/// Measure what is shown of a model while its file loads
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// The model; its first mesh is compared
+    /// The model; only its first mesh is compared
     model: PathBuf,
-    /// A file of the same model that is shown when it is complete: its name, the file, and the
-    /// compressed copy that is served
+    /// A file of the same model that is shown after it has fully loaded: its name, the file, and
+    /// the compressed copy that is served
     #[arg(long, value_name = "NAME=FILE[,SERVED]", value_parser = named_file)]
     whole: Vec<WholeFile>,
-    /// The bandwidths in megabits per second
+    /// The bandwidths in Mbit/s
     #[arg(long, value_delimiter = ',', default_values_t = [1.0, 5.0, 20.0])]
     megabits: Vec<f64>,
-    /// Write arrival.md and arrival.svg into this folder
+    /// Write arrival.md and arrival.svg to this directory
     #[arg(long)]
     docs: Option<PathBuf>,
 }
 
-/// A file that is shown when it is complete.
+/// A file that is shown after it has fully loaded.
 #[derive(Debug, Clone)]
 struct WholeFile {
     name: String,
     path: PathBuf,
-    /// The file whose bytes are sent.
+    /// The file whose bytes are transferred.
     served: PathBuf,
 }
 
@@ -65,25 +66,25 @@ fn named_file(text: &str) -> Result<WholeFile, String> {
     Ok(WholeFile { name: name.to_owned(), path: path.into(), served: served.into() })
 }
 
-/// An image of the model: the bytes that it needs, and what it shows.
+/// An image of the model: the bytes that it needs, and its geometry.
 #[derive(Debug, Clone, Copy)]
 struct Shown {
     bytes: usize,
-    /// The seconds in which the bytes are decoded, as far as they count.
+    /// The decoding time in seconds; 0 if it does not count.
     decode: f64,
     triangles: usize,
-    /// The distance from the full mesh in percent of the diagonal.
+    /// The distance from the full mesh, in percent of the diagonal.
     rms: f64,
 }
 
 impl Shown {
-    /// Returns the seconds from the begin of the download to this image.
+    /// Returns the time from the start of the download to this image, in seconds.
     fn seconds(&self, megabits: f64) -> f64 {
         (8.0 * self.bytes as f64 / (1e6 * megabits)).max(self.decode)
     }
 }
 
-/// What is shown of a file in turn.
+/// The images of a file, in order.
 type Arrival = (String, Vec<Shown>);
 
 fn main() -> Result<(), Failure> {
@@ -104,7 +105,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the first and the complete image of each file.
+/// Builds the table of the first and the complete image of each file.
 fn file_table(arrivals: &[Arrival], megabits: &[f64]) -> Table {
     let heads = ["first image", "complete"];
     let times =
@@ -123,7 +124,7 @@ fn file_table(arrivals: &[Arrival], megabits: &[f64]) -> Table {
     table
 }
 
-/// Returns the images of the progressive file.
+/// Builds the table of the images of the progressive file.
 fn image_table(shown: &[Shown], megabits: &[f64]) -> Table {
     let times = megabits.iter().map(|rate| format!("{rate} Mbit/s"));
     let columns: Vec<String> =
@@ -137,7 +138,8 @@ fn image_table(shown: &[Shown], megabits: &[f64]) -> Table {
     table
 }
 
-/// Returns what the progressive file shows after some of its chunks: more of the first ones, as they are closer together.
+/// Returns the images after some of the chunks of the progressive file. The first chunks are
+/// sampled more densely.
 fn progressive(mesh: &Mesh, glb: Vec<u8>) -> Result<Vec<Shown>, Failure> {
     let glb = ProgressiveGlb::open(glb)?.ok_or("the file has no stream")?;
     let count = chunks(glb.chunks()).count();
@@ -160,7 +162,7 @@ fn progressive(mesh: &Mesh, glb: Vec<u8>) -> Result<Vec<Shown>, Failure> {
     Ok(shown)
 }
 
-/// Returns what a file shows when it is complete.
+/// Returns the image of a file that has fully loaded.
 fn whole(mesh: &Mesh, WholeFile { path, served, .. }: &WholeFile) -> Result<Shown, Failure> {
     let bytes =
         fs::metadata(served).map_err(|error| format!("{}: {error}", served.display()))?.len() as usize;
@@ -204,8 +206,8 @@ fn write_docs(folder: &Path, args: &Args, arrivals: &[Arrival], tables: [&Table;
     Ok(())
 }
 
-/// Draws the distances of the images from the full mesh against the seconds since the download began:
-/// steps for each file, from its first image on. Distances of 0 are left out.
+/// Draws the distances of the images from the full mesh over the time since the start of the
+/// download. Each file is a step curve that starts at its first image. Distances of 0 are skipped.
 fn panel(title: &str, arrivals: &[Arrival], megabits: f64) -> Panel {
     let series = |(name, shown): &Arrival| {
         let mark = if shown.len() > 1 { Mark::Steps } else { Mark::Points };
