@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Every run is a separate process with a time limit. Its result is proven before its time is
-//! printed. A run *violates* its limit if it takes longer than a second plus the method's time per
-//! triangle. It also does if it takes more than five times as long as a run on a quarter of the
+//! printed. A run *violates* its limit in two cases: it takes longer than a second plus the
+//! method's time per triangle, or more than five times as long as a run on a quarter of the
 //! triangles.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
 

@@ -24,7 +24,7 @@ const PUBLISHED: [ComparedModel; 3] =
 const MOVED: [&str; 3] = ["cow", "bunny", "dragon"];
 /// The models with a target for the vertices sent over all levels.
 const SENT: [&str; 2] = ["cow", "bunny"];
-/// The number of moves from the full mesh down, which are equally spaced.
+/// The number of equally spaced moves from the full mesh down.
 const MOVES: usize = 99;
 /// The maximum number of ranges that a move may upload.
 const RANGES: usize = 256;

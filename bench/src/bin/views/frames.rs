@@ -55,7 +55,7 @@ impl Frame {
         frame
     }
 
-    /// Checks whether a sphere is not completely outside one of the planes.
+    /// Checks whether a sphere is at least partly inside every plane.
     pub(super) fn sees(&self, center: [f32; 3], radius: f32) -> bool {
         let away = sub(center.map(f64::from), self.eye);
         self.planes.iter().all(|&plane| dot(plane, away) + f64::from(radius) >= 0.0)

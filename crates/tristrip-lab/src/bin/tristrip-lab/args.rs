@@ -18,7 +18,7 @@ use crate::values::{effort, image_size, numbers};
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 100)]
 #[command(
-    after_help = "Exit codes: 0 done and proven; 1 not proven, or a bad input or output; 2 wrong usage."
+    after_help = "Exit codes: 0 success, all results proven; 1 not proven, or an input or output error; 2 wrong usage."
 )]
 pub(crate) struct Cli {
     #[command(flatten)]
