@@ -1,6 +1,5 @@
 //! The documents agree with the command: its help and its JSON reports.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 
@@ -140,6 +139,8 @@ fn the_page_of_reports_is_what_the_command_prints() {
 /// The rows of a table, from the JSON Schema of a report.
 #[cfg(feature = "schema")]
 mod tables {
+    use std::fmt::Write as _;
+
     use serde_json::Value;
 
     /// A row per key, also of the objects in it: `mesh`, `mesh.faces`, `chain`, `chain[].ratio`.
@@ -155,7 +156,7 @@ mod tables {
                 kind.names.retain(|name| name != "`null`");
                 kind.names.push("absent".into());
             }
-            writeln!(rows, "| `{path}` | {} | {meaning} |", kind.text()).unwrap();
+            let _ = writeln!(rows, "| `{path}` | {} | {meaning} |", kind.text());
             if let Some(object) = kind.object {
                 add_rows(object, &format!("{path}{}", kind.brackets), rows);
             }

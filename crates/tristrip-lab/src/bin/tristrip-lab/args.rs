@@ -213,7 +213,7 @@ pub(crate) struct FlyArgs {
     /// The vertical field of view in degrees
     #[arg(long, visible_alias = "fov", value_name = "DEGREES", default_value_t = View::FIELD_OF_VIEW)]
     pub(crate) field_of_view: f32,
-    /// The size of the image in pixels, as WIDTHxHEIGHT
+    /// The width and height of the image in pixels, such as 1280x720
     #[arg(long, value_name = "SIZE", value_parser = image_size, default_value = "1920x1080")]
     pub(crate) image: [u32; 2],
     /// The maximum error of a collapse in the image, in pixels
