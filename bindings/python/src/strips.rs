@@ -525,5 +525,5 @@ fn of_mesh(
 
 fn dropped_note(count: usize) -> Option<String> {
     let counted = tristrip_pipeline::text::counted(count, "degenerate face");
-    (count > 0).then(|| format!("{counted} dropped: they draw nothing"))
+    (count > 0).then(|| format!("{counted} dropped (no area)"))
 }

@@ -284,11 +284,11 @@ def test_wrong_options(options: dict[str, Any], text: str) -> None:
 
 def test_degenerate_faces_are_noted() -> None:
     assert tristrip.stripify([[0, 1, 2]]).notes == []
-    assert tristrip.stripify([[0, 1, 2], [0, 0, 1]]).notes == ["1 degenerate face dropped: they draw nothing"]
+    assert tristrip.stripify([[0, 1, 2], [0, 0, 1]]).notes == ["1 degenerate face dropped (no area)"]
     faces = [[0, 1, 2], [3, 3, 3], [4, 5, 4]]
     for vertices in [None, np.zeros((6, 3))]:
         strips = tristrip.stripify(faces, vertices)
-        assert strips.notes == ["2 degenerate faces dropped: they draw nothing"]
+        assert strips.notes == ["2 degenerate faces dropped (no area)"]
         assert strips.metrics()["triangles"] == 1
 
 

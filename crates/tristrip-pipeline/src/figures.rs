@@ -155,7 +155,7 @@ impl MeshProperties {
                 remarks.push(format!("{}{rest}", counted(n, noun)));
             }
         };
-        add(self.degenerate_faces, "degenerate face", " dropped: they draw nothing");
+        add(self.degenerate_faces, "degenerate face", " dropped (no area)");
         add(self.duplicate_faces, "duplicate face", " kept: each is drawn");
         add(self.cut_polygons, "non-convex polygon", " triangulated in advance");
         add(self.fanned_polygons, "polygon", " triangulated as a fan, because ear clipping failed");
