@@ -373,7 +373,7 @@ pub(crate) fn command_line() -> clap::Command {
         }
     });
     let groups = groups(&command);
-    let exit_codes = "Exit codes: 0 success, all results proven; 1 not proven, or an input or output error; 2 wrong usage.";
+    let exit_codes = "Exit codes: 0 success, all results verified; 1 failed verification, input or output; 2 wrong usage.";
     let hint = "`tristrip COMMAND -h` lists the options of a command. `tristrip help COMMAND` explains them.";
     command
         .after_help(format!("{groups}\n{hint}"))

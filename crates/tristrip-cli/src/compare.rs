@@ -44,7 +44,7 @@ fn ratio(x: f64) -> String {
 }
 
 /// Compares the methods on all inputs in order. Returns whether all inputs were processed and all
-/// results are proven.
+/// results are verified.
 pub(crate) fn run(task: &CompareTask, console: &mut Console) -> bool {
     let options = compare::Options::default()
         .with_stripify(task.options)

@@ -8,7 +8,7 @@
 //! ```
 //! `serve` and `view` need the feature `serve`, and HTTPS the feature `tls`.
 //!
-//! Exit codes: 0: success, all results proven. 1: not proven, or an input or output error. 2: wrong
+//! Exit codes: 0: success, all results verified. 1: failed verification, input or output. 2: wrong
 //! usage.
 
 #![forbid(unsafe_code)]
@@ -61,9 +61,9 @@ use console::Console;
 pub use schema::report_schemas;
 use task::Task;
 
-/// The exit code on success, with all results proven, and for help and version.
+/// The exit code on success, with all results verified, and for help and version.
 const DONE: u8 = 0;
-/// The exit code if a result is not proven, or for an input or output error.
+/// The exit code if a result fails verification, or for an input or output error.
 const FAILED: u8 = 1;
 /// The exit code for wrong usage.
 const WRONG_USAGE: u8 = 2;
@@ -72,8 +72,8 @@ const STACK_BYTES: usize = 8 << 20;
 
 /// Runs the command and returns its exit code. The first argument is the program name.
 ///
-/// - 0: success, all results proven; or help or version printed.
-/// - 1: a result is not proven, or an input or output error; a message gives the reason.
+/// - 0: success, all results verified; or help or version printed.
+/// - 1: a result fails verification, or an input or output error; a message gives the reason.
 /// - 2: wrong usage; a message names the flag.
 ///
 /// The command reads and writes the standard streams of the process. Help and messages always call
@@ -134,7 +134,7 @@ fn pool(threads: Option<usize>) -> Result<ThreadPool, ThreadPoolBuildError> {
     }
 }
 
-/// Runs a task; returns whether it succeeded and all results are proven.
+/// Runs a task; returns whether it succeeded and all results are verified.
 fn run_task(task: &Task, console: &mut Console) -> bool {
     match task {
         Task::Strip(task) => strip::run(task, console),

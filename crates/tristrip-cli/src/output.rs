@@ -13,7 +13,7 @@ use crate::reorder;
 /// Encodes a result for an output; the clock measures the stages.
 ///
 /// # Errors
-/// The result cannot be encoded or is not proven; the error names the output.
+/// The result cannot be encoded or fails verification; the error names the output.
 pub(crate) fn encode<R>(
     output: &Output,
     clock: &StageClock,
@@ -22,7 +22,7 @@ pub(crate) fn encode<R>(
     clock.observe(encode).map_err(|error| not_written(output, error))
 }
 
-/// Writes an encoded result to its output, prints what was proven and written, and adds its notes
+/// Writes an encoded result to its output, prints what was verified and written, and adds its notes
 /// and warnings to `notes`. `how` states how the parts are drawn; `clock` is the clock that
 /// measured the encoding. Returns the size of the files in bytes.
 pub(crate) fn write(
@@ -56,7 +56,7 @@ pub(crate) fn drawn_as(output: &Output, any_strips: bool) -> &'static str {
     if any_strips { output.layout.name() } else { "faces" }
 }
 
-/// Names the output in the error of a result that is not proven.
+/// Names the output in the error of a result that fails verification.
 fn not_written(output: &Output, error: Error) -> Failure {
     match error {
         Error::Unproven { why, metrics, .. } => {

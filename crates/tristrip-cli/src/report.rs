@@ -32,7 +32,7 @@ pub(crate) struct Report<O> {
     pub(crate) error: Option<String>,
 }
 
-/// What is known of a result that is not proven.
+/// What is known of a result that fails verification.
 #[derive(Debug, Serialize)]
 struct Unproven {
     proven: bool,

@@ -22,7 +22,7 @@ pub(crate) struct Listening {
     port: u16,
     /// Whether files are packed on request.
     pack_on_demand: bool,
-    /// Remarks, in words.
+    /// Human-readable notes.
     notes: Vec<String>,
 }
 

@@ -62,7 +62,7 @@ pub(crate) fn show_mesh(mesh: &MeshProperties, notes: &[String], read: usize, co
     notes.iter().skip(read).for_each(|note| console.note(note));
 }
 
-/// Prints that strips are proven, or that the proof was skipped.
+/// Prints that strips are verified, or that verification was skipped.
 pub(crate) fn show_proof(proven: bool, mesh: &MeshProperties, console: &Console) {
     if proven {
         let faces = counted(mesh.faces, "face");
@@ -73,7 +73,7 @@ pub(crate) fn show_proof(proven: bool, mesh: &MeshProperties, console: &Console)
     }
 }
 
-/// Prints that collapses are proven, or that the proof was skipped.
+/// Prints that collapses are verified, or that verification was skipped.
 pub(crate) fn show_proof_of_collapses(proven: bool, console: &Console) {
     if proven {
         console.stage("proven", "replaying the collapses removes exactly these triangles", None);

@@ -29,7 +29,7 @@ pub(crate) const SECONDS: SecondsKeys = &[
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Unpacked {
     /// Whether the written file, read back, draws exactly the triangles of the level; `null`
-    /// without `-o`, and if the proof was not requested.
+    /// without `-o`, and if verification was disabled.
     proven: Option<bool>,
     #[serde(flatten)]
     outcome: unpack::Outcome,

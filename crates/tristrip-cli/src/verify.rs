@@ -1,4 +1,4 @@
-//! `tristrip verify`: proves that a file draws exactly the faces of another.
+//! `tristrip verify`: verifies that a file draws exactly the faces of another.
 
 use serde::Serialize;
 use tristrip_io::Model;
@@ -34,7 +34,7 @@ pub(crate) struct Verified {
     error: Option<String>,
 }
 
-/// Compares both files; returns whether the result is proven.
+/// Compares both files; returns whether the result is verified.
 pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
     let (source, result) = (task.source.name(), task.result.name());
     console.begin(&format!("{result} against {source}"), None);

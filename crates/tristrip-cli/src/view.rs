@@ -32,7 +32,7 @@ pub(crate) struct Shown {
     url: Option<String>,
     /// The number of bytes that are served.
     bytes: usize,
-    /// Remarks, in words. One says where a progressive GLB is truncated.
+    /// Human-readable notes. One says where a progressive GLB is truncated.
     notes: Vec<String>,
     /// What is served.
     #[serde(skip)]

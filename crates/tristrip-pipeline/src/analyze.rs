@@ -57,7 +57,7 @@ pub struct Outcome {
     pub parts: usize,
     /// The statistics of each part, in the order of the file.
     pub by_part: Vec<StoredPart>,
-    /// Remarks of the reader, in words.
+    /// Human-readable notes of the reader.
     pub notes: Vec<String>,
 }
 
@@ -97,7 +97,7 @@ pub struct StoredPart {
 /// Counts triangles, strips and indices of a model as stored, and simulates vertex caches.
 ///
 /// # Errors
-/// The observer cancelled.
+/// The observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::{Format, read};

@@ -44,7 +44,7 @@ pub struct Outcome {
     pub sequential: Vec<bool>,
     /// The bounds of each connected component, part by part.
     pub components: Vec<Component>,
-    /// Remarks on what was read, dropped, changed or unusual, in words.
+    /// Human-readable notes on what was read, dropped, changed or unusual.
     pub notes: Vec<String>,
 }
 
@@ -79,7 +79,7 @@ fn proof_name(proof: BoundMethod) -> &'static str {
 /// Computes lower bounds that hold for every method.
 ///
 /// # Errors
-/// The observer cancelled.
+/// The observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::{Format, read};

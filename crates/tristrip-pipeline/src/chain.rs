@@ -62,7 +62,7 @@ pub struct Options {
     pub stripify: StripifyOptions,
     /// The format that the levels will be written in.
     pub format: Format,
-    /// Whether the collapses are proven.
+    /// Whether the collapses are verified.
     pub verify: bool,
 }
 
@@ -96,7 +96,7 @@ impl Options {
         /// Sets the method that builds the strips.
         with_stripify(stripify: StripifyOptions);
 
-        /// Sets whether the collapses are proven.
+        /// Sets whether the collapses are verified.
         with_verify(verify: bool);
 
         /// Sets the format that the levels will be written in.
@@ -160,12 +160,12 @@ pub struct Outcome {
     /// The counts of the source mesh.
     #[serde(skip)]
     pub mesh: MeshProperties,
-    /// The method of the strips and those of its options that apply to it.
+    /// The method of the strips and the options that it uses.
     #[serde(flatten)]
     pub method: MethodDescription,
     /// Whether replaying the collapses removes exactly the recorded triangles, and every level of
-    /// every written file draws exactly the remaining triangles; `null` in reports if the proof was
-    /// not requested.
+    /// every written file draws exactly the remaining triangles; `null` in reports if verification
+    /// was disabled.
     #[serde(serialize_with = "true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
@@ -188,16 +188,16 @@ pub struct Outcome {
     /// The levels that were not reached, what prevented it, and what to try, in words; `None` if
     /// all were reached.
     pub warning: Option<String>,
-    /// Remarks on what was read, dropped or changed, on locked vertices, and on vertices that kept
-    /// their order, in words.
+    /// Human-readable notes on what was read, dropped or changed, on locked vertices, and on
+    /// vertices that kept their order.
     pub notes: Vec<String>,
 }
 
 /// Builds the levels of a chain.
 ///
 /// # Errors
-/// The maximum error is negative or NaN, a part is too large, the collapses are not proven, or the
-/// observer cancelled.
+/// The maximum error is negative or NaN, a part is too large, the collapses fail verification, or
+/// the observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::{Format, read};

@@ -1,4 +1,4 @@
-//! Compares all methods on one model. Each result is proven.
+//! Compares all methods on one model. Each result is verified.
 
 use serde::Serialize;
 use tristrip::stripify::{
@@ -72,7 +72,7 @@ pub struct Outcome {
     pub mesh: MeshProperties,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Remarks on what was read, dropped, changed or unusual, in words.
+    /// Human-readable notes on what was read, dropped, changed or unusual.
     pub notes: Vec<String>,
     /// An entry per method. If an interrupt stopped a search, its entry is the last one.
     pub methods: Vec<Row>,
@@ -90,7 +90,7 @@ pub struct Row {
     pub proven: bool,
     /// The times of the method in seconds.
     pub seconds: MethodSeconds,
-    /// The metrics of a proven result; `None` if there is none.
+    /// The metrics of a verified result; `None` if there is none.
     #[serde(flatten)]
     pub metrics: Option<StripMetrics>,
     /// Why the search ended before its effort was spent; `None` if it was not stopped.
@@ -106,15 +106,15 @@ pub struct Row {
 pub struct MethodSeconds {
     /// The time to build the strips; `None` if it was not measured.
     pub stripify: Option<f64>,
-    /// The time to prove the strips; `None` if it was not measured.
+    /// The time to verify the strips; `None` if it was not measured.
     pub verify: Option<f64>,
 }
 
-/// Builds strips by all methods, then measures and proves them. The row of a method without a
-/// proven result has an error message. Each method starts with [`Stage::Stripify`].
+/// Builds strips by all methods, then measures and verifies them. If the result of a method fails
+/// verification, its row has an error message. Each method starts with [`Stage::Stripify`].
 ///
 /// # Errors
-/// The observer cancelled.
+/// The observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -138,7 +138,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     Ok(Outcome { mesh, parts: prepared.parts().len(), notes, methods })
 }
 
-/// Runs one method. Its row has metrics only if the result is proven.
+/// Runs one method. Its row has metrics only if the result is verified.
 fn row(
     prepared: &PreparedModel<'_>,
     options: &StripifyOptions,

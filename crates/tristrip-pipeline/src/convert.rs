@@ -19,7 +19,7 @@ pub struct Options {
     /// The layout of all parts as strips in their stored order; `None` to keep faces as faces and
     /// strips as strips.
     pub layout: Option<Layout>,
-    /// Whether the bytes are read back and proven.
+    /// Whether the bytes are read back and verified.
     pub verify: bool,
 }
 
@@ -34,7 +34,7 @@ impl Options {
         /// Sets the layout in which all parts are drawn as strips, in their stored order.
         with_layout(layout: Layout) as Some;
 
-        /// Sets whether the bytes are read back and proven.
+        /// Sets whether the bytes are read back and verified.
         with_verify(verify: bool);
     }
 
@@ -49,8 +49,8 @@ impl Options {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// Whether the file, read back, draws exactly the faces of the input; `null` in reports if the
-    /// proof was not requested.
+    /// Whether the file, read back, draws exactly the faces of the input; `null` in reports if
+    /// verification was disabled.
     #[serde(serialize_with = "encode::true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
@@ -62,7 +62,7 @@ pub struct Outcome {
     pub strips: Option<usize>,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Remarks on what was read, dropped, changed or unusual, in words.
+    /// Human-readable notes on what was read, dropped, changed or unusual.
     pub notes: Vec<String>,
     /// The strips of each part; `None` for a part drawn as faces.
     #[serde(skip)]
@@ -72,10 +72,11 @@ pub struct Outcome {
     pub encoded: encode::Outcome,
 }
 
-/// Converts a model, and proves the result.
+/// Converts a model, and verifies the result.
 ///
 /// # Errors
-/// The format cannot store the model, the bytes are not proven, or the observer cancelled.
+/// The format cannot store the model, the bytes fail verification, or the observer cancelled the
+/// operation.
 ///
 /// ```
 /// use tristrip::Layout;

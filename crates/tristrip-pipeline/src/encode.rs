@@ -1,4 +1,4 @@
-//! Encoding to memory: a model is encoded, read back and proven before its bytes are returned.
+//! Encoding to memory: a model is encoded, read back and verified before its bytes are returned.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -30,13 +30,13 @@ pub struct Options {
     /// How a GLB is packed: duplicate data is stored once, redundant keyframes are removed, and
     /// values are rounded as given. `None` disables this.
     pub pack: Option<Rounding>,
-    /// Whether the bytes are read back and proven.
+    /// Whether the bytes are read back and verified.
     pub verify: bool,
 }
 
 impl Options {
     /// Creates options for a format: the layout that every reader of the format supports, or a list
-    /// per part if that takes fewer indices. Bytes are proven, and vertices keep their order.
+    /// per part if that takes fewer indices. Bytes are verified, and vertices keep their order.
     pub fn new(format: Format) -> Self {
         Self { format, layout: default_layout(format), list: true, reorder: false, pack: None, verify: true }
     }
@@ -57,7 +57,7 @@ impl Options {
         /// Sets how a GLB is packed.
         with_pack(pack: Option<Rounding>);
 
-        /// Sets whether the bytes are read back and proven.
+        /// Sets whether the bytes are read back and verified.
         with_verify(verify: bool);
     }
 }
@@ -84,8 +84,8 @@ pub fn default_layout(format: Format) -> Layout {
 pub struct Outcome {
     /// The encoded bytes.
     pub bytes: Vec<u8>,
-    /// The number of faces that the bytes are proven to draw; `None` if the proof was not
-    /// requested.
+    /// The number of faces that the bytes are verified to draw; `None` if verification was
+    /// disabled.
     pub faces: Option<usize>,
     /// The new vertex order, if reordering was requested.
     pub groups: Option<Vec<VertexGroup>>,
@@ -105,10 +105,10 @@ impl Outcome {
     }
 
     /// Splits a GLB into a `.gltf` document and a buffer with this file name. If the GLB was
-    /// proven, proves that both hold the same meshes.
+    /// verified, verifies that both files contain the same meshes.
     ///
     /// # Errors
-    /// The file is not a GLB, or the separate files are not proven.
+    /// The file is not a GLB, or the separate files fail verification.
     ///
     /// ```
     /// use tristrip_io::{Drawing, Format, read};
@@ -133,11 +133,11 @@ impl Outcome {
     }
 }
 
-/// Encodes a model with one drawing per part, and proves that the bytes draw the model.
+/// Encodes a model with one drawing per part, and verifies that the bytes draw the model.
 ///
 /// # Errors
-/// The drawings do not fit the model, the format cannot store it, the bytes are not proven, or the
-/// observer cancelled.
+/// The drawings do not fit the model, the format cannot store it, the bytes fail verification, or
+/// the observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read};
@@ -236,7 +236,7 @@ pub(crate) fn kept_vertices(redrawn: &Redrawn) -> Vec<String> {
     by_reason.into_iter().map(note).collect()
 }
 
-/// Reads the bytes back, proves that they draw the source, and returns the number of faces.
+/// Reads the bytes back, verifies that they draw the source, and returns the number of faces.
 fn prove(source: &Model, bytes: &Arc<Vec<u8>>, format: Format) -> Result<usize, Error> {
     let again =
         tristrip_io::read_shared(bytes, format).map_err(|error| Error::unproven(error.to_string()))?;
@@ -246,7 +246,7 @@ fn prove(source: &Model, bytes: &Arc<Vec<u8>>, format: Format) -> Result<usize, 
     }
 }
 
-/// Serializes whether a result is proven. `false` becomes `null`: the proof was not requested,
+/// Serializes whether a result is verified. `false` becomes `null`: verification was disabled,
 /// because an unproven result is an error.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
 pub(crate) fn true_or_null<S: Serializer>(proven: &bool, serializer: S) -> Result<S::Ok, S::Error> {

@@ -32,12 +32,12 @@ pub enum Error {
         /// The highest level, which is the number of collapses.
         last: usize,
     },
-    /// The observer cancelled.
+    /// The observer cancelled the operation.
     #[error("cancelled")]
     Cancelled,
 }
 
-/// The metrics of a result that is not proven.
+/// The metrics of a result that fails verification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 #[non_exhaustive]
@@ -49,7 +49,7 @@ pub enum UnprovenMetrics {
 }
 
 impl Error {
-    /// Returns the error for a result that is not proven, without metrics.
+    /// Returns the error for a result that fails verification, without metrics.
     pub fn unproven(why: impl Into<String>) -> Self {
         Self::Unproven { why: why.into(), metrics: None }
     }

@@ -154,8 +154,8 @@ impl<'a> Target<'a> {
     /// content are kept, with a warning, unless they are named after the OBJ.
     ///
     /// # Errors
-    /// The target has no path, a file cannot be written, or the separate files of a `.gltf` are not
-    /// proven.
+    /// The target has no path, a file cannot be written, or the separate files of a `.gltf` fail
+    /// verification.
     ///
     /// ```
     /// use tristrip_io::{Drawing, Format, read};

@@ -78,7 +78,7 @@ pub struct Chunk {
 /// [`Outcome::problem`] has the reason.
 ///
 /// # Errors
-/// The observer cancelled.
+/// The observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::gltf::ProgressiveGlb;

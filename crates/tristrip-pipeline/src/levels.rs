@@ -74,7 +74,7 @@ pub struct Outcome {
     /// The number of strips of the full mesh.
     #[serde(skip)]
     pub strips_full: usize,
-    /// The method of the strips and those of its options that apply to it.
+    /// The method of the strips and the options that it uses.
     #[serde(flatten)]
     pub method: MethodDescription,
     /// The number of collapses, which is the level of the full mesh; the base mesh is level 0.
@@ -89,8 +89,8 @@ pub struct Outcome {
     pub stopped: Option<SearchStop>,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Remarks on what was read, dropped, changed or unusual, on a search that was stopped, on
-    /// locked vertices, and on parts that stopped before the base mesh, in words.
+    /// Human-readable notes on what was read, dropped, changed or unusual, on a search that was
+    /// stopped, on locked vertices, and on parts that stopped before the base mesh.
     pub notes: Vec<String>,
 }
 
@@ -111,15 +111,15 @@ pub struct DisplayedLevel {
     pub surface_error: f32,
     /// `surface_error` in percent of the diagonal of the model.
     pub surface_error_percent: f64,
-    /// Whether the display strips are proven to draw exactly the triangles of the level.
+    /// Whether the display strips are verified to draw exactly the triangles of the level.
     pub proven: bool,
 }
 
 /// Builds the levels of detail of a model.
 ///
 /// # Errors
-/// A part is too large, an option has an invalid value, the strips are not proven, or the observer
-/// cancelled.
+/// A part is too large, an option has an invalid value, the strips fail verification, or the
+/// observer cancelled the operation.
 ///
 /// ```
 /// use tristrip::lod::RepairOptions;
@@ -313,11 +313,12 @@ impl ModelLevels {
         Ok(0)
     }
 
-    /// Builds, measures and proves the display strips of a level. The observer is notified of each
-    /// stage.
+    /// Builds, measures and verifies the display strips of a level. The observer is notified of
+    /// each stage.
     ///
     /// # Errors
-    /// The level does not exist, the display strips are not proven, or the observer cancelled.
+    /// The level does not exist, the display strips fail verification, or the observer cancelled
+    /// the operation.
     pub fn display(
         &self,
         level: usize,
@@ -335,8 +336,8 @@ impl ModelLevels {
     /// Draws a level with the strips that a level model has at this level.
     ///
     /// # Errors
-    /// The level does not exist, a part is too large for the model, the strips are not proven, or
-    /// the observer cancelled.
+    /// The level does not exist, a part is too large for the model, the strips fail verification,
+    /// or the observer cancelled the operation.
     ///
     /// ```
     /// use tristrip::lod::ModelKind;
@@ -407,7 +408,7 @@ impl ModelLevels {
         ModelCursor::new(&self.order, &self.parts, build)
     }
 
-    /// Measures and proves the display strips of a level.
+    /// Measures and verifies the display strips of a level.
     fn displayed(
         &self,
         level: usize,
@@ -441,12 +442,12 @@ impl ModelLevels {
         })
     }
 
-    /// Builds, measures and proves the display strips for the view of a camera. The observer is
+    /// Builds, measures and verifies the display strips for the view of a camera. The observer is
     /// notified of each stage.
     ///
     /// # Errors
-    /// The levels belong to another model, a position is not finite, the strips are not proven, or
-    /// the observer cancelled.
+    /// The levels belong to another model, a position is not finite, the strips fail verification,
+    /// or the observer cancelled the operation.
     ///
     /// ```
     /// use tristrip::lod::{Camera, ViewCriteria};

@@ -1,5 +1,5 @@
 //! Whole-model operations: strips, simplification, level-of-detail chains, progressive streams,
-//! lower bounds, analysis and conversion. Results are proven unless an option disables it.
+//! lower bounds, analysis and conversion. Results are verified unless an option disables it.
 //!
 //! ```text
 //! Model ─▶ PreparedModel ─▶ strips of each part ─ proof ─▶ encode ─ read back, proof ─▶ bytes

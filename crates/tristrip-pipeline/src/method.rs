@@ -39,7 +39,7 @@ impl Serialize for MethodDescription {
 }
 
 impl MethodDescription {
-    /// Describes a method and those of its options that apply to it.
+    /// Describes a method and the options that it uses.
     pub fn of(options: &StripifyOptions) -> Self {
         let method = options.method;
         let default = StripifyOptions::default().with_method(default_of(method));

@@ -33,7 +33,7 @@ pub enum Stage {
     Measure,
     /// Lower bounds are computed.
     Bound,
-    /// A result is proven in memory.
+    /// A result is verified in memory.
     Prove,
     /// Half-edges are collapsed.
     Simplify,
@@ -49,7 +49,7 @@ pub enum Stage {
     Reorder,
     /// The file is encoded.
     Encode,
-    /// The bytes are read back and proven.
+    /// The bytes are read back and verified.
     ReadBack,
     /// The caller writes the bytes to files.
     Write,

@@ -70,7 +70,7 @@ pub struct Options {
     /// The viewpoint for weighting errors, in scene coordinates: by distance, and by half on back
     /// faces. `None` for uniform weights.
     pub eye: Option<[f32; 3]>,
-    /// Whether the bytes are read back and proven.
+    /// Whether the bytes are read back and verified.
     pub verify: bool,
 }
 
@@ -88,7 +88,7 @@ impl Options {
         /// Sets the viewpoint for weighting errors, in scene coordinates.
         with_eye(eye: Option<[f32; 3]>);
 
-        /// Sets whether the bytes are read back and proven.
+        /// Sets whether the bytes are read back and verified.
         with_verify(verify: bool);
     }
 }
@@ -102,7 +102,7 @@ pub struct Outcome {
     #[serde(skip)]
     pub bytes: Vec<u8>,
     /// Whether the file, read back, has exactly the triangles of the model, at positions rounded to
-    /// the grid: their number in Rust, `true` in reports. `None` if the proof was not requested.
+    /// the grid: their number in Rust, `true` in reports. `None` if verification was disabled.
     #[serde(serialize_with = "is_some_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: Option<usize>,
@@ -129,8 +129,8 @@ pub struct Outcome {
     pub bits_per_vertex: Option<f64>,
     /// The maximum distance of a position from that of the input, in the units of the scene.
     pub position_error: f64,
-    /// Remarks on what was read, on parts that are not refined, and on what was dropped or cannot
-    /// be stored, in words.
+    /// Human-readable notes on what was read, on parts that are not refined, and on what was
+    /// dropped or cannot be stored.
     pub notes: Vec<String>,
 }
 
@@ -143,7 +143,8 @@ fn is_some_or_null<S: Serializer>(number: &Option<usize>, serializer: S) -> Resu
 /// Packs a model as a progressive GLB.
 ///
 /// # Errors
-/// The model cannot be written as a GLB, the bytes are not proven, or the observer cancelled.
+/// The model cannot be written as a GLB, the bytes fail verification, or the observer cancelled the
+/// operation.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -218,7 +219,7 @@ struct Assembly<'a> {
     drawn: Vec<Vec<u32>>,
     sources: Vec<Option<StreamedPart>>,
     queues: Vec<Queue>,
-    /// The expected mesh of each refined part, for the proof; `None` if nothing is proven.
+    /// The expected mesh of each refined part, for verification; `None` if nothing is verified.
     expected: Option<HashMap<usize, Mesh>>,
     /// The number of parts whose stream would not be smaller, and of triangles with two corners at
     /// one position.
@@ -273,7 +274,7 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Writes the file and proves it.
+    /// Writes the file and verifies it.
     fn finish(mut self, losses: Vec<String>, observer: &dyn Observer) -> Result<Outcome, Error> {
         let mut note = |count: usize, noun: &str, what: &str| {
             if count > 0 {
@@ -368,7 +369,7 @@ fn pays(group: &Group, streamed: &StreamedMesh, coarse: &[u32]) -> bool {
     streamed.stream.chunks.iter().map(|chunk| chunk.bytes.len()).sum::<usize>() < left_out
 }
 
-/// Reads the base meshes back, and proves that they draw exactly the expected triangles.
+/// Reads the base meshes back, and verifies that they draw exactly the expected triangles.
 fn prove_base(coarse: &Model, bytes: &Arc<Vec<u8>>) -> Result<(), Error> {
     let again = read_base(bytes).map_err(unproven)?;
     match verify_models(&meshes(coarse), &meshes(&again))? {
@@ -377,8 +378,8 @@ fn prove_base(coarse: &Model, bytes: &Arc<Vec<u8>>) -> Result<(), Error> {
     }
 }
 
-/// Reads the full meshes back, and proves that each part has exactly the triangles of the model, at
-/// the positions that the stream stores.
+/// Reads the full meshes back, and verifies that each part has exactly the triangles of the model,
+/// at the positions that the stream stores.
 fn prove(model: &Model, bytes: &Arc<Vec<u8>>, expected: &HashMap<usize, Mesh>) -> Result<usize, Error> {
     let again = tristrip_io::read_shared(bytes, Format::Glb).map_err(unproven)?;
     if again.parts.len() != model.parts.len() {

@@ -114,7 +114,7 @@ impl<'a> PreparedModel<'a> {
         StripMetrics::with_parts(&strips.iter().zip(vertex_counts).collect::<Vec<_>>(), options)
     }
 
-    /// Proves that the strips of each part draw its mesh, and that welded vertices are equal.
+    /// Verifies that the strips of each part draw its mesh, and that welded vertices are equal.
     ///
     /// # Errors
     /// [`Error::Unproven`], with the index of the part if there are several.
@@ -162,7 +162,7 @@ impl<'a> Survey<'a> {
     /// Prepares a model for a method, and notifies the observer of each stage.
     ///
     /// # Errors
-    /// The observer cancelled.
+    /// The observer cancelled the operation.
     pub(crate) fn new(
         model: &'a Model,
         options: StripifyOptions,

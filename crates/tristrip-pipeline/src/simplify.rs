@@ -1,4 +1,4 @@
-//! Simplification of a whole model. The collapses are proven, and unused vertices are dropped.
+//! Simplification of a whole model. The collapses are verified, and unused vertices are dropped.
 //!
 //! Parts that the same nodes place and that share positions, such as the materials of one mesh, are
 //! simplified as one surface: both sides of their border collapse together. Vertices that touch
@@ -60,7 +60,7 @@ pub struct Options {
     pub fit: bool,
     /// Whether the result is compared with the original. This takes as long as the collapses.
     pub measure: bool,
-    /// Whether the collapses, and the bytes of a file, are proven.
+    /// Whether the collapses, and the bytes of a file, are verified.
     pub verify: bool,
     /// The format that the result will be written in. A scene written as GLB keeps unused vertices
     /// that other parts of it may refer to by index.
@@ -118,7 +118,7 @@ impl Options {
         /// Sets whether the result is compared with the original.
         with_measure(measure: bool);
 
-        /// Sets whether the collapses are proven.
+        /// Sets whether the collapses are verified.
         with_verify(verify: bool);
 
         /// Sets the format that the result will be written in.
@@ -135,7 +135,7 @@ pub struct Outcome {
     #[serde(skip)]
     pub redrawn: Redrawn,
     /// Whether replaying the collapses removes exactly the recorded triangles, and a written file,
-    /// read back, draws the remaining ones; `null` in reports if the proof was not requested.
+    /// read back, draws the remaining ones; `null` in reports if verification was disabled.
     #[serde(serialize_with = "true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
@@ -160,8 +160,8 @@ pub struct Outcome {
     pub parts: usize,
     /// Why the goal was not reached, and what to try, in words; `None` if it was reached.
     pub warning: Option<String>,
-    /// Remarks on what was read, dropped, changed or unusual, on locked vertices, and on an
-    /// interruption, in words.
+    /// Human-readable notes on what was read, dropped, changed or unusual, on locked vertices, and
+    /// on an interruption.
     pub notes: Vec<String>,
     /// The counts of the source mesh.
     #[serde(skip)]
@@ -262,8 +262,8 @@ fn deviations_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Sch
 /// collapse on both sides. Vertices that touch parts placed by other nodes are kept.
 ///
 /// # Errors
-/// The maximum error is negative or NaN, a part is too large, the collapses are not proven, or the
-/// observer cancelled.
+/// The maximum error is negative or NaN, a part is too large, the collapses fail verification, or
+/// the observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -408,7 +408,7 @@ fn simplify_to<'a>(
 /// Returns whether an observer has stopped a simplification, or stops it now.
 ///
 /// # Errors
-/// The observer cancelled.
+/// The observer cancelled the operation.
 fn ended(interrupted: bool, observer: &dyn Observer, progress: SimplifyProgress) -> Result<bool, Error> {
     let interrupted = interrupted || !observer.simplifies(progress);
     if interrupted && observer.is_cancelled() { Err(Error::Cancelled) } else { Ok(interrupted) }
@@ -442,11 +442,12 @@ impl Outcome {
         Ok(vertices)
     }
 
-    /// Encodes the simplified model as triangle lists, and proves the bytes if requested. A scene
+    /// Encodes the simplified model as triangle lists, and verifies the bytes if requested. A scene
     /// that was simplified for GLB keeps its unused vertices in other formats, too.
     ///
     /// # Errors
-    /// The format cannot store the model, the bytes are not proven, or the observer cancelled.
+    /// The format cannot store the model, the bytes fail verification, or the observer cancelled
+    /// the operation.
     pub fn encode(
         &self,
         format: Format,
@@ -465,7 +466,7 @@ impl Outcome {
     }
 }
 
-/// Proves the collapses of all parts.
+/// Verifies the collapses of all parts.
 pub(crate) fn prove(
     done: &[PartCollapses],
     collapses: &Collapses,

@@ -1,4 +1,4 @@
-//! Strips of a whole model: built, measured, compared with their lower bounds, and proven.
+//! Strips of a whole model: built, measured, compared with their lower bounds, and verified.
 
 use serde::Serialize;
 use tristrip::text::counted;
@@ -15,13 +15,13 @@ use crate::metrics::StripMetrics;
 use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::prepared::Survey;
 
-/// Options for building strips. The default is [`Method::Best`], proven.
+/// Options for building strips. The default is [`Method::Best`] with verification.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
     /// The method and its options.
     pub stripify: StripifyOptions,
-    /// Whether the strips are proven to draw exactly the faces of the model.
+    /// Whether the strips are verified to draw exactly the faces of the model.
     pub verify: bool,
 }
 
@@ -36,7 +36,7 @@ impl Options {
         /// Sets the method and its options.
         with_stripify(stripify: StripifyOptions);
 
-        /// Sets whether the strips are proven.
+        /// Sets whether the strips are verified.
         with_verify(verify: bool);
     }
 }
@@ -52,11 +52,11 @@ pub struct Outcome {
     /// The options of the method, adapted to the model.
     #[serde(skip)]
     pub stripify: StripifyOptions,
-    /// The method and those of its options that apply to it.
+    /// The method and the options that it uses.
     #[serde(flatten)]
     pub method: MethodDescription,
     /// Whether the strips draw exactly the faces of the model, and a written file, read back, does
-    /// too; `null` in reports if the proof was not requested.
+    /// too; `null` in reports if verification was disabled.
     #[serde(serialize_with = "true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
@@ -73,8 +73,8 @@ pub struct Outcome {
     pub mesh: MeshProperties,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Remarks on what was read, dropped, changed or unusual, and on a search that was stopped, in
-    /// words.
+    /// Human-readable notes on what was read, dropped, changed or unusual, and on a search that was
+    /// stopped.
     pub notes: Vec<String>,
     /// The metrics that decide how each part is drawn.
     #[serde(skip)]
@@ -99,12 +99,12 @@ pub struct File {
 }
 
 impl Outcome {
-    /// Encodes the model as a file, with the drawings that [`Outcome::draw`] chooses, and proves
+    /// Encodes the model as a file, with the drawings that [`Outcome::draw`] chooses, and verifies
     /// it.
     ///
     /// # Errors
-    /// The strips do not belong to the model, the format cannot store it, the bytes are not proven,
-    /// or the observer cancelled.
+    /// The strips do not belong to the model, the format cannot store it, the bytes fail
+    /// verification, or the observer cancelled the operation.
     pub fn encode(
         &self,
         model: &Model,
@@ -146,11 +146,11 @@ impl Outcome {
     }
 }
 
-/// Builds, measures and proves the strips of a model.
+/// Builds, measures and verifies the strips of a model.
 ///
 /// # Errors
-/// A part is too large, an option has an invalid value, the strips are not proven, or the observer
-/// cancelled.
+/// A part is too large, an option has an invalid value, the strips fail verification, or the
+/// observer cancelled the operation.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions};
@@ -169,12 +169,12 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     measured(survey, strips, stopped, options.verify, observer)
 }
 
-/// Measures and proves existing strips of a model, one item per part. `options` and `stopped`
+/// Measures and verifies existing strips of a model, one item per part. `options` and `stopped`
 /// belong to the search that built them.
 ///
 /// # Errors
-/// The number of items differs from the number of parts, the strips are not proven, or the observer
-/// cancelled.
+/// The number of items differs from the number of parts, the strips fail verification, or the
+/// observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -208,7 +208,7 @@ pub fn of_strips(
     measured(Survey::new(model, options.stripify, observer)?, strips, stopped, options.verify, observer)
 }
 
-/// Measures strips, compares them with their lower bounds, and proves them if requested.
+/// Measures strips, compares them with their lower bounds, and verifies them if requested.
 fn measured(
     survey: Survey<'_>,
     strips: Vec<Strips>,

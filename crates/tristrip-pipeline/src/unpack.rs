@@ -99,7 +99,7 @@ pub struct Outcome {
 ///
 /// # Errors
 /// The level does not exist, the base meshes are missing, the document is invalid, or the observer
-/// cancelled.
+/// cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::gltf::ProgressiveGlb;

@@ -1,4 +1,4 @@
-//! Proves that one model draws exactly the faces of another.
+//! Verifies that one model draws exactly the faces of another.
 
 use serde::Serialize;
 use tristrip::verify::{Difference, verify_models};
@@ -56,7 +56,7 @@ pub struct FoundDifference {
 /// compared.
 ///
 /// # Errors
-/// The models together are too large for 32-bit ids, or the observer cancelled.
+/// The models together are too large for 32-bit ids, or the observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::{Format, read};

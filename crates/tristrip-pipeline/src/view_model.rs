@@ -1,7 +1,7 @@
 //! A view-dependent LOD model: one mesh, the strips of its full level, and collapses in levels.
 //!
 //! # Algorithm
-//! The parts are joined into one mesh. Its strips are built and proven. The triangles that they
+//! The parts are joined into one mesh. Its strips are built and verified. The triangles that they
 //! draw are collapsed by a merge tree, which keeps dependencies between collapses short
 //! (`tristrip::lod::SkipStrips`).
 //!
@@ -35,7 +35,7 @@ pub struct Options {
     pub stripify: StripifyOptions,
     /// The criterion that orders the collapses of a level.
     pub order: MergeOrder,
-    /// Whether the strips are proven to draw exactly the faces of the mesh.
+    /// Whether the strips are verified to draw exactly the faces of the mesh.
     pub verify: bool,
 }
 
@@ -53,7 +53,7 @@ impl Options {
         /// Sets the criterion that orders the collapses of a level.
         with_order(order: MergeOrder);
 
-        /// Sets whether the strips are proven.
+        /// Sets whether the strips are verified.
         with_verify(verify: bool);
     }
 }
@@ -81,14 +81,14 @@ pub struct Outcome {
     /// The counts of its full mesh.
     #[serde(skip)]
     pub mesh: MeshProperties,
-    /// The method and those of its options that apply to it.
+    /// The method and the options that it uses.
     #[serde(flatten)]
     pub method: MethodDescription,
     /// The order in which the collapses of a level were chosen: `quadric` or `shortest-edge`.
     pub order: &'static str,
     /// Whether the strips draw exactly the faces of the mesh and the triangles of the collapses,
-    /// and the file, read back, holds the same model; `null` in reports if the proof was not
-    /// requested.
+    /// and the file, read back, holds the same model; `null` in reports if verification was
+    /// disabled.
     #[serde(serialize_with = "true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
@@ -107,8 +107,8 @@ pub struct Outcome {
     pub stopped: Option<SearchStop>,
     /// The number of parts of the input: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Remarks on what was read, dropped, changed or unusual, and on a search that was stopped, in
-    /// words.
+    /// Human-readable notes on what was read, dropped, changed or unusual, and on a search that was
+    /// stopped.
     pub notes: Vec<String>,
 }
 
@@ -132,8 +132,8 @@ pub struct File {
 /// not applied.
 ///
 /// # Errors
-/// There are too many vertices, an option has an invalid value, the strips are not proven, or the
-/// observer cancelled.
+/// There are too many vertices, an option has an invalid value, the strips fail verification, or
+/// the observer cancelled the operation.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -226,8 +226,8 @@ fn encoded(model: &TlodModel) -> Result<Vec<u8>, Error> {
     Ok(bytes)
 }
 
-/// Proves that strips draw exactly the triangles of a view, with their winding. Returns the number
-/// of triangles.
+/// Verifies that strips draw exactly the triangles of a view, with their winding. Returns the
+/// number of triangles.
 ///
 /// # Errors
 /// [`Error::Unproven`]: they do not.

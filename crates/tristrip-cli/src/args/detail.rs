@@ -74,7 +74,7 @@ pub(crate) struct SimplifyArgs {
 ///
 /// Build strips once, for the full mesh. Half-edge collapses, cheapest first, reduce the full mesh
 /// to a base mesh and rename vertices in the strips. Level 0 is the base mesh and the highest level
-/// the full mesh; each level adds one vertex. The result is proven to draw exactly the triangles
+/// the full mesh; each level adds one vertex. The result is verified to draw exactly the triangles
 /// that remain after the collapses. Without -o, print a report and write no file. `tristrip help
 /// levels` explains levels, filters and models.
 #[derive(Debug, Args)]
@@ -163,7 +163,7 @@ pub(crate) struct LevelArgs {
 /// Write a view-dependent level of detail for one camera
 ///
 /// Detail is reduced far from the camera, outside the frustum and on back faces. The view is drawn
-/// with the strips of the full mesh (Skip Strips), and the result is proven. Without -o, print a
+/// with the strips of the full mesh (Skip Strips), and the result is verified. Without -o, print a
 /// report and write no file. `tristrip help levels` explains the details.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
@@ -247,9 +247,9 @@ pub(crate) struct ChainArgs {
 /// Build strips for the full mesh, and a merge tree of half-edge collapses. At run time, a renderer
 /// applies every collapse whose image-space error is small enough; it does not rebuild strips (Skip
 /// Strips). The file contains the mesh with all attributes, the strips and the collapses. The
-/// strips are proven to draw exactly the faces of the mesh, and the file is read back and compared.
-/// Polygons are triangulated. The parts of a file become one mesh, without node transformations.
-/// Attributes that some parts lack are dropped, and a note reports them.
+/// strips are verified to draw exactly the faces of the mesh, and the file is read back and
+/// compared. Polygons are triangulated. The parts of a file become one mesh, without node
+/// transformations. Attributes that some parts lack are dropped, and a note reports them.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip build-lod bunny.ply -o bunny.tlod

@@ -16,7 +16,7 @@ use crate::values::VectorArg;
 /// other subcommands need the complete file. Positions and attributes are rounded to a grid;
 /// triangles and their winding are unchanged. Nodes, materials, textures, skins and animations are
 /// kept. Parts with morph targets, and parts that a stream would not make smaller, are stored in
-/// full. The file is read back and proven.
+/// full. The file is read back and verified.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip pack bunny.ply -o bunny.glb

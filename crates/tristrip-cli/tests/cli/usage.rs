@@ -163,7 +163,7 @@ fn help_has_a_short_and_a_long_form() {
         .arg("--help")
         .assert()
         .success()
-        .stdout(contains("Exit codes: 0 success, all results proven; "));
+        .stdout(contains("Exit codes: 0 success, all results verified; "));
     tristrip()
         .arg("--version")
         .assert()

@@ -1,8 +1,8 @@
 //! Files of a chain: one scene with all levels, or one file per level. Parts are drawn as strips or
-//! cache-ordered lists, and the bytes are proven.
+//! cache-ordered lists, and the bytes are verified.
 //!
-//! The proof reads the bytes back. For each level it compares the drawn meshes, by the bits of
-//! their positions, with the triangles that the collapses of the source leave.
+//! Verification reads the bytes back. For each level, it compares the drawn meshes with the
+//! triangles that remain after the collapses of the source. Positions are compared by their bits.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -32,12 +32,12 @@ pub struct File {
 
 impl Chain {
     /// Encodes all levels as one GLB. The nodes of a mesh refer to their lower levels by
-    /// `MSFT_lod`. If requested, the bytes are proven level by level. `model` must be the model
+    /// `MSFT_lod`. If requested, the bytes are verified level by level. `model` must be the model
     /// that the chain was built from.
     ///
     /// # Errors
-    /// The format is not GLB, the scene already has levels of detail, the bytes are not proven, or
-    /// the observer cancelled.
+    /// The format is not GLB, the scene already has levels of detail, the bytes fail verification,
+    /// or the observer cancelled the operation.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -81,12 +81,12 @@ impl Chain {
         Ok(File { encoded, level_bytes })
     }
 
-    /// Encodes one level as a file of its own, over the vertices that it uses, and proves the bytes
-    /// if requested. `model` must be the model that the chain was built from.
+    /// Encodes one level as a file of its own, over the vertices that it uses, and verifies the
+    /// bytes if requested. `model` must be the model that the chain was built from.
     ///
     /// # Errors
-    /// The level does not exist, the format cannot store it, the bytes are not proven, or the
-    /// observer cancelled.
+    /// The level does not exist, the format cannot store it, the bytes fail verification, or the
+    /// observer cancelled the operation.
     ///
     /// ```
     /// use tristrip_io::{Format, read};
@@ -134,8 +134,8 @@ impl Chain {
         Err(tristrip_io::Error::Unsupported(message).into())
     }
 
-    /// Builds strips, or a cache-ordered triangle list, and encodes the model. The bytes are not
-    /// proven here.
+    /// Builds strips, or a cache-ordered triangle list, and encodes the model. The bytes are
+    /// not verified here.
     fn strip_and_encode(
         &self,
         model: &Model,
@@ -160,7 +160,8 @@ impl Chain {
         Ok(encoded)
     }
 
-    /// Reads a scene back. Returns the bytes that each level uses, and the number of proven faces.
+    /// Reads a scene back. Returns the bytes that each level uses, and the number of verified
+    /// faces.
     fn prove_scene(
         &self,
         model: &Model,
@@ -189,7 +190,7 @@ impl Chain {
         Ok((level_bytes, options.verify.then_some(faces)))
     }
 
-    /// Proves that meshes draw a level, and returns its number of triangles.
+    /// Verifies that meshes draw a level, and returns its number of triangles.
     fn prove_level(&self, model: &Model, level: usize, found: &[&Mesh]) -> Result<usize, Error> {
         let expected = model
             .parts

@@ -6,7 +6,7 @@ use tristrip::simplify::Price;
 use crate::goal::Ratio;
 
 /// Options for building levels of detail. By default the base mesh is as small as the surface
-/// allows, and everything is proven.
+/// allows, and everything is verified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
@@ -16,7 +16,7 @@ pub struct Options {
     pub base: Ratio,
     /// The cost function of collapses.
     pub price: Price,
-    /// Whether strips and levels are proven.
+    /// Whether strips and levels are verified.
     pub verify: bool,
 }
 
@@ -38,7 +38,7 @@ impl Options {
         /// Sets the cost function of collapses.
         with_price(price: Price);
 
-        /// Sets whether strips and levels are proven.
+        /// Sets whether strips and levels are verified.
         with_verify(verify: bool);
     }
 }

@@ -1,5 +1,5 @@
-//! A part at any level: its strips with renamed vertices, filtered, and the proof that they draw
-//! exactly the triangles of the level.
+//! A part at any level: renames vertices in its strips, filters the strips, and verifies that they
+//! draw exactly the triangles of the level.
 
 use std::sync::Arc;
 
@@ -132,10 +132,10 @@ impl LevelPart {
         Ok(self.outward_triangles(self.sequence.drawn(level)?))
     }
 
-    /// Proves that display strips draw exactly the triangles of a level.
+    /// Verifies that display strips draw exactly the triangles of a level.
     ///
     /// # Errors
-    /// The part does not have this level, or the strips are not proven ([`Error::Unproven`]).
+    /// The part does not have this level, or the strips fail verification ([`Error::Unproven`]).
     pub fn prove(&self, level: usize, display: &Strips) -> Result<(), Error> {
         self.check(level)?;
         let expected = Faces::from_triangles(self.sequence.drawn(level)?.into_flattened())?;

@@ -36,7 +36,7 @@ pub struct DisplayedView {
     pub strips: Vec<Strips>,
     /// The metrics of the display strips.
     pub metrics: StripMetrics,
-    /// Whether the display strips are proven to draw exactly the triangles of the view.
+    /// Whether the display strips are verified to draw exactly the triangles of the view.
     pub proven: bool,
     /// Notes on parts that are drawn in full, and on gaps between parts.
     pub notes: Vec<String>,
@@ -44,7 +44,7 @@ pub struct DisplayedView {
     pub(super) triangles: Vec<Vec<u32>>,
 }
 
-/// Builds, measures and proves the display strips for the view of a camera; see
+/// Builds, measures and verifies the display strips for the view of a camera; see
 /// [`ModelLevels::view`](super::ModelLevels::view).
 pub(super) fn displayed(
     parts: &[LevelPart],
@@ -158,7 +158,7 @@ fn update_all(
     Ok(sum)
 }
 
-/// Proves that display strips draw exactly these triangles.
+/// Verifies that display strips draw exactly these triangles.
 fn prove(triangles: &[[u32; 3]], strips: &Strips) -> Result<(), Error> {
     let expected = Faces::from_triangles(triangles.as_flattened().to_vec())?;
     let drawn: Vec<[u32; 3]> = strips.triangles().collect();

@@ -11,11 +11,11 @@ use crate::observer::Observer;
 
 impl ModelLevels {
     /// Encodes a level as a file that draws its display strips over the vertices that they use, and
-    /// proves the bytes.
+    /// verifies the bytes.
     ///
     /// # Errors
-    /// The level belongs to another model, the format cannot store it, the bytes are not proven, or
-    /// the observer cancelled.
+    /// The level belongs to another model, the format cannot store it, the bytes fail verification,
+    /// or the observer cancelled the operation.
     pub fn encode(
         &self,
         model: &Model,
@@ -31,8 +31,8 @@ impl ModelLevels {
     /// Encodes a view of the model like [`ModelLevels::encode`].
     ///
     /// # Errors
-    /// The view belongs to another model, the format cannot store it, the bytes are not proven, or
-    /// the observer cancelled.
+    /// The view belongs to another model, the format cannot store it, the bytes fail verification,
+    /// or the observer cancelled the operation.
     pub fn encode_view(
         &self,
         model: &Model,
