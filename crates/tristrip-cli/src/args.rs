@@ -179,7 +179,7 @@ pub(crate) struct CompareArgs {
     /// Print Markdown tables
     #[arg(long)]
     pub(crate) markdown: bool,
-    /// Set the seed of methods that break ties at random
+    /// Set the random seed for methods that break ties at random
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
     #[command(flatten)]
@@ -188,10 +188,10 @@ pub(crate) struct CompareArgs {
 
 /// Compute lower bounds on strips, vertices and indices
 ///
-/// No set of strips on the dual graph is below these bounds. The report names the method that found
-/// each bound. Where more than two faces share an edge, the bounds assume the pairs of faces that
-/// the dual graph joins. For polygons, the bounds hold for every triangulation. For triangles, they
-/// are tighter.
+/// No strips on the dual graph can be below these bounds. The report names the method that found
+/// each bound. If more than two faces share an edge, the dual graph joins them in pairs, and strips
+/// cross the edge only within a pair. For a mesh with polygons, the bounds hold for every
+/// triangulation. They are tighter for a mesh of triangles.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip bound bunny.ply")]
@@ -206,8 +206,9 @@ pub(crate) struct BoundArgs {
 ///
 /// Count triangles, strips, indices, restarts and degenerate triangles as stored in the file, and
 /// simulate vertex caches. No strips are built; polygons count as triangle fans. A cache miss is a
-/// vertex that must be transformed. ACMR is the number of misses per triangle, ATVR per used
-/// vertex. Each part of a file (a material in OBJ, a primitive in glTF) starts with an empty cache.
+/// vertex that must be transformed. ACMR is the number of misses per triangle. ATVR is the number
+/// of misses per used vertex. Each part of a file (a material in OBJ, a primitive in glTF) starts
+/// with an empty cache.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip analyze bunny.ply bunny.glb              before and after
@@ -225,10 +226,10 @@ pub(crate) struct AnalyzeArgs {
     /// Flush the vertex cache between strips, as if each strip had its own draw call
     #[arg(long)]
     pub(crate) flush: bool,
-    /// Plot misses against cache size and a histogram of strip lengths to an SVG file
+    /// Write an SVG plot of misses by cache size, and a histogram of strip lengths
     ///
-    /// The curves show the vertex caches of --vertex-caches, or caches of 2 to 64 entries. This
-    /// option takes up to three inputs.
+    /// The curves show the caches given by --vertex-caches, by default caches of 2 to 64 entries.
+    /// This option takes up to three inputs.
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
 }
@@ -236,9 +237,10 @@ pub(crate) struct AnalyzeArgs {
 /// Verify that one file draws exactly the faces of another
 ///
 /// The files can come from any program and can have different formats. Triangle lists, strips,
-/// fans, degenerate triangles and restarts are supported, and one primitive per strip. Vertices are
-/// compared by the exact bits of their positions, so their order may differ. Other attributes are
-/// not compared. Scenes are compared mesh by mesh, without node transformations.
+/// fans, degenerate triangles and restarts are supported. Strips can also be stored as separate
+/// primitives. Vertices are compared by the exact bits of their positions, so their order may
+/// differ. Other attributes are not compared. Scenes are compared mesh by mesh, without node
+/// transformations.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip verify bunny.ply bunny.glb")]
@@ -254,7 +256,8 @@ pub(crate) struct VerifyArgs {
 /// Convert between formats or strip layouts, without building new strips
 ///
 /// Without --layout, faces are written unchanged: polygons stay polygons if the format supports
-/// them, and strips stay strips. With --layout, all faces become strips in their stored order.
+/// them, and strips stay strips. With --layout, all faces are written as strips, in their stored
+/// order.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip convert in.obj -o out.ply
@@ -373,7 +376,8 @@ pub(crate) fn command_line() -> clap::Command {
         }
     });
     let groups = groups(&command);
-    let exit_codes = "Exit codes: 0 success, all results verified; 1 failed verification, input or output; 2 wrong usage.";
+    let exit_codes =
+        "Exit codes: 0 success, all results verified; 1 failed verification, input or output; 2 wrong usage.";
     let hint = "`tristrip COMMAND -h` lists the options of a command. `tristrip help COMMAND` explains them.";
     command
         .after_help(format!("{groups}\n{hint}"))

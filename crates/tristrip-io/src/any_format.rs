@@ -96,8 +96,8 @@ fn read_other(bytes: &[u8], format: Format) -> Result<Model, Error> {
 ///   primitive per part, one material per name.
 ///
 /// # Errors
-/// The format cannot be written, there is not one drawing per part, a strip uses a vertex that its
-/// part does not have, or the number of vertices exceeds 32-bit ids.
+/// The format cannot be written, the number of drawings differs from the number of parts, a strip
+/// uses a vertex that its part does not have, or the number of vertices exceeds 32-bit ids.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read, write};
@@ -200,8 +200,9 @@ pub fn plain_materials(model: &Model) -> Result<(Vec<Option<PlainMaterial>>, Vec
     Ok((materials, notes))
 }
 
-/// Lists the data of a model that a format cannot store, including the scene, with counts. There is
-/// one drawing per part. The writers of OBJ and PLY add the same lines to the file as comments.
+/// Lists the data of a model that a format cannot store, including the scene, with counts.
+/// `drawings` has one entry per part. The writers of OBJ and PLY add the same lines to the file as
+/// comments.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, losses, read};

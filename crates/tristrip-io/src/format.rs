@@ -73,7 +73,8 @@ impl Format {
         Self::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()))
     }
 
-    /// Detects the format from the file's content. Without a known signature, it is OBJ.
+    /// Detects the format from the file's content. Content without a known signature is treated as
+    /// OBJ.
     ///
     /// ```
     /// use tristrip_io::Format;

@@ -109,7 +109,7 @@ impl Materials {
         image_size(&self.image(self.get(material)?.images[0].as_deref()?)?.bytes)
     }
 
-    /// Adds a material. Returns false if there is a different one with this name.
+    /// Adds a material. Returns `false` if a different material has this name.
     ///
     /// ```
     /// use tristrip_io::{Materials, PlainMaterial};

@@ -1,5 +1,5 @@
-//! Files by path: read at once, and written to a temporary file that is then renamed. A failed
-//! write leaves the old file unchanged.
+//! Reads and writes files by path. A file is written under a temporary name and then renamed, so a
+//! failed write leaves the old file unchanged.
 
 use std::collections::HashSet;
 use std::fs;

@@ -1,4 +1,4 @@
-//! `.tlod`: a view-dependent level-of-detail model in one file: a mesh, its strips and its
+//! `.tlod`: a view-dependent level-of-detail model in one file, with a mesh, its strips and its
 //! collapses.
 //!
 //! The file contains the input of [`SkipStrips::new`](tristrip::lod::SkipStrips::new). All numbers

@@ -11,11 +11,11 @@
 //!    share a border are simplified together. The collapses of all parts are merged into one order,
 //!    by cost. A level is the first point in this order with at most the requested number of
 //!    triangles. Each level is therefore a simplification of the next finer one.
-//! 2. Vertices are numbered in reverse order of removal: first those of the coarsest level, then
-//!    each vertex that a collapse removed, last collapse first. A level, and any point between two
-//!    levels, uses a prefix of the vertices. A program can load a coarse level first and append
-//!    vertices to its buffer. The vertices of coarse levels are spread over the surface, and their
-//!    memory order has no locality.
+//! 2. Vertices are numbered in reverse order of removal. The vertices of the coarsest level come
+//!    first, followed by the removed vertices, the last removed first. A level, and any point
+//!    between two levels, uses a prefix of the vertices. A program can load a coarse level first
+//!    and append vertices to its buffer. The vertices of coarse levels are spread over the surface,
+//!    and their memory order has no locality.
 //! 3. Each level gets its own strips or triangle list. Vertices keep their normals in all levels,
 //!    because a repaired normal would need a new vertex.
 //!
@@ -124,8 +124,9 @@ pub struct ChainLevel {
     pub surface_error: f32,
     /// `surface_error` in percent of `diagonal`.
     pub surface_error_percent: f64,
-    /// The level is drawn down to this ratio of the screen area covered by the bounding sphere of
-    /// the model. Each node of a glTF file has the ratio of its own mesh in `MSFT_screencoverage`.
+    /// The minimum screen coverage at which the level is drawn: the fraction of the screen area
+    /// that the bounding sphere of the model covers. In a glTF file, `MSFT_screencoverage` of each
+    /// node has the coverage for its own mesh.
     pub screen_coverage: f64,
     /// Whether there are at most `target_triangles` triangles.
     pub reached: bool,
@@ -185,7 +186,7 @@ pub struct Outcome {
     pub locked_vertices: usize,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// The levels that were not reached, what prevented it, and what to try, in words; `None` if
+    /// A warning that names the levels that were not reached, the cause, and what to try; `None` if
     /// all were reached.
     pub warning: Option<String>,
     /// Human-readable notes on what was read, dropped or changed, on locked vertices, and on

@@ -74,7 +74,7 @@ pub struct Outcome {
     pub parts: usize,
     /// Human-readable notes on what was read, dropped, changed or unusual.
     pub notes: Vec<String>,
-    /// An entry per method. If an interrupt stopped a search, its entry is the last one.
+    /// One entry per method. If a search was interrupted, its entry is the last one.
     pub methods: Vec<Row>,
 }
 

@@ -16,8 +16,8 @@ use crate::prepared::PreparedModel;
 pub struct Options {
     /// The format of the file.
     pub format: Format,
-    /// The layout of all parts as strips in their stored order; `None` to keep faces as faces and
-    /// strips as strips.
+    /// The layout in which all parts are written as strips, in their stored order; `None` keeps
+    /// faces as faces and strips as strips.
     pub layout: Option<Layout>,
     /// Whether the bytes are read back and verified.
     pub verify: bool,
@@ -56,7 +56,7 @@ pub struct Outcome {
     pub proven: bool,
     /// The number of faces of the input.
     pub faces: usize,
-    /// The number of its triangles: k − 2 per face of k corners.
+    /// The number of triangles of the input: k − 2 per face of k corners.
     pub triangles: usize,
     /// The number of strips; `None` if the file has only faces.
     pub strips: Option<usize>,

@@ -35,8 +35,9 @@ pub struct Options {
 }
 
 impl Options {
-    /// Creates options for a format: the layout that every reader of the format supports, or a list
-    /// per part if that takes fewer indices. Bytes are verified, and vertices keep their order.
+    /// Creates options for a format. Parts are written in the layout that every reader of the
+    /// format supports, or as lists where these take fewer indices. Bytes are verified, and
+    /// vertices keep their order.
     pub fn new(format: Format) -> Self {
         Self { format, layout: default_layout(format), list: true, reorder: false, pack: None, verify: true }
     }

@@ -97,11 +97,11 @@ pub struct MeshProperties {
     pub triangles: usize,
     /// The number of connected components of the dual graph.
     pub components: usize,
-    /// The number of edges of one face.
+    /// The number of edges with exactly one face.
     pub boundary_edges: usize,
-    /// The number of edges of more than two faces.
+    /// The number of edges with more than two faces.
     pub non_manifold_edges: usize,
-    /// The number of edges of two faces with opposite winding.
+    /// The number of edges between two faces with opposite winding.
     pub inconsistent_edges: usize,
     /// The number of faces that share no edge with another face.
     pub isolated_faces: usize,
@@ -114,8 +114,8 @@ pub struct MeshProperties {
     pub unreferenced_vertices: usize,
     /// The number of non-convex polygons that were triangulated before stripification.
     pub cut_polygons: usize,
-    /// The number of `cut_polygons` that were cut into fans: ear clipping found no triangulation of
-    /// all corners, there were more than 4096 corners, or there were too many such polygons.
+    /// The number of `cut_polygons` that were cut into fans, because ear clipping failed, the
+    /// polygon has more than 4096 corners, or there are too many such polygons.
     pub fanned_polygons: usize,
     /// The number of vertices in use that were replaced by an equal vertex.
     pub welded_vertices: usize,

@@ -1,5 +1,5 @@
-//! Files of results: reads what a result needs from the directory of its source, and writes the
-//! result with its companion files.
+//! Reads the companion files of a source, such as materials and images, and writes results with
+//! their companion files.
 //!
 //! ```text
 //! source ─ materials of an OBJ, images of a .gltf ─▶ model ─▶ … ─▶ encoded ─┬▶ one file
@@ -43,7 +43,7 @@ pub struct WrittenFiles {
     pub bytes: usize,
     /// The material libraries and images that were written for an OBJ.
     pub beside: Vec<PathBuf>,
-    /// A warning per file that was not replaced.
+    /// One warning per file that was not replaced.
     pub warnings: Vec<String>,
 }
 

@@ -34,14 +34,14 @@ pub struct Outcome {
     pub components: Vec<ComponentBits>,
     /// The chunks in the file, in their order.
     pub chunks: Vec<Chunk>,
-    /// What ends the stream too early: the end of the file, or damage.
+    /// Why the stream ends early: the file is truncated or damaged. `None` if it is complete.
     #[serde(skip)]
     pub problem: Option<String>,
-    /// Why the stream ends early, in words; empty if it is complete.
+    /// Notes that describe why the stream ends early; empty if it is complete.
     pub notes: Vec<String>,
 }
 
-/// The bits of a component of a stream, and those per vertex of the full meshes.
+/// The size of a component of a stream in bits, in total and per vertex of the full meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -64,9 +64,9 @@ pub struct ComponentBits {
 pub struct Chunk {
     /// The index of its mesh, from 0.
     pub mesh: usize,
-    /// The byte offset in the file of the end of the chunk.
+    /// The offset of the end of the chunk in the file, in bytes.
     pub end: usize,
-    /// The level after the chunk: the collapses undone so far, of all meshes together.
+    /// The level after the chunk: the number of collapses undone so far in all meshes.
     pub level: usize,
     /// The number of triangles of all meshes after the chunk.
     pub triangles: usize,

@@ -333,7 +333,7 @@ impl ModelLevels {
         self.displayed(level, of_parts, strips, observer)
     }
 
-    /// Draws a level with the strips that a level model has at this level.
+    /// Draws a level with the strips of a level model.
     ///
     /// # Errors
     /// The level does not exist, a part is too large for the model, the strips fail verification,
@@ -367,7 +367,8 @@ impl ModelLevels {
         self.displayed(level, of_parts, strips, observer)
     }
 
-    /// Returns cursors over level models of all parts, at the full mesh. The cursors move together.
+    /// Returns cursors over level models of all parts. They start at the full mesh and move
+    /// together.
     ///
     /// # Errors
     /// A part is too large for this kind of model.
@@ -383,8 +384,8 @@ impl ModelLevels {
         self.cursor_of(|strips, sequence| kind.build(strips, sequence))
     }
 
-    /// Returns cursors, at the full mesh, over level models that `build` creates from the strips
-    /// and collapses of each part.
+    /// Returns cursors over level models that `build` creates from the strips and collapses of each
+    /// part. They start at the full mesh.
     ///
     /// # Errors
     /// `build` fails.

@@ -1,8 +1,7 @@
-//! Progress and cancellation while a model is processed. Results are in the outcome of each
-//! operation.
+//! Progress and cancellation while a model is processed.
 //!
 //! The pipeline does not read the clock. A caller that reports times measures them itself: a stage
-//! ends when the next one starts, or with the operation.
+//! ends when the next one starts or the operation returns.
 
 use std::fmt;
 
@@ -156,18 +155,18 @@ pub trait Observer: Sync {
     /// Called when a stage starts, on the thread that called the pipeline.
     fn stage(&self, _stage: Stage) {}
 
-    /// Returns a watch for the searches that start now. The options are those of their method.
+    /// Returns a watch for searches with these options. Called before the searches start.
     fn search(&self, _options: &StripifyOptions) -> Box<dyn Search + '_> {
         Box::new(())
     }
 
     /// Receives the progress of [`Stage::Simplify`], from any thread, about every 1/16 of the
-    /// triangles. Return `false` to stop with the collapses so far.
+    /// triangles. Return `false` to stop and keep the collapses so far.
     ///
-    /// The result is then a valid simplification, without the stages that have not started. This
-    /// method is called again before and during the fit, and before the comparison. If the observer
-    /// also cancels, the operation returns [`Error::Cancelled`] instead. Levels and chains return
-    /// this error whenever they are stopped, because they need all collapses.
+    /// The result is then a valid simplification, but stages that have not started are skipped.
+    /// This method is called again before and during the fit, and before the comparison. If the
+    /// observer also cancels, the operation returns [`Error::Cancelled`] instead. Levels and chains
+    /// return this error whenever they are stopped, because they need all collapses.
     ///
     /// ```
     /// use tristrip_io::{Format, read};

@@ -11,20 +11,20 @@
 //! 1. A model that is not glTF gets a scene in memory. A scene keeps everything else: nodes,
 //!    materials, textures, skins and animations.
 //! 2. Parts with the same node transforms and the same attributes form a group. A group is one mesh
-//!    of the stream, and each vertex has the index of its part. The borders between these parts are
-//!    then seams, which open at no level. Vertices that touch another group, or an unrefined part,
-//!    stay in the base mesh with all bits of their positions.
+//!    of the stream, and each vertex has the index of its part. Borders between these parts are
+//!    then seams, and stay closed at every level. Vertices that touch another group, or an
+//!    unrefined part, stay in the base mesh with all bits of their positions.
 //! 3. Parts with morph targets or unread attributes are not refined. Neither are the parts of a
 //!    group whose stream would not make the file smaller.
 //! 4. Errors are weighted uniformly, or by their apparent size from a viewpoint
 //!    ([`Options::with_eye`]). Distant and back-facing parts are then refined later.
 //! 5. The base mesh of the stream is drawn before the first chunk. If it is large compared with the
 //!    chunks, a separate simplification is drawn instead.
-//! 6. Chunks of several meshes are interleaved. The next chunk is always one of the mesh with the
+//! 6. Chunks of several meshes are interleaved. The next chunk always belongs to the mesh with the
 //!    largest error in the scene.
 //!
 //! # Complexity
-//! That of `tristrip::stream::encode` for each group.
+//! One run of `tristrip::stream::encode` per group.
 
 mod eye;
 mod group;
@@ -67,8 +67,8 @@ const MAX_BY_DISTANCE: usize = 200_000;
 pub struct Options {
     /// How meshes are encoded.
     pub stream: StreamOptions,
-    /// The viewpoint for weighting errors, in scene coordinates: by distance, and by half on back
-    /// faces. `None` for uniform weights.
+    /// The viewpoint for weighting errors, in scene coordinates. Errors are divided by the
+    /// distance, and halved on back faces. `None` for uniform weights.
     pub eye: Option<[f32; 3]>,
     /// Whether the bytes are read back and verified.
     pub verify: bool,
@@ -102,7 +102,8 @@ pub struct Outcome {
     #[serde(skip)]
     pub bytes: Vec<u8>,
     /// Whether the file, read back, has exactly the triangles of the model, at positions rounded to
-    /// the grid: their number in Rust, `true` in reports. `None` if verification was disabled.
+    /// the grid; `None` if verification was disabled. Reports have `true`, Rust has the number of
+    /// triangles.
     #[serde(serialize_with = "is_some_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: Option<usize>,
@@ -116,8 +117,8 @@ pub struct Outcome {
     pub vertices: usize,
     /// The number of triangles of the full model.
     pub triangles: usize,
-    /// The number of triangles that are drawn before the first chunk: those of coarse meshes, and
-    /// of parts that are not refined.
+    /// The number of triangles that are drawn before the first chunk: in coarse meshes, and in
+    /// parts that are not refined.
     pub base_triangles: usize,
     /// The size of the file in bytes.
     #[serde(rename = "bytes")]
@@ -127,7 +128,7 @@ pub struct Outcome {
     /// The size of the file in bits, including textures, divided by `vertices`; `None` if there are
     /// no vertices.
     pub bits_per_vertex: Option<f64>,
-    /// The maximum distance of a position from that of the input, in the units of the scene.
+    /// The maximum distance between a position and its original, in the units of the scene.
     pub position_error: f64,
     /// Human-readable notes on what was read, on parts that are not refined, and on what was
     /// dropped or cannot be stored.

@@ -2,7 +2,7 @@
 //!
 //! Parts that the same nodes place, such as the primitives of one glTF mesh, share a list of
 //! transforms. They can be compared in their own coordinates. All parts of a file without nodes
-//! have the identity transform. A part that no node shows also has it.
+//! have the identity transform, and so do parts that no node shows.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -17,8 +17,7 @@ use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::parts::{PreparedPart, map, meshes};
 use crate::places::Places;
 
-/// The prepared parts of a model, in their order. Its memory is that of the prepared faces and the
-/// dual graphs.
+/// The prepared parts of a model, in their order. Memory: the prepared faces and the dual graphs.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions};

@@ -100,9 +100,8 @@ impl Options {
         /// surfaces, this reduces the mean distance by a third or more. The moved vertices are no
         /// longer vertices of the source, so levels of detail cannot share them.
         ///
-        /// Some vertices do not move: those at borders, those that touch parts placed by other
-        /// nodes, and those of parts whose positions a GLB cannot change. A note names the reasons
-        /// for the latter.
+        /// Vertices do not move at borders, where they touch parts placed by other nodes, and in
+        /// parts whose positions a GLB cannot change. A note gives the reasons for such parts.
         ///
         /// ```
         /// use tristrip_io::{Format, read};
@@ -139,7 +138,7 @@ pub struct Outcome {
     #[serde(serialize_with = "true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
-    /// The collapses, and how they ended.
+    /// The results of the collapses.
     #[serde(flatten)]
     pub collapses: Collapses,
     /// The number of vertices in use in the input.
@@ -147,18 +146,19 @@ pub struct Outcome {
     /// The number of vertices in use in the result.
     pub vertices_after: usize,
     /// The number of positions that were moved closer to the original surface; only if a fit was
-    /// requested. A position of several vertices or parts counts once.
+    /// requested. A position that several vertices or parts share counts once.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moved_positions: Option<usize>,
     /// The distance of the surface from the original; `None` if it was not measured.
     #[serde(flatten, serialize_with = "deviations_or_nulls")]
     #[cfg_attr(feature = "schema", schemars(schema_with = "deviations_schema"))]
     pub deviations: Option<Deviations>,
-    /// The number of parts by what happened to their normals; parts without normals do not count.
+    /// The number of parts per treatment of their normals, without parts that have no normals.
     pub normals: PartNormals,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Why the goal was not reached, and what to try, in words; `None` if it was reached.
+    /// A warning that explains why the goal was not reached, and what to try; `None` if it was
+    /// reached.
     pub warning: Option<String>,
     /// Human-readable notes on what was read, dropped, changed or unusual, on locked vertices, and
     /// on an interruption.
@@ -194,8 +194,8 @@ pub struct Deviations {
     /// `rms_deviation` in percent of `diagonal`.
     pub rms_deviation_percent: f64,
     /// The root mean square of the angles between the normals at a point and at the nearest point
-    /// of the result. The normals are those of the vertices, interpolated, or those of the
-    /// triangles where vertices have none.
+    /// of the result. Vertex normals are interpolated; a triangle without vertex normals has its
+    /// face normal.
     pub normal_deviation_degrees: f64,
     /// The root mean square of the distances between texture coordinates (`TEXCOORD_0`), in percent
     /// of the size of the texture; `None` if there are none.
@@ -290,7 +290,7 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
 /// with the result of another program.
 ///
 /// # Errors
-/// `triangles` does not have one number per part, or [`run`] would fail.
+/// The length of `triangles` differs from the number of parts, or [`run`] would fail.
 ///
 /// ```
 /// use tristrip_io::{Format, read};

@@ -86,13 +86,13 @@ pub struct Outcome {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct File {
-    /// The bytes of the file. Its notes begin with those on parts that are not drawn as the strips
-    /// of the method.
+    /// The bytes of the file. Its first notes report parts that are not drawn with the strips of
+    /// the method.
     #[serde(skip)]
     pub encoded: encode::Outcome,
     /// The number of parts per kind of drawing.
     pub drawn: DrawnParts,
-    /// The source as it was read. The caller knows its size.
+    /// The cost of the source as it was read. The caller sets its size.
     pub before: FileCost,
     /// The file.
     pub after: FileCost,

@@ -52,8 +52,8 @@ pub struct SurfaceChange {
     pub largest: f64,
     /// The root mean square of the distances in both directions.
     pub rms: f64,
-    /// The root mean square of the angles between normals, in degrees. The normals are those of the
-    /// vertices, or of the triangles if vertices have none.
+    /// The root mean square of the angles between normals, in degrees. Vertex normals are
+    /// interpolated; a triangle without vertex normals has its face normal.
     pub normal_degrees: f64,
     /// The root mean square of the distances between texture coordinates (`TEXCOORD_0`), relative
     /// to the size of the texture; `None` if there are none.

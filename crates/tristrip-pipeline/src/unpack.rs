@@ -7,7 +7,7 @@
 //! chunks.
 //!
 //! # Complexity
-//! That of the decoder for the chunks up to the goal.
+//! Decodes the chunks up to the goal.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -87,7 +87,7 @@ pub struct Outcome {
     /// Whether the file is truncated or damaged before the requested level. The level is then the
     /// last one before that point, and a note gives the reason.
     pub ended_early: bool,
-    /// Why it ended: the end of the file, or damage.
+    /// Why the stream ended early: the file is truncated or damaged. `None` if it did not.
     #[serde(skip)]
     pub problem: Option<String>,
     /// Remarks of the reader, and why the stream ended before the requested level, in words.

@@ -120,8 +120,7 @@ pub struct File {
     /// The bytes of the file.
     #[serde(skip)]
     pub bytes: Vec<u8>,
-    /// The height of the vertex tree: the maximum number of collapses below a vertex, each of which
-    /// needs the one before.
+    /// The height of the vertex tree: the length of its longest chain of dependent collapses.
     pub height: u32,
     /// The size of the file in bytes.
     #[serde(rename = "bytes")]
@@ -230,7 +229,7 @@ fn encoded(model: &TlodModel) -> Result<Vec<u8>, Error> {
 /// number of triangles.
 ///
 /// # Errors
-/// [`Error::Unproven`]: they do not.
+/// [`Error::Unproven`]: the strips draw other triangles.
 ///
 /// ```
 /// use std::sync::Arc;

@@ -10,8 +10,8 @@
 //! # Algorithm
 //! 1. A camera projects the vertices. For strips, the projection is parallel and scaled to fill the
 //!    image. For textured models, it is perspective, fitted to the eight corners of the bounding
-//!    box. Alternatively, the camera of a level-of-detail view is used; geometry behind it is
-//!    clipped.
+//!    box. The functions that end in `_seen` use the camera of a level-of-detail view instead;
+//!    geometry behind it is clipped.
 //! 2. A corner has the normal of the file, or the mean normal of the triangles at its position,
 //!    unless the surface has a crease there.
 //! 3. Each strip gets a palette colour that differs from those of its neighbours. A textured model

@@ -1,10 +1,10 @@
-//! Rate-distortion charts of streams: the error of the levels by the bytes read.
+//! Rate-distortion charts of streams: error against bytes read.
 
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
 
-/// Draws the error after each chunk by the end of the chunk in the file, for each named file.
-/// Errors of 0 are omitted.
+/// Draws one curve per named file: the error after each chunk, against the offset of the chunk's
+/// end in the file. Errors of 0 are omitted.
 ///
 /// # Errors
 /// The drawing library fails. No known input causes this.

@@ -1,5 +1,5 @@
 //! The activity of a connection: the number of its requests and responses, and the time of its last
-//! progress. The server uses it to find and close connections that only occupy resources.
+//! progress. The server uses it to find and close stalled and idle connections.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

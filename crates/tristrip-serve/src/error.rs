@@ -34,9 +34,9 @@ pub enum Error {
     Parameter {
         /// The name of the option.
         name: &'static str,
-        /// The value that was found.
+        /// The invalid value.
         found: String,
-        /// The values that are expected.
+        /// The expected values.
         expected: &'static str,
     },
     /// The operating system does not provide threads, timers or signal handlers.

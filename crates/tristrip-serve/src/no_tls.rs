@@ -1,4 +1,4 @@
-//! Replaces the module `tls` if the feature `tls` is off. There is never a certificate.
+//! Replaces the module `tls` if the feature `tls` is off. A server then has no certificate.
 
 use std::future::Ready;
 use std::io;

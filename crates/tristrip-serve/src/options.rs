@@ -230,9 +230,9 @@ pub struct Limits {
     pub header_bytes: usize,
     /// The maximum time to receive a request head, and the maximum time of the TLS handshake.
     pub header_time: Duration,
-    /// The maximum time for which a client may read nothing of a response.
+    /// The maximum time in which a client may read nothing of a response.
     pub stall_time: Duration,
-    /// The maximum time for which a connection may have no request.
+    /// The maximum time that a connection may be idle.
     pub idle_time: Duration,
     /// The maximum time that running responses get when the server stops.
     pub grace_time: Duration,

@@ -73,10 +73,10 @@ pub(crate) struct SimplifyArgs {
 /// Write one level of detail with the strips of the full mesh
 ///
 /// Build strips once, for the full mesh. Half-edge collapses, cheapest first, reduce the full mesh
-/// to a base mesh and rename vertices in the strips. Level 0 is the base mesh and the highest level
-/// the full mesh; each level adds one vertex. The result is verified to draw exactly the triangles
-/// that remain after the collapses. Without -o, print a report and write no file. `tristrip help
-/// levels` explains levels, filters and models.
+/// to a base mesh and rename vertices in the strips. Level 0 is the base mesh, and the highest
+/// level is the full mesh. Each level adds one vertex. Verification checks that the result draws
+/// exactly the triangles that remain after the collapses. Without -o, print a report and write no
+/// file. `tristrip help levels` explains levels, filters and models.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip level bunny.ply --level 40% -o level.glb
@@ -145,13 +145,13 @@ pub(crate) struct LevelArgs {
     /// Set the cost of a collapse: distance, planes or quadric [default: distance]
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default(), hide_default_value = true, hide_possible_values = true, help_heading = "Level", hide_short_help = true)]
     pub(crate) price: Price,
-    /// Remove degenerate triangles by repair, linked, dtfs, stss or none [default: repair]
+    /// Set the display filter: repair, linked, dtfs, stss or none [default: repair]
     #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Level", hide_possible_values = true)]
     pub(crate) filter: Option<DisplayFilter>,
     /// Set the search effort of --filter repair, from 0 to 9 [default: 5]
     #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Level", hide_short_help = true)]
     pub(crate) filter_effort: Option<Effort>,
-    /// Draw the strips of a level model, not filtered strips; see `tristrip help levels`
+    /// Draw the strips of a level model instead of filtered strips; see `tristrip help levels`
     #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), hide_possible_values = true, value_name = "MODEL", help_heading = "Level", hide_short_help = true)]
     pub(crate) model: Option<ModelKind>,
     #[command(flatten)]
@@ -162,9 +162,9 @@ pub(crate) struct LevelArgs {
 
 /// Write a view-dependent level of detail for one camera
 ///
-/// Detail is reduced far from the camera, outside the frustum and on back faces. The view is drawn
-/// with the strips of the full mesh (Skip Strips), and the result is verified. Without -o, print a
-/// report and write no file. `tristrip help levels` explains the details.
+/// Detail is reduced far from the camera, outside the frustum and on back faces. The view reuses
+/// the strips of the full mesh (Skip Strips). The result is verified. Without -o, print a report
+/// and write no file. `tristrip help levels` explains the details.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip camera-level dragon.ply --eye 0,0,3 --look-at 0,0,0 --pixels 1.5 -o seen.glb
@@ -179,7 +179,7 @@ pub(crate) struct CameraLevelArgs {
     /// Set the point that the camera looks at, in scene coordinates
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     pub(crate) look_at: VectorArg,
-    /// Set the direction that is up in the image [default: 0,1,0]
+    /// Set the up direction of the image [default: 0,1,0]
     #[arg(long, hide_short_help = true, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, default_value_t = VectorArg([0.0, 1.0, 0.0]), hide_default_value = true)]
     pub(crate) up: VectorArg,
     #[command(flatten)]
@@ -246,10 +246,11 @@ pub(crate) struct ChainArgs {
 ///
 /// Build strips for the full mesh, and a merge tree of half-edge collapses. At run time, a renderer
 /// applies every collapse whose image-space error is small enough; it does not rebuild strips (Skip
-/// Strips). The file contains the mesh with all attributes, the strips and the collapses. The
-/// strips are verified to draw exactly the faces of the mesh, and the file is read back and
-/// compared. Polygons are triangulated. The parts of a file become one mesh, without node
-/// transformations. Attributes that some parts lack are dropped, and a note reports them.
+/// Strips). The file contains the mesh with all attributes, the strips and the collapses.
+/// Verification checks that the strips draw exactly the faces of the mesh, and that the file
+/// contains the same model when it is read back. Polygons are triangulated. The parts of a file
+/// become one mesh, without node transformations. Attributes that some parts lack are dropped, and
+/// a note reports them.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip build-lod bunny.ply -o bunny.tlod
@@ -264,8 +265,8 @@ pub(crate) struct BuildLodArgs {
     /// Set the order in which collapses are chosen
     ///
     /// With quadric, each level takes independent collapses from the cheapest quarter, and feature
-    /// vertices come last. With shortest-edge, each level takes as many independent collapses as
-    /// possible.
+    /// vertices collapse last. With shortest-edge, each level takes as many independent collapses
+    /// as possible.
     #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Level")]
     pub(crate) order: MergeOrder,
     /// Write this .tlod file

@@ -24,9 +24,9 @@ macro_rules! examples {
 ///
 /// The gallery shows all models in the directory and its subdirectories. The viewer refines
 /// progressive models while they load. Only programs on this machine can connect unless --address
-/// is set. Files outside the directory and hidden files are never served. Ctrl-C stops the server
-/// once running responses have ended. `tristrip help server` explains addresses, packing, the cache
-/// and limits.
+/// is set. Files outside the directory and hidden files are never served. On Ctrl-C, the server
+/// completes the running responses and then stops. `tristrip help server` explains addresses,
+/// packing, the cache and limits.
 #[derive(Debug, Args)]
 #[cfg_attr(feature = "tls", command(after_long_help = concat!(examples!(), "
   tristrip serve models/ --address 0.0.0.0 --tls-certificate cert.pem --tls-key key.pem")))]
@@ -62,10 +62,10 @@ pub(crate) struct ListenArgs {
     /// Listen on this port; 0 for any free port
     #[arg(long, value_name = "PORT", default_value_t = 8080)]
     pub(crate) port: u16,
-    /// Also answer to this host name, such as behind a proxy; repeatable
+    /// Also accept requests for this host name, such as behind a proxy; repeatable
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<String>,
-    /// Allow pages from this origin, or *, to read the files; repeatable
+    /// Allow pages from this origin (* for any) to read the files; repeatable
     #[arg(long, value_name = "ORIGIN")]
     pub(crate) cors: Vec<String>,
     /// Serve HTTPS with this certificate chain, in PEM
@@ -125,7 +125,7 @@ pub(crate) struct LimitArgs {
     /// Answer 503 if a packed file or thumbnail takes longer than this
     #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "15s", value_parser = humantime::parse_duration)]
     pub(crate) wait_time: Duration,
-    /// Give running responses this long to end when the server stops
+    /// When the server stops, wait this long for running responses
     #[arg(long, hide_short_help = true, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
     pub(crate) grace_time: Duration,
 }

@@ -26,8 +26,7 @@ use crate::values::VectorArg;
 pub(crate) struct PackArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// Refine what looks largest from this scene position first, such as 0,0.1,0.5 [default:
-    /// uniform]
+    /// First refine the surface near this scene position, such as 0,0.1,0.5 [default: uniform]
     ///
     /// Errors are divided by the distance, and halved on back faces. The complete file still
     /// refines to the full mesh.
@@ -41,8 +40,8 @@ pub(crate) struct PackArgs {
     pub(crate) output: PathBuf,
     /// Store each coordinate in this many bits, 4 to 16 [default: 14]
     ///
-    /// The longest side of a mesh is divided into 2^BITS - 1 steps. Parts of the same nodes share a
-    /// grid, so no cracks open between them.
+    /// The longest side of a mesh is divided into 2^BITS - 1 steps. Parts placed by the same nodes
+    /// share a grid, so no cracks open between them.
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=16), help_heading = "Stream")]
     pub(crate) position_bits: Option<u32>,
     /// Skip verification
@@ -95,7 +94,7 @@ pub(crate) struct InspectArgs {
     /// Print one row per chunk
     #[arg(long)]
     pub(crate) chunks: bool,
-    /// Plot the error against the bytes received to an SVG file
+    /// Write an SVG plot of the error against the bytes received
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) plot: Option<PathBuf>,
 }

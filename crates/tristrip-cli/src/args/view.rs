@@ -33,7 +33,7 @@ pub(crate) struct CriteriaArgs {
     /// Set the direction to a light; faces turned away from it may have twice the error
     #[arg(long, hide_short_help = true, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) light: Option<VectorArg>,
-    /// Set the growth of the allowed error per degree from --attention, such as 0.2
+    /// Set how much the allowed error grows per degree from --attention, such as 0.2
     #[arg(long, hide_short_help = true, value_name = "GROWTH", allow_negative_numbers = true)]
     pub(crate) foveation: Option<f32>,
     /// Set the point of interest, in fractions of the image [default: 0.5,0.5]

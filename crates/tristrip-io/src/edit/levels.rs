@@ -48,7 +48,7 @@ pub struct LeveledModel {
     pub model: Model,
     /// The triangles per level and part, as vertex indices of the model.
     pub triangles: Vec<Vec<Vec<u32>>>,
-    /// The number of vertices per level and part that the level may use, from the first on.
+    /// The number of leading vertices that each level may use, per level and part.
     pub vertex_counts: Vec<Vec<usize>>,
     /// The groups of parts that share vertices, with their vertex orders.
     pub groups: Vec<VertexGroup>,
@@ -73,8 +73,8 @@ pub struct SceneLevels {
 /// each has one entry per part.
 ///
 /// # Errors
-/// There is no level, a level does not have one entry per part, a vertex does not exist, or the
-/// number of corners is not a multiple of three.
+/// `levels` is empty, the number of entries of a level differs from the number of parts, a vertex
+/// does not exist, or the number of corners is not a multiple of three.
 ///
 /// ```
 /// use tristrip_io::{Format, PartLevel, in_level_order, read};

@@ -30,7 +30,7 @@ pub struct Extended {
     pub first: Vec<Option<u32>>,
 }
 
-/// Returns for each part why its vertices cannot get such new values in a file of `format`, or
+/// Returns, for each part, why its vertices cannot have such new values in a file of `format`, or
 /// `None` if they can.
 ///
 /// # Errors
@@ -67,7 +67,7 @@ pub fn fixed_vertices(
 /// Adds vertices to parts of a model.
 ///
 /// # Errors
-/// - `added` does not have one entry per part.
+/// - The length of `added` differs from the number of parts.
 /// - A source is not a vertex of the part.
 /// - The number of normals, tangents or positions is neither 0 nor the number of sources.
 /// - [`fixed_vertices`] reports that a part cannot have these values.

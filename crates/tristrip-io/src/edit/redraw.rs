@@ -113,8 +113,8 @@ impl Redrawn {
 /// part uses if the file format allows it.
 ///
 /// # Errors
-/// There is not one list of triangles per part, a list uses a vertex that its part does not have,
-/// or the length of a list is not a multiple of three.
+/// The number of lists differs from the number of parts, a list uses a vertex that its part does
+/// not have, or the length of a list is not a multiple of three.
 ///
 /// ```
 /// use tristrip_io::{Format, read, with_triangles};
@@ -184,7 +184,7 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
 /// as a GLB. [`with_triangles`] can then remove the others.
 ///
 /// # Errors
-/// There is not one list of triangles per part.
+/// The number of lists differs from the number of parts.
 ///
 /// ```
 /// use tristrip_io::{Format, gltf, merge_equal_vertices};

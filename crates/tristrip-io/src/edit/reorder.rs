@@ -6,11 +6,11 @@
 //! ```
 //! # Algorithm
 //! 1. Parts that share vertices in the file form one group (`renumber.rs`).
-//! 2. The order of a group is that of the index buffers that the writer builds from its drawings.
-//!    In the degenerate layout, the strips are joined first, because the joins depend on the vertex
-//!    indices.
-//! 3. Positions, attributes, faces and strips are renumbered, in a scene also all other vertex
-//!    data. Parts that shared vertices still share them.
+//! 2. The vertices of a group are ordered by first use in the index buffers that the writer builds
+//!    from its drawings. In the degenerate layout, the strips are joined first, because the joins
+//!    depend on the vertex indices.
+//! 3. Positions, attributes, faces and strips are renumbered. In a scene, all other vertex data is
+//!    renumbered too. Parts that shared vertices still share them.
 //!
 //! # Complexity
 //! Linear time. Memory: a second copy of vertices and faces, plus 8 bytes per vertex.
@@ -65,8 +65,8 @@ impl Reordered {
 /// their order; [`VertexGroup::kept`] has the reason.
 ///
 /// # Errors
-/// There is not one drawing per part, the scene has a different number of parts, or a strip uses a
-/// vertex that its part does not have.
+/// The number of drawings or of parts of the scene differs from the number of parts of the model,
+/// or a strip uses a vertex that its part does not have.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read, reorder, write};

@@ -42,8 +42,8 @@ const ATTRIBUTE_FACTOR: u64 = 4;
 const NOT_GEOMETRY: [&str; 5] =
     ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_"];
 
-/// Reads a GLB or the JSON of a `.gltf` file. Buffers of the latter are data URIs or files inside
-/// `base_dir`.
+/// Reads a GLB or the JSON of a `.gltf` file. The buffers of a `.gltf` are data URIs or files
+/// inside `base_dir`.
 ///
 /// # Errors
 /// - The parts of the document that define geometry are not valid glTF 2.0.

@@ -1,5 +1,4 @@
-//! The content of a file: a mesh, its strips and its collapses, which are consistent with each
-//! other.
+//! The content of a file: a mesh with matching strips and collapses.
 
 use tristrip::text::counted;
 use tristrip::verify::verify;
@@ -23,7 +22,7 @@ pub struct TlodModel {
 impl TlodModel {
     /// Creates a model, and puts the triangles of the mesh and of the collapses in the order of the
     /// strips. Polygons become the triangles that the strips draw; degenerate triangles are
-    /// dropped. The strips lose the information whether their order was optimized.
+    /// dropped. The strips no longer record whether their order was optimized.
     ///
     /// # Errors
     /// The strips do not draw exactly the faces of the mesh or the triangles of the collapses, or

@@ -1,4 +1,4 @@
-//! Reads a file section by section; each is checked before its numbers are used.
+//! Reads a file section by section. Each section is checked before its numbers are used.
 
 use std::io::Read;
 

@@ -1,4 +1,4 @@
-//! Lists of vertex caches as typed: `fifo:16,lru:4..64`.
+//! Parses lists of vertex caches, such as `fifo:16,lru:4..64`.
 
 use std::collections::HashSet;
 

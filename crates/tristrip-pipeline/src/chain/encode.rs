@@ -81,7 +81,7 @@ impl Chain {
         Ok(File { encoded, level_bytes })
     }
 
-    /// Encodes one level as a file of its own, over the vertices that it uses, and verifies the
+    /// Encodes one level as a separate file with only the vertices that it uses, and verifies the
     /// bytes if requested. `model` must be the model that the chain was built from.
     ///
     /// # Errors

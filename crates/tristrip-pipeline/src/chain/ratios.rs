@@ -1,4 +1,4 @@
-//! The levels of a chain as text: `100%,50%,25%,10%`.
+//! Parses the levels of a chain, such as `100%,50%,25%,10%`.
 
 use std::fmt;
 use std::str::FromStr;

@@ -54,11 +54,12 @@ impl ModelCursor {
         Ok(Self { order, models, level, levels, moved: Vec::new(), cursors })
     }
 
-    /// Returns another cursor over the same level models, at the full mesh, for another instance or
-    /// view.
+    /// Returns another cursor over the same level models, for another instance or view. It starts
+    /// at the full mesh.
     ///
     /// # Errors
-    /// Cannot fail if this cursor was built.
+    /// Never fails for a valid cursor: its order and its level models were checked when it was
+    /// built.
     ///
     /// ```
     /// use tristrip::lod::ModelKind;

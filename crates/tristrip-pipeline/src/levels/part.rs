@@ -163,7 +163,8 @@ impl LevelPart {
         Ok(if is_full { model.full_view() } else { model.view_by(Filter::Linked) })
     }
 
-    /// Selects the positions of the vertices of the collapses from those of the part.
+    /// Returns the positions of the vertices that the collapses use, selected from the positions of
+    /// the part.
     ///
     /// # Errors
     /// The positions do not belong to the part.

@@ -1,9 +1,9 @@
-//! The view of a camera: each part is refined as Skip Strips refine it for this camera.
+//! The view of a camera: each part is refined for this camera with Skip Strips.
 //!
 //! The camera is in scene coordinates. If one node places a part without shear or uneven scale, the
 //! camera is transformed into the coordinates of the part. A part with several instances would need
-//! a separate refinement per instance. It is drawn in full, and so is a part that its node
-//! stretches. The parts share one triangle budget.
+//! a separate refinement per instance. Such a part is drawn in full. So is a part whose node shears
+//! it or scales it unevenly. The parts share one triangle budget.
 
 use tristrip::lod::{Camera, Hysteresis, SkipView, ViewCriteria};
 use tristrip::verify::verify_drawing;

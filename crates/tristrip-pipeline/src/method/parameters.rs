@@ -76,7 +76,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     },
     Parameter {
         name: "ties",
-        help: "Which of several equally good neighbours comes next.",
+        help: "How ties between equally good neighbours are broken.",
         values: named!(Ties),
         get: |options| match options.method {
             Method::StripeLocal { ties, .. } | Method::StripeGlobal { ties, .. } => Some(word(ties.name())),
@@ -95,7 +95,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     },
     Parameter {
         name: "last-tie",
-        help: "Which neighbour comes next where the look-ahead leaves several.",
+        help: "How ties that remain after the look-ahead are broken.",
         values: named!(LastTie),
         get: |options| match options.method {
             Method::Sgi { last_tie } => Some(word(last_tie.name())),
@@ -105,7 +105,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     },
     Parameter {
         name: "patches",
-        help: "How patches of quadrilaterals become strips.",
+        help: "How patches of quadrilaterals are divided into strips.",
         values: named!(Patches),
         get: |options| match options.method {
             Method::StripeGlobal { patches, .. } => Some(word(patches.name())),
@@ -138,8 +138,8 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     },
     Parameter {
         name: "cost",
-        help: "The cost to minimize. Strips with the minimum restart cost are nearly the cheapest for \
-               degenerate joins, too.",
+        help: "The cost to minimize. The minimum restart cost gives nearly the minimum cost with degenerate \
+               joins, too.",
         values: named!(Cost),
         get: |options| (options.method == Method::Best).then(|| word(options.cost.name())),
         set: |options, text| Ok(options.with_cost(text.parse()?)),
@@ -148,27 +148,27 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
         name: "vertex-cache",
         help: "The vertex cache to optimize for. Desktop GPUs behave like caches of 16 to 32 entries. The cache is \
                not flushed between strips.",
-        values: AcceptedValues::Other("fifo:N or lru:N, N entries"),
+        values: AcceptedValues::Other("fifo:N or lru:N with N entries"),
         get: |options| (options.method == Method::Cache).then(|| word(&options.vertex_cache)),
         set: |options, text| Ok(options.with_vertex_cache(text.parse()?)),
     },
     Parameter {
         name: "objective",
-        help: "What to favour where fewer indices cost more misses.",
+        help: "The trade-off between indices and cache misses.",
         values: named!(Objective),
         get: |options| (options.method == Method::Cache).then(|| word(options.objective.name())),
         set: |options, text| Ok(options.with_objective(text.parse()?)),
     },
     Parameter {
         name: "effort",
-        help: "The search effort; --effort is a shorthand for it. Effort is counted in steps, so the result is \
-               the same on every machine. On one core and 70,000 triangles, best takes about 0.01 s at effort \
-               1, 0.04 s at 2, 0.1 s at 3, 0.3 s at 4, 0.6 s at 5, 1.3 s at 6, 2.5 s at 7, 5 s at 8 and 10 s \
-               at 9. The time is proportional to the number of triangles above 8,000 triangles, and constant \
-               below. fewest stops when it meets its lower bound; otherwise each level doubles its time. cache \
-               takes a second per million triangles up to effort 2. From 3 on, it grows strips with several \
-               heuristics, and for fifo caches of up to 256 entries continues with a local search. With \
-               objective=indices it searches in the same way as best.",
+        help: "The search effort; --effort is a shorthand for it. Effort is counted in steps, so the result \
+               is the same on every machine. On one core and 70,000 triangles, best takes about 0.01 s at \
+               effort 1, 0.04 s at 2, 0.1 s at 3, 0.3 s at 4, 0.6 s at 5, 1.3 s at 6, 2.5 s at 7, 5 s at 8 \
+               and 10 s at 9. Above 8,000 triangles, the time is proportional to their number; below, it is \
+               constant. fewest stops when it meets its lower bound; otherwise each level doubles its time. \
+               cache takes a second per million triangles up to effort 2. From effort 3, it grows strips \
+               with several heuristics; for fifo caches of up to 256 entries, it continues with a local \
+               search. With objective=indices, it uses the search of best.",
         values: AcceptedValues::Other(EFFORT),
         get: |options| {
             let searches = matches!(options.method, Method::Best | Method::Fewest | Method::Cache);
@@ -198,7 +198,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     },
     Parameter {
         name: "threshold",
-        help: "The number of triangles that a search visits before it gives up.",
+        help: "The maximum number of triangles that a search visits.",
         values: AcceptedValues::Other(POSITIVE),
         get: |options| tunnels(options.method).map(|tunnels| number(tunnels.threshold)),
         set: |options, text| {
@@ -238,7 +238,8 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     },
     Parameter {
         name: "localization",
-        help: "How far identifiers are written during a search. The strips are the same; only the time differs.",
+        help: "How far identifiers are written during a search. All values give the same strips, but take \
+               different times.",
         values: named!(Localization),
         get: |options| match options.method {
             Method::Eta { localization, .. } => Some(word(localization.name())),
@@ -254,7 +255,7 @@ pub(crate) static PARAMETERS: [Parameter; 15] = [
     },
     Parameter {
         name: "seed",
-        help: "The seed of random choices.",
+        help: "The seed for the random number generator.",
         values: AcceptedValues::Other(NATURAL),
         get: |options| {
             let fixed = matches!(

@@ -9,9 +9,9 @@
 //!    · ╱     ╲  ·             ╱·     ·╲      each point pulls at its nearest triangle
 //! ```
 //! # Algorithm
-//! 1. Sample points on both surfaces with a seeded generator, about equally many per triangle of
-//!    the simplified surface. Each point represents an area (`points`). The vertices of both
-//!    surfaces are additional points without weight: they only measure the maximum distance.
+//! 1. Sample points on both surfaces with a seeded generator, with about the same number per
+//!    triangle of the simplified surface. Each point represents an area (`points`). The vertices of
+//!    both surfaces are additional points without weight: they only measure the maximum distance.
 //! 2. In each round, find the nearest point of the other surface for each point. The search walks
 //!    from triangle to neighbour as long as the distance falls (`surface`). It is wider for points
 //!    much farther away than most. For a point of the original, the first search starts at the
@@ -20,16 +20,15 @@
 //! 3. Move the positions by the solution of a linear least-squares problem (`equations`). It
 //!    minimizes the distances of the points from the planes of their nearest points. Distances
 //!    along the planes, and the moves themselves, have small weights that keep the problem regular.
-//! 4. Halve moves that would rotate a triangle too far, and drop them if that is not enough. Treat
-//!    moves at points beyond the maximum distance of the start in the same way.
+//! 4. Halve moves that would rotate a triangle too far, and drop them if that is not enough. Do the
+//!    same with moves at points whose distance exceeds the initial maximum.
 //! 5. Keep the positions with the minimum mean squared distance. The initial positions are among
 //!    the candidates.
 //!
 //! Parts that are simplified as one surface are fitted as one. All vertices at one position move
-//! together, and no cracks open between parts or at attribute seams. Some positions are fixed:
-//! those that touch parts placed by other nodes, those at borders and at edges of more than two
-//! triangles, and those of parts whose positions a file cannot change. Distances are in the
-//! coordinates of the parts.
+//! together, and no cracks open between parts or at attribute seams. Positions are fixed at
+//! borders, at edges of more than two triangles, where they touch parts placed by other nodes, and
+//! in parts whose positions a file cannot change. Distances are in the coordinates of the parts.
 //!
 //! # References
 //! Hoppe et al.: *Mesh Optimization*, 1993, section 4.1: optimal positions for fixed triangles.

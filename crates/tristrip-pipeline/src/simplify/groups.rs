@@ -12,9 +12,9 @@
 //!       └───────────────────▶ triangles dropped
 //! ```
 //! # Algorithm
-//! The cost of a collapse is the one by which a group orders its collapses, including attributes.
-//! It is converted to scene units at the largest scale of the group. The cost of a step of a group
-//! is the maximum so far.
+//! Within a group, collapses are ordered by a cost that includes attributes. It is converted to
+//! scene units at the largest scale of the group. The cost of a step of a group is the maximum so
+//! far.
 //! 1. In rounds, take the groups with the lowest costs that together have half of the triangles.
 //!    Each drops 1/16 of its triangles. Repeat until the total is low enough, or no collapse is
 //!    left.
@@ -27,8 +27,8 @@
 //! needs no rounds.
 //!
 //! # Complexity
-//! The simplification of each group, which does about 1/16 more work than needed. All groups are in
-//! memory at once, with 260 bytes per triangle.
+//! Simplifies each group, with about 1/16 more work than needed. All groups are in memory at once,
+//! with 260 bytes per triangle.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -66,8 +66,8 @@ pub struct CollapseRules {
     pub weights: AttributeWeights,
     /// The cost function of collapses.
     pub price: Price,
-    /// Whether holes may close, handles may vanish, and seams may merge. Use this for clutter that
-    /// becomes very small.
+    /// Whether holes may close, handles may vanish, and seams may merge. Use this for very small
+    /// results.
     pub permissive: bool,
     /// Whether border vertices are kept, for example to keep terrain tiles aligned.
     pub lock_borders: bool,

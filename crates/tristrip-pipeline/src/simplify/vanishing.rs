@@ -1,7 +1,7 @@
 //! Small components that may be removed, and the error of their removal.
 //!
-//! A bolt on an engine ends as two or four triangles, however few are requested. A component may be
-//! removed if both conditions hold:
+//! Collapses reduce a component, such as a bolt on an engine, to two or four triangles at best. A
+//! component may be removed if both conditions hold:
 //! - it is small: half of the diagonal of its bounding box is at most the error limit;
 //! - it is near the rest: each of its vertices is within the limit of a component that is not
 //!   small. The maximum of these distances is the error of its removal.

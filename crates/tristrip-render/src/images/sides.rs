@@ -1,4 +1,4 @@
-//! Eight side views of a model, and the differences of a second model in them.
+//! Eight views of a model, and the differences of a second model in these views.
 //!
 //! # Algorithm
 //! The eight perspective cameras look at the bounding box of the first model from beyond its
@@ -30,7 +30,7 @@ pub const SIDES: usize = 8;
 pub struct Differences {
     /// Pixels that show at least one of the models.
     pub shown: usize,
-    /// Of these, pixels that differ by more than 8 of 255 in a channel.
+    /// Shown pixels that differ by more than 8 of 255 in a channel.
     pub different: usize,
     /// Pixels where the background is visible through the second model, except at the silhouette of
     /// the first.
@@ -51,7 +51,7 @@ impl Differences {
 /// pixels.
 ///
 /// # Errors
-/// A triangle of `after` is next to or behind the eye, far outside the bounding box of `before`.
+/// A triangle of `after`, far outside the bounding box of `before`, is behind or next to the eye.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -77,8 +77,8 @@ pub fn compare(before: &TexturedModel, after: &TexturedModel, mode: Mode) -> Res
 /// pixels. Returns the bytes of a PNG file.
 ///
 /// # Errors
-/// The image would be too large, or a triangle is next to or behind the eye, far outside the
-/// bounding box of the first model.
+/// The image would be too large, or a triangle far outside the bounding box of the first model is
+/// behind or next to the eye.
 ///
 /// ```
 /// use tristrip_io::{Format, read};

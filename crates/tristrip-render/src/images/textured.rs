@@ -90,8 +90,8 @@ impl TexturedModel {
         self.facets.len()
     }
 
-    /// Returns the number of samples that [`picture`](Self::picture) tests, which dominates its
-    /// time: those of the bounding boxes of all triangles, including hidden ones.
+    /// Returns the number of samples that [`picture`](Self::picture) tests: the samples in the
+    /// bounding boxes of all triangles, including hidden ones. This number dominates its time.
     ///
     /// # Errors
     /// A size is 0 or too large, or the view has no direction.

@@ -1,7 +1,8 @@
-//! The files of a document: in its directory, never outside it.
+//! Opens the files that a document refers to. They must be in the directory of the document or
+//! below it.
 //!
 //! A document opened through a symbolic link has two directories: the link's and the target's. The
-//! first that has the file is used.
+//! file is taken from the first that contains it.
 
 use std::collections::HashMap;
 use std::fs::File;

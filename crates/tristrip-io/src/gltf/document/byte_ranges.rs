@@ -1,4 +1,4 @@
-//! Byte ranges: shared ones, and those removed from a buffer.
+//! Shared byte ranges, and byte ranges that are removed from a buffer.
 //!
 //! ```text
 //! kept     ████████        ████          ██████████

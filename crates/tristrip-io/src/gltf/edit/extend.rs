@@ -3,8 +3,8 @@
 //!
 //! # Algorithm
 //! 1. A group can be extended if no vertex has to keep its index, no other data uses its accessors,
-//!    and the values are within a limit. The first two conditions are those for removing vertices
-//!    (`renumber.rs`).
+//!    and the values are within a limit. The first two conditions also apply when vertices are
+//!    removed (`renumber.rs`).
 //! 2. The values of each accessor are written consecutively, in the order of `sources`, to a new
 //!    buffer. Sparse accessors become dense.
 //! 3. The accessor keeps its index, and gets new bounds if values are new. It keeps its view if

@@ -1,5 +1,5 @@
-//! Nodes with levels of detail: `MSFT_lod` lists the nodes that replace a node at lower levels,
-//! `MSFT_screencoverage` the screen coverage of each.
+//! Nodes with levels of detail: `MSFT_lod` lists the nodes that replace a node at lower levels, and
+//! `MSFT_screencoverage` lists the screen coverage of each.
 //!
 //! ```text
 //! a node that only places its mesh               any other node, such as an animated one

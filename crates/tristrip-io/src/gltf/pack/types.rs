@@ -4,7 +4,7 @@
 //! # Algorithm
 //! 1. Decode each accessor that has the same use everywhere and contiguous values.
 //! 2. Store joints in 8 bits if possible, and indices of points, lines and triangle lists in the
-//!    smallest type whose highest value no index has.
+//!    smallest type whose maximum value exceeds every index.
 //! 3. Store weights in 8 bits if each is exactly k/255, in 16 bits if each is exactly k/65535. With
 //!    rounding to h = 255 or 65535, each weight becomes ⌊h w⌋/h, and the weights with the largest
 //!    remainders get 1/h more until the four weights of a vertex sum to 1, if they did before. The

@@ -55,7 +55,7 @@ pub struct Appearance {
     pub notes: Vec<String>,
 }
 
-/// A part at a position in the scene.
+/// An instance of a part in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
     /// The index of the part.
@@ -98,19 +98,19 @@ pub struct Texture {
     pub image: usize,
     /// The set of texture coordinates: 0 for `TEXCOORD_0`.
     pub coordinates: u32,
-    /// Wrapping in u and v.
+    /// The wrapping modes in u and v.
     pub wrap: [Wrap; 2],
 }
 
-/// How a texture continues outside the coordinates 0 to 1.
+/// The wrapping mode of a texture for coordinates outside 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wrap {
     /// The image repeats.
     #[default]
     Repeat,
-    /// The image repeats; every other copy is mirrored.
+    /// The image repeats, and every other copy is mirrored.
     Mirror,
-    /// The border pixels are extended.
+    /// Coordinates are clamped to the edge of the image.
     Clamp,
 }
 

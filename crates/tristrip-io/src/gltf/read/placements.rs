@@ -1,4 +1,4 @@
-//! The positions of meshes in a scene: the transforms of nodes, and their products.
+//! The instances of meshes in a scene: the transforms of nodes, and their products.
 //!
 //! Animations are not applied. As the specification requires, the transform of a node with a skin
 //! is ignored; `pose.rs` computes the joint matrices that replace it.
@@ -14,7 +14,7 @@ use crate::gltf::document::json::Members;
 use crate::gltf::document::scene::Scene;
 use crate::gltf::document::{Located, array};
 
-/// The parts of a mesh at a position in the scene.
+/// An instance of a mesh in the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement {
     /// The range of part indices; not empty.

@@ -1,4 +1,4 @@
-//! Decodes a progressive GLB during its download, in pieces of any size.
+//! Decodes a progressive GLB while it downloads. The bytes may arrive in pieces of any size.
 //!
 //! ```text
 //! header, JSON ─▶ range of the chunks
@@ -54,7 +54,7 @@ impl ArrivalLimits {
     }
 }
 
-/// Decodes a GLB, progressive or not, during its download.
+/// Decodes a GLB, progressive or not, while it downloads.
 ///
 /// ```
 /// use tristrip_io::gltf::{ArrivalLimits, ArrivingGlb};
@@ -278,8 +278,8 @@ impl ArrivingGlb {
         ))
     }
 
-    /// Returns whether everything to draw was received: all chunks, or all bytes of a file without
-    /// a stream.
+    /// Returns whether all data for drawing was received: all chunks, or all bytes of a file
+    /// without a stream.
     pub fn is_complete(&self) -> bool {
         match &self.stage {
             ArrivalStage::Json { .. } | ArrivalStage::Base(_) => false,

@@ -6,7 +6,7 @@
 //! appended after all other bytes, the extensions are added, and the file is written once.
 //!
 //! Reading: the document reader refines base meshes to the full meshes (`refine.rs`).
-//! [`ProgressiveGlb`] gives access to the chunks, also of a truncated file, and builds the scene of
+//! [`ProgressiveGlb`] gives access to the chunks, even in a truncated file, and builds the scene of
 //! any decoded level.
 //!
 //! # Complexity
@@ -51,8 +51,8 @@ pub struct WrittenGlb {
 /// source of each refined part. Without chunks, the result is a plain GLB.
 ///
 /// # Errors
-/// The model has no scene, the number of drawings or sources is not the number of parts, a strip
-/// uses a vertex that does not exist, or the result exceeds 4 GiB.
+/// The model has no scene, the number of drawings or sources differs from the number of parts, a
+/// strip uses a vertex that does not exist, or the result exceeds 4 GiB.
 ///
 /// ```
 /// use tristrip::stream::{StreamOptions, encode};

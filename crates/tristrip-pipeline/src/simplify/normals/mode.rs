@@ -72,7 +72,7 @@ impl FromStr for Normals {
     }
 }
 
-/// The numbers of parts by what happened to their normals; parts without normals do not count.
+/// The number of parts per treatment of their normals, without parts that have no normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
