@@ -5,7 +5,7 @@ use serde_json::value::{RawValue, to_raw_value};
 use tristrip_io::VertexGroup;
 use tristrip_pipeline::text::{count, counted};
 
-/// The vertices of parts that share them; the keys are those of the JSON report.
+/// The vertices of parts that share them. The field names are the keys of the JSON report.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct GroupOrder {

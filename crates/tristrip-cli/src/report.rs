@@ -12,8 +12,8 @@ use crate::clock::{Seconds, SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 
-/// The report of one input; the keys are those of the JSON output. One that failed has an error
-/// instead of the outcome.
+/// The report of one input. The field names are the keys of the JSON output. One that failed has an
+/// error instead of the outcome.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Report<O> {

@@ -15,7 +15,7 @@ use crate::task::VerifyTask;
 /// The keys of `seconds`.
 pub(crate) const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("verify", &[Stage::Prove])];
 
-/// The report of both files; the keys are those of the JSON output.
+/// The report of both files. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Verified {
@@ -28,7 +28,7 @@ pub(crate) struct Verified {
     #[serde(flatten)]
     #[cfg_attr(feature = "schema", schemars(with = "verify::Outcome"))]
     outcome: Option<verify::Outcome>,
-    /// Remarks of the reader on both files, in words.
+    /// Human-readable notes of the reader on both files.
     notes: Vec<String>,
     /// Why the files were not compared; `null` if they were.
     error: Option<String>,

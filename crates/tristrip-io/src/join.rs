@@ -1,8 +1,8 @@
 //! Common parts of the OBJ and PLY writers: one vertex list for several parts, attributes, and
 //! names.
 //!
-//! Vertices that parts share, like those of glTF primitives with common accessors, are written
-//! once.
+//! Vertices that parts share are written once, such as the vertices of glTF primitives with common
+//! accessors.
 
 use rustc_hash::FxHashMap;
 use tristrip::MAX_COUNT;

@@ -16,7 +16,8 @@ pub struct Model {
     /// The document of a glTF or GLB file.
     pub scene: Option<Scene>,
     /// The materials from the libraries of an OBJ, or those that a program added; `None` for other
-    /// formats. If a model with a scene is written as OBJ, the materials of that OBJ.
+    /// formats. For a model with a scene that is written as OBJ, these are the materials of the
+    /// OBJ.
     pub materials: Option<Materials>,
 }
 

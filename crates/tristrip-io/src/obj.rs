@@ -9,10 +9,10 @@
 //! ```
 //!
 //! A vertex of the result is a distinct triple of indices, in order of first use. If no face has a
-//! texture coordinate or normal, the vertices are those of the file. The faces of each material
-//! form a part; with several parts, each has only the vertices that it uses. The crate `tobj` is
-//! not used, because it splits or merges the corners of polygons differently and its errors have no
-//! line numbers.
+//! texture coordinate or normal, the vertices of the file are used unchanged. The faces of each
+//! material form a part; with several parts, each has only the vertices that it uses. The crate
+//! `tobj` is not used, because it splits or merges the corners of polygons differently and its
+//! errors have no line numbers.
 //!
 //! # References
 //! Wavefront Technologies: *The Advanced Visualizer*, appendix B1, *Object Files*.

@@ -14,9 +14,9 @@
 //! end_header
 //! ```
 //!
-//! No PLY crate is used: the available ones build a map per row, which is far slower than necessary
-//! for binary files, and do not report the position of an error. Triangles of `tristrips` follow
-//! the faces, with their winding as drawn.
+//! No PLY crate is used. The available crates build a map per row, which is slow for binary files,
+//! and do not report the position of an error. Triangles of `tristrips` follow the faces, with
+//! their winding as drawn.
 //!
 //! # References
 //! Greg Turk: *The PLY Polygon File Format*, 1994. The `tristrips` element: Stanford 3D Scanning

@@ -35,7 +35,7 @@
 //! # Algorithm
 //! The reader reads at most 64 KiB at a time, and each list grows with the bytes that were read, so
 //! a count without data allocates nothing. The length of a section must match the counts. Numbers
-//! are checked after the checksum of their section. Finally, the collapses are replayed, which
+//! are checked after the checksum of their section. Finally, the collapses are replayed. This
 //! checks that each renames only vertices that are still in use.
 //!
 //! # Complexity

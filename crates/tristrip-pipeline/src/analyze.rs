@@ -35,7 +35,8 @@ impl Options {
     }
 }
 
-/// The index and vertex-cache statistics of a model; the keys are those of the JSON report.
+/// The index and vertex-cache statistics of a model. The field names are the keys of the JSON
+/// report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

@@ -28,7 +28,7 @@ impl Options {
     }
 }
 
-/// The lower bounds of a model; the keys are those of the JSON report.
+/// The lower bounds of a model. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -44,11 +44,11 @@ pub struct Outcome {
     pub sequential: Vec<bool>,
     /// The bounds of each connected component, part by part.
     pub components: Vec<Component>,
-    /// Human-readable notes on what was read, dropped, changed or unusual.
+    /// Human-readable notes on data that was read, dropped, changed or unusual.
     pub notes: Vec<String>,
 }
 
-/// The bound of a component of a part; the keys are those of the JSON report.
+/// The bound of a component of a part. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

@@ -9,7 +9,8 @@ use crate::error::Error;
 use crate::metrics::StripMetrics;
 use crate::parts::{PreparedPart, map};
 
-/// The lower bounds of a model, summed over its parts; the keys are those of the JSON report.
+/// The lower bounds of a model, summed over its parts. The field names are the keys of the JSON
+/// report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

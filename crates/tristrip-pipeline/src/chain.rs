@@ -9,8 +9,8 @@
 //! # Algorithm
 //! 1. Every part is simplified once, down to the coarsest level or the error limit. Parts that
 //!    share a border are simplified together. The collapses of all parts are merged into one order,
-//!    by cost. A level is the first point in this order with at most the requested number of
-//!    triangles. Each level is therefore a simplification of the next finer one.
+//!    by cost. A level is the first point in this order at which the number of triangles is at most
+//!    the requested number. Each level is therefore a simplification of the next finer one.
 //! 2. Vertices are numbered in reverse order of removal. The vertices of the coarsest level come
 //!    first, followed by the removed vertices, the last removed first. A level, and any point
 //!    between two levels, uses a prefix of the vertices. A program can load a coarse level first
@@ -104,7 +104,7 @@ impl Options {
     }
 }
 
-/// A level of a chain; the keys are those of the JSON report.
+/// A level of a chain. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -147,7 +147,7 @@ pub struct Chain {
     extents: Vec<PartExtent>,
 }
 
-/// The levels of a model; the keys are those of the JSON report.
+/// The levels of a model. The field names are the keys of the JSON report.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -189,7 +189,7 @@ pub struct Outcome {
     /// A warning that names the levels that were not reached, the cause, and what to try; `None` if
     /// all were reached.
     pub warning: Option<String>,
-    /// Human-readable notes on what was read, dropped or changed, on locked vertices, and on
+    /// Human-readable notes on data that was read, dropped or changed, on locked vertices, and on
     /// vertices that kept their order.
     pub notes: Vec<String>,
 }

@@ -5,7 +5,8 @@ use tristrip::simplify::Stopped;
 
 use crate::metrics::rounded;
 
-/// The collapses of a model, summed over its parts; the keys are those of the JSON report.
+/// The collapses of a model, summed over its parts. The field names are the keys of the JSON
+/// report.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

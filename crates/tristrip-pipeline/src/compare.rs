@@ -63,7 +63,7 @@ impl Options {
     }
 }
 
-/// The results of all methods on a model; the keys are those of the JSON report.
+/// The results of all methods on a model. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -72,7 +72,7 @@ pub struct Outcome {
     pub mesh: MeshProperties,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Human-readable notes on what was read, dropped, changed or unusual.
+    /// Human-readable notes on data that was read, dropped, changed or unusual.
     pub notes: Vec<String>,
     /// One entry per method. If a search was interrupted, its entry is the last one.
     pub methods: Vec<Row>,

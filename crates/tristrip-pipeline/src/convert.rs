@@ -44,7 +44,7 @@ impl Options {
     }
 }
 
-/// A converted model; the keys are those of the JSON report.
+/// A converted model. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -62,7 +62,7 @@ pub struct Outcome {
     pub strips: Option<usize>,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Human-readable notes on what was read, dropped, changed or unusual.
+    /// Human-readable notes on data that was read, dropped, changed or unusual.
     pub notes: Vec<String>,
     /// The strips of each part; `None` for a part drawn as faces.
     #[serde(skip)]

@@ -40,7 +40,7 @@ pub enum DrawnAs {
     List,
 }
 
-/// The index count and vertex-cache misses of a model, summed over its parts.
+/// The index count and the vertex-cache misses of a model, summed over its parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct IndexCost {
@@ -98,7 +98,7 @@ impl std::iter::Sum for IndexCost {
     }
 }
 
-/// The index statistics and the size of a file; the keys are those of the JSON report.
+/// The index statistics and the size of a file. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -108,8 +108,8 @@ pub struct FileCost {
     pub indices: usize,
     /// Misses per triangle of a FIFO vertex cache of 16 entries, empty at the start of each part.
     pub acmr_fifo_16: f64,
-    /// The size in bytes; `None` for standard input, and for a `.gltf`, whose buffers may be in
-    /// other files.
+    /// The size in bytes; `None` for standard input, and for a `.gltf`, because its buffers may be
+    /// in other files.
     pub bytes: Option<u64>,
 }
 
@@ -120,7 +120,7 @@ impl FileCost {
     }
 }
 
-/// The number of parts per kind of drawing; the keys are those of the JSON report.
+/// The number of parts per kind of drawing. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

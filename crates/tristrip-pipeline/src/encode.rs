@@ -64,7 +64,7 @@ impl Options {
 }
 
 /// Returns the strip layout that readers of a format support: degenerate for GLB, restart for PLY,
-/// and a list for OBJ, which has no strips.
+/// and list for OBJ, because OBJ has no strips.
 ///
 /// ```
 /// use tristrip::Layout;

@@ -29,7 +29,7 @@ pub enum Error {
     Level {
         /// The requested level.
         found: usize,
-        /// The highest level, which is the number of collapses.
+        /// The highest level. It equals the number of collapses.
         last: usize,
     },
     /// The observer cancelled the operation.

@@ -84,12 +84,12 @@ impl StripMetrics {
     }
 }
 
-/// The counts of a model's mesh; the keys are those of the JSON report.
+/// The counts of a model's mesh. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MeshProperties {
-    /// The number of vertices, used or not; those that parts share are counted once.
+    /// The number of vertices, used or not; vertices that parts share are counted once.
     pub vertices: usize,
     /// The number of faces, including degenerate ones.
     pub faces: usize,

@@ -128,8 +128,8 @@ impl Amount {
     }
 }
 
-/// The goal of a simplification, which stops at whichever limit it reaches first. The default is
-/// the minimum number of triangles within an error of 1 % of the diagonal.
+/// The goal of a simplification. Simplification stops at whichever limit is reached first. The
+/// default is the minimum number of triangles within an error of 1 % of the diagonal.
 ///
 /// ```
 /// use tristrip_pipeline::{Amount, Deviation, Goal};

@@ -9,7 +9,7 @@ use crate::metrics::rounded;
 use crate::observer::{Observer, Stage, begin};
 use crate::unpack::early_end;
 
-/// The contents of a stream; the keys are those of the JSON report.
+/// The contents of a stream. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -20,7 +20,7 @@ pub struct Outcome {
     pub vertices: usize,
     /// The number of triangles of the full meshes, as the stream states it.
     pub triangles: usize,
-    /// The number of collapses, which is the level of the full meshes.
+    /// The number of collapses. It is also the level of the full meshes.
     pub levels: usize,
     /// The number of bits per coordinate of a position.
     pub position_bits: u32,
@@ -57,7 +57,7 @@ pub struct ComponentBits {
     pub per_vertex: f64,
 }
 
-/// A chunk of a stream; the keys are those of the JSON report.
+/// A chunk of a stream. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

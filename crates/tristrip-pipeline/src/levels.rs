@@ -60,7 +60,7 @@ pub struct ModelLevels {
     options: Options,
 }
 
-/// The levels of detail of a model; the keys are those of the JSON report.
+/// The levels of detail of a model. The field names are the keys of the JSON report.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -77,7 +77,7 @@ pub struct Outcome {
     /// The method of the strips and the options that it uses.
     #[serde(flatten)]
     pub method: MethodDescription,
-    /// The number of collapses, which is the level of the full mesh; the base mesh is level 0.
+    /// The number of collapses. It is also the level of the full mesh; the base mesh is level 0.
     pub levels: usize,
     /// The number of triangles of the base mesh.
     pub triangles_base: usize,
@@ -89,8 +89,8 @@ pub struct Outcome {
     pub stopped: Option<SearchStop>,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Human-readable notes on what was read, dropped, changed or unusual, on a search that was
-    /// stopped, on locked vertices, and on parts that stopped before the base mesh.
+    /// Human-readable notes on data that was read, dropped, changed or unusual, on a search that
+    /// was stopped, on locked vertices, and on parts that stopped before the base mesh.
     pub notes: Vec<String>,
 }
 
@@ -225,7 +225,7 @@ impl ModelLevels {
         Ok(Self { order, parts, collapses, notes, options: *options })
     }
 
-    /// Returns the number of collapses, which is the level of the full mesh.
+    /// Returns the number of collapses. It is also the level of the full mesh.
     pub fn collapse_count(&self) -> usize {
         self.order.collapse_count()
     }

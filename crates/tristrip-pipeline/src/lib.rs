@@ -9,9 +9,10 @@
 //!   └▶ levels: strips ─ collapses of all parts in one order ─▶ display strips of any level, proven
 //! ```
 //! The functions take a model in memory and return owned results. They do not access files, the
-//! clock or the terminal, except for `Target`, which needs the feature `fs`. An [`Observer`] is
-//! notified of every stage: it can measure time, stop a search, or cancel. All parts are processed
-//! in parallel in the current `rayon` pool. Results are the same for any number of threads.
+//! clock or the terminal. Only `Target` accesses files; it needs the feature `fs`. An [`Observer`]
+//! is notified of every stage: it can measure time, stop a search, or cancel. All parts are
+//! processed in parallel in the current `rayon` pool. Results are the same for any number of
+//! threads.
 //!
 //! ```
 //! use tristrip_io::{Format, read};

@@ -3,8 +3,8 @@
 use serde::Serialize;
 use tristrip::vertex_cache::VertexCache;
 
-/// The metrics of the strips of a model; the keys are those of the JSON report. Ratios are rounded
-/// to six decimals.
+/// The metrics of the strips of a model. The field names are the keys of the JSON report. Ratios
+/// are rounded to six decimals.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

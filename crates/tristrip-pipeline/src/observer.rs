@@ -128,8 +128,8 @@ pub struct SimplifyProgress {
     pub goal: usize,
 }
 
-/// Receives stages and progress, and can stop or cancel an operation. All methods have defaults,
-/// which do nothing.
+/// Receives stages and progress, and can stop or cancel an operation. The default methods do
+/// nothing.
 ///
 /// ```
 /// use std::sync::Mutex;

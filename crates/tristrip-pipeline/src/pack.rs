@@ -93,7 +93,7 @@ impl Options {
     }
 }
 
-/// A progressive GLB; the keys are those of the JSON report.
+/// A progressive GLB. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -130,8 +130,8 @@ pub struct Outcome {
     pub bits_per_vertex: Option<f64>,
     /// The maximum distance between a position and its original, in the units of the scene.
     pub position_error: f64,
-    /// Human-readable notes on what was read, on parts that are not refined, and on what was
-    /// dropped or cannot be stored.
+    /// Human-readable notes on data that was read, was dropped or cannot be stored, and on parts
+    /// that are not refined.
     pub notes: Vec<String>,
 }
 

@@ -125,7 +125,7 @@ impl Options {
     }
 }
 
-/// A simplified model; the keys are those of the JSON report.
+/// A simplified model. The field names are the keys of the JSON report.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -160,8 +160,8 @@ pub struct Outcome {
     /// A warning that explains why the goal was not reached, and what to try; `None` if it was
     /// reached.
     pub warning: Option<String>,
-    /// Human-readable notes on what was read, dropped, changed or unusual, on locked vertices, and
-    /// on an interruption.
+    /// Human-readable notes on data that was read, dropped, changed or unusual, on locked vertices,
+    /// and on an interruption.
     pub notes: Vec<String>,
     /// The counts of the source mesh.
     #[serde(skip)]
@@ -177,8 +177,8 @@ pub struct Outcome {
     copies: Vec<Option<Copies>>,
 }
 
-/// How far a simplified surface is from the original, rounded to six decimals; the keys are those
-/// of the JSON report.
+/// How far a simplified surface is from the original, rounded to six decimals. The field names are
+/// the keys of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

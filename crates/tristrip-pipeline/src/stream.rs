@@ -1,8 +1,8 @@
 //! A mesh as a stream: the input of the chunk encoder, for any mesh.
 //!
 //! # Algorithm
-//! 1. Weld equal vertices. Triangulate polygons, and drop triangles that draw nothing: those with
-//!    two corners at one position.
+//! 1. Weld equal vertices. Triangulate polygons, and drop triangles with two corners at one
+//!    position, because they draw nothing.
 //! 2. Find the collapses in batches. Where a surface touches itself or attributes differ, a stream
 //!    cannot undo some collapses. Lock their vertices and search again, a few times.
 //! 3. Keep the remaining such collapses in the base mesh.
@@ -27,7 +27,7 @@ pub struct StreamedMesh {
     pub triangles: usize,
     /// The number of used vertices, after welding.
     pub vertices: usize,
-    /// The number of dropped triangles, which have two corners at one position.
+    /// The number of triangles that were dropped because two corners have the same position.
     pub dropped_triangles: usize,
     /// The number of batches of collapses.
     pub batches: usize,

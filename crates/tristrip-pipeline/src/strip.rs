@@ -41,7 +41,7 @@ impl Options {
     }
 }
 
-/// The strips of a model; the keys are those of the JSON report.
+/// The strips of a model. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -73,15 +73,15 @@ pub struct Outcome {
     pub mesh: MeshProperties,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Human-readable notes on what was read, dropped, changed or unusual, and on a search that was
-    /// stopped.
+    /// Human-readable notes on data that was read, dropped, changed or unusual, and on a search
+    /// that was stopped.
     pub notes: Vec<String>,
     /// The metrics that decide how each part is drawn.
     #[serde(skip)]
     of_parts: Vec<PartMetrics>,
 }
 
-/// A file of strips; the keys are those of the JSON report.
+/// A file of strips. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

@@ -60,7 +60,7 @@ impl Options {
     }
 }
 
-/// A level of a progressive GLB; the keys are those of the JSON report.
+/// A level of a progressive GLB. The field names are the keys of the JSON report.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -72,7 +72,7 @@ pub struct Outcome {
     pub parts: usize,
     /// The level: the number of collapses that are undone.
     pub level: usize,
-    /// The number of collapses, which is the level of the full meshes.
+    /// The number of collapses. It is also the level of the full meshes.
     pub levels: usize,
     /// The number of triangles of the refined meshes at the level.
     pub triangles: usize,
@@ -90,7 +90,8 @@ pub struct Outcome {
     /// Why the stream ended early: the file is truncated or damaged. `None` if it did not.
     #[serde(skip)]
     pub problem: Option<String>,
-    /// Remarks of the reader, and why the stream ended before the requested level, in words.
+    /// Human-readable notes of the reader, and the reason why the stream ended before the requested
+    /// level.
     pub notes: Vec<String>,
 }
 

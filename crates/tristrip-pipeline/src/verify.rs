@@ -8,7 +8,8 @@ use crate::error::Error;
 use crate::observer::{Observer, Stage, begin};
 use crate::parts::meshes;
 
-/// Whether a model draws exactly the faces of another; the keys are those of the JSON report.
+/// Whether a model draws exactly the faces of another. The field names are the keys of the JSON
+/// report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -23,7 +24,7 @@ pub struct Outcome {
     pub difference: Option<FoundDifference>,
 }
 
-/// How a result differs from its source; the keys are those of the JSON report.
+/// How a result differs from its source. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -32,21 +33,21 @@ pub struct FoundDifference {
     /// any polygon. `count`: a polygon has too few or too many triangles. `boundary`: the triangles
     /// of a polygon do not have its boundary.
     pub kind: &'static str,
-    /// The number of triangles of the source that the result lacks; `None` if the kind has no such
-    /// number.
+    /// The number of triangles of the source that the result lacks; `None` if it does not apply to
+    /// the kind.
     pub missing: Option<usize>,
-    /// The number of triangles of the result that the source lacks; `None` if the kind has no such
-    /// number.
+    /// The number of triangles of the result that the source lacks; `None` if it does not apply to
+    /// the kind.
     pub extra: Option<usize>,
-    /// The number of triangles drawn with the opposite winding; `None` if the kind has no such
-    /// number.
+    /// The number of triangles drawn with the opposite winding; `None` if it does not apply to the
+    /// kind.
     pub flipped: Option<usize>,
-    /// The index of the face of the source, from 0 over all parts; `None` if the kind names no
-    /// face.
+    /// The index of the face of the source, from 0 over all parts; `None` if the kind does not
+    /// refer to a face.
     pub face: Option<u32>,
     /// The positions of the first difference.
     pub first: Vec<[f32; 3]>,
-    /// The difference in words.
+    /// A description of the difference.
     #[serde(skip)]
     pub text: String,
 }

@@ -64,13 +64,14 @@ impl Options {
 pub struct ViewModel {
     /// The mesh of all parts.
     pub mesh: Mesh,
-    /// Its strips.
+    /// The strips of the full mesh.
     pub strips: Strips,
     /// The collapses of the triangles of the strips, in order.
     pub sequence: Arc<CollapseSequence>,
 }
 
-/// The result of building a view-dependent LOD model; the keys are those of the JSON report.
+/// The result of building a view-dependent LOD model. The field names are the keys of the JSON
+/// report.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -107,12 +108,12 @@ pub struct Outcome {
     pub stopped: Option<SearchStop>,
     /// The number of parts of the input: primitives of glTF, materials of OBJ.
     pub parts: usize,
-    /// Human-readable notes on what was read, dropped, changed or unusual, and on a search that was
-    /// stopped.
+    /// Human-readable notes on data that was read, dropped, changed or unusual, and on a search
+    /// that was stopped.
     pub notes: Vec<String>,
 }
 
-/// A `.tlod` file that was read back and compared; the keys are those of the JSON report.
+/// A `.tlod` file that was read back and compared. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

@@ -10,9 +10,8 @@
 //! ```
 //! The same data gives the same bytes on every machine: no font is loaded, text is positioned by
 //! its anchor, text widths are estimated where space must be reserved, and logarithms come from
-//! `libm`. The background is white, which keeps the chart readable on a dark page. Series differ in
-//! the shape of their symbols as well as in colour, so a line hidden by another is still
-//! recognizable.
+//! `libm`. The background is white, so the chart is readable on a dark page. Series differ in the
+//! shape of their symbols as well as in colour, so a line hidden by another is still recognizable.
 
 mod axis;
 mod labels;

@@ -14,8 +14,8 @@
 //!    geometry behind it is clipped.
 //! 2. A corner has the normal of the file, or the mean normal of the triangles at its position,
 //!    unless the surface has a crease there.
-//! 3. Each strip gets a palette colour that differs from those of its neighbours. A textured model
-//!    shows its base colour, normals or texture coordinates, depending on the [`Mode`].
+//! 3. Each strip gets a palette colour that differs from the colours of its neighbours. A textured
+//!    model shows its base colour, normals or texture coordinates, depending on the [`Mode`].
 //! 4. Bands of rows are drawn in parallel with 4 × 4 samples per pixel. The nearest triangle of
 //!    each sample is found first. The shader then computes its colour with perspective-correct
 //!    interpolation and bilinear texture filtering.

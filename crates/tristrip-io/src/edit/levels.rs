@@ -9,8 +9,8 @@
 //! level 0    ├─────────────────────────────────────────────────────────────────┤
 //! ```
 //! # Algorithm
-//! 1. Each group of parts (see `renumber.rs`) has one vertex order: the vertices of the coarsest
-//!    level of all its parts, then those that each finer level adds.
+//! 1. Each group of parts (see `renumber.rs`) has one vertex order: first the vertices of the
+//!    coarsest level of all its parts, then the vertices that each finer level adds.
 //! 2. Positions, attributes and triangles are renumbered, and vertices that no level uses are
 //!    removed. In a scene written as a GLB, this includes all other vertex values: morph targets,
 //!    joints and weights, and attributes that were not decoded.

@@ -8,7 +8,8 @@
 //! # Algorithm
 //! 1. Remove keyframes that interpolation of their neighbours reproduces (`animation.rs`).
 //! 2. Store joints and indices in the smallest type that can represent them (`types.rs`). With
-//!    rounding, also joint weights and animated rotations ([`Rounding`]), which is lossy.
+//!    rounding, joint weights and animated rotations are also stored in smaller types, with a loss
+//!    of precision ([`Rounding`]).
 //! 3. Remove JSON members that equal the default, and optional bounds. Write numbers with the
 //!    fewest digits that give the same value (`tidy.rs`).
 //! 4. Remove unused accessors, store identical arrays once, and put arrays of one kind into a

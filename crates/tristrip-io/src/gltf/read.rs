@@ -83,7 +83,7 @@ pub fn read_separate(files: &SeparateFiles) -> Result<Model, Error> {
 }
 
 /// Returns a model with a scene. A model that has one is returned unchanged. Otherwise the function
-/// builds the scene that a GLB of the model would have and reads its parts, whose faces are
+/// builds the scene that a GLB of the model would have, and reads its parts. Their faces are
 /// triangles.
 ///
 /// # Errors

@@ -26,7 +26,7 @@ impl TlodModel {
     ///
     /// # Errors
     /// The strips do not draw exactly the faces of the mesh or the triangles of the collapses, or
-    /// they have welds, which a file cannot store.
+    /// they have welds. A file cannot store welds.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

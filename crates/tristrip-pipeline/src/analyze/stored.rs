@@ -41,8 +41,8 @@ impl DrawMode {
     }
 }
 
-/// The index statistics of a part, or the sum over all parts; the keys are those of the JSON
-/// report. Strip statistics are `None` if there are no strips.
+/// The index statistics of a part, or the sum over all parts. The field names are the keys of the
+/// JSON report. Strip statistics are `None` if there are no strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

@@ -45,7 +45,7 @@ pub(crate) struct Parameter {
 pub(super) enum AcceptedValues {
     /// Named values, each with a line of help.
     Named(fn() -> Vec<(&'static str, &'static str)>),
-    /// Any other values, described in words.
+    /// Any other values, with a description.
     Other(&'static str),
 }
 

@@ -1,8 +1,8 @@
 //! Normals of simplified parts: kept with the vertices, repaired where they do not fit the
 //! remaining faces, or rebuilt from these faces.
 //!
-//! In a flat-shaded part, every edge is a seam of normals, which blocks nearly all collapses. Such
-//! a part is simplified by its shape and its other attributes. Each corner then gets the normal of
+//! In a flat-shaded part, every edge is a normal seam, and seams block nearly all collapses. Such a
+//! part is simplified by its shape and its other attributes. Each corner then gets the normal of
 //! its face, and vertices are split where these normals differ.
 //!
 //! # Algorithm

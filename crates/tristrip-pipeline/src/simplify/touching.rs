@@ -2,8 +2,8 @@
 //! positions.
 //!
 //! Parts of different nodes touch if their positions are equal in the scene up to rounding. Two
-//! instances of one part also touch, except at the same position of the part, which moves in both
-//! in the same way. Parts with the same nodes are simplified together instead.
+//! instances of one part also touch, except at the same position of the part: it moves in both in
+//! the same way. Parts with the same nodes are simplified together instead.
 //!
 //! # Algorithm
 //! A position in the scene is a sum of products of 32-bit numbers, each rounded once. [`ROUNDING`]
@@ -62,7 +62,7 @@ pub(crate) struct Touching {
 struct Placed {
     at: [f64; 3],
     level: i32,
-    /// The index of the instance among those of all lists.
+    /// The index of the instance among the instances of all lists.
     place: u32,
     list: u32,
     /// The index of the position in its list.

@@ -7,7 +7,7 @@
 //!   small. The maximum of these distances is the error of its removal.
 //!
 //! A plant whose leaves are all small keeps its leaves, because none of them is near a component
-//! that stays. Each part keeps at least one component, because files do not store empty parts.
+//! that stays. Each part keeps at least one component, because files cannot contain empty parts.
 
 use std::collections::BTreeSet;
 

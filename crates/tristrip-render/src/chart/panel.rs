@@ -40,7 +40,7 @@ impl Panel {
         self
     }
 
-    /// Draws every label: those without free space next to their point are placed farther away,
+    /// Draws every label. Labels without free space next to their point are placed farther away,
     /// with a leader line. Labels never overlap symbols.
     #[must_use]
     pub fn with_every_label(mut self) -> Self {

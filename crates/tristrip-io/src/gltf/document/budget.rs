@@ -3,8 +3,8 @@
 //! Decoding time and memory must be bounded by the file size. Four features of glTF break this
 //! bound: compressed buffer views; accessors without a buffer view, which are zeros; several
 //! accessors over the same bytes; and several primitives with the same indices. The first three are
-//! counted as decoded bytes with a small allowance, the fourth as triangles. Writing indices does
-//! not change these counts, so a file that was read can be read again after writing.
+//! counted as decoded bytes with a small allowance. The fourth is counted in triangles. Writing
+//! indices does not change these counts, so a file that was read can be read again after writing.
 
 use crate::error::Error;
 use crate::gltf::document::byte_ranges::SharedBytes;

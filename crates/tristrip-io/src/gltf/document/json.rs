@@ -2,8 +2,8 @@
 //! were read.
 //!
 //! Each value of a document stores the range of its text. Mutable access clears the range of the
-//! value and, since values are reached through their parents, of all values around it. Writing
-//! copies the text of values that still have a range, and serializes the others.
+//! value and of all its parents, because values are reached through their parents. Writing copies
+//! the text of values that still have a range, and serializes the others.
 //!
 //! ```text
 //! {"meshes": [ {…} , {…} ], "extras": { "x" : 1E5 }}

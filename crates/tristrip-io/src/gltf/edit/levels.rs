@@ -1,4 +1,5 @@
-//! A scene with meshes for lower levels of detail, which use the first vertices of the full meshes.
+//! A scene with meshes for lower levels of detail. These meshes use the first vertices of the full
+//! meshes.
 //!
 //! # Algorithm
 //! 1. A mesh is copied if one of its parts changes from one level to the next. The copy keeps

@@ -10,7 +10,7 @@
 //! uses all vertices of the primitive.
 //!
 //! # Complexity
-//! Linear in the values of the new accessors, whose bounds are computed within the limit for
+//! Linear in the values of the new accessors. Their bounds are computed within the limit for
 //! decoded values.
 
 use std::collections::{BTreeMap, HashMap, HashSet};

@@ -1,4 +1,4 @@
-//! Reduces the keyframes of animations: removes those that interpolation of their neighbours
+//! Reduces the keyframes of animations: removes keyframes that interpolation of their neighbours
 //! reproduces.
 //!
 //! ```text

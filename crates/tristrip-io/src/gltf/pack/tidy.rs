@@ -2,8 +2,9 @@
 //!
 //! Extensions and extras are not changed. Numbers keep their value as 64-bit floats, with two
 //! exceptions. The bounds of 32-bit floats, which the specification rounds to that type, are
-//! written with the fewest digits of the 32-bit float. With rounding, so are node transforms that
-//! are exact 32-bit floats, which is lossless for programs that read them as such.
+//! written with the fewest digits of the 32-bit float. With rounding, node transforms that are
+//! exact 32-bit floats are written in the same way. This is lossless for programs that read them as
+//! 32-bit floats.
 
 use std::collections::HashSet;
 

@@ -164,9 +164,9 @@ impl Scene {
 
 impl MorphReader<'_> {
     /// Returns the morph displacement of each vertex of a part at a node: the weighted sum of the
-    /// targets' values of `attribute`, which is `POSITION` or `NORMAL`. The weights are those of
-    /// the node, or else those of the mesh. Returns `None` if no target with a nonzero weight has
-    /// such values.
+    /// targets' values of `attribute`, which is `POSITION` or `NORMAL`. The weights come from the
+    /// node, or from the mesh if the node has none. Returns `None` if no target with a nonzero
+    /// weight has such values.
     ///
     /// # Errors
     /// The weights or targets are not valid glTF 2.0, or the displacements exceed the limit.

@@ -8,8 +8,8 @@
 //!
 //! # Algorithm
 //! All chunks are decoded, unless the meshes of another level are given. Each refined primitive
-//! gets accessors with the vertices and triangles of its part instead of those of the base mesh.
-//! The old accessors, their bytes and the chunks are removed.
+//! gets accessors with the vertices and triangles of its part, which replace the base mesh. The old
+//! accessors, their bytes and the chunks are removed.
 //!
 //! # Complexity
 //! Linear in the decoded bytes, which the decoder's limits bound.

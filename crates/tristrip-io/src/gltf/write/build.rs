@@ -7,7 +7,7 @@
 //! do not change. Attributes without a glTF type (64-bit floats, 32-bit integers, more than four
 //! components, values that are not finite) are not written; [`losses`] lists them.
 //!
-//! Texture coordinates of OBJ have their origin at the bottom, those of glTF at the top: `v`
+//! Texture coordinates have their origin at the bottom in OBJ and at the top in glTF, so `v`
 //! becomes 1 − v.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};

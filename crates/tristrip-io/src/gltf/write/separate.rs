@@ -1,5 +1,5 @@
-//! Splits a GLB into two files: the document as JSON, and its buffer, which the document refers to
-//! by a relative URI.
+//! Splits a GLB into two files: the document as JSON, and its buffer. The document refers to the
+//! buffer by a relative URI.
 
 use std::fmt::Write;
 use std::sync::Arc;
