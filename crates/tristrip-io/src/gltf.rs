@@ -52,8 +52,8 @@
 //!
 //! Memory and time are bounded by the file size. Compressed buffer views decompress to at most 8
 //! MiB plus 32 times the size of the buffers. Positions and indices decode to at most 1 MiB plus 16
-//! times that size, other attributes to at most 64 MiB plus 4 times that size. Primitives may draw
-//! the same indices 16 times on average, plus 2^18 triangles.
+//! times that size, other attributes to at most 64 MiB plus 4 times that size. On average,
+//! primitives may draw each index array 16 times; 2^18 further triangles are allowed.
 
 pub(crate) mod document;
 pub(crate) mod edit;

@@ -15,7 +15,7 @@ pub use stored::{DrawMode, LengthBin, StoredIndices};
 use stored::{MeasuredPart, StripLengths, vertices_of};
 pub use vertex_caches::VertexCacheList;
 
-/// Which vertex caches are simulated.
+/// Options for simulating vertex caches.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Options {

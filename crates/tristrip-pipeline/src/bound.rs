@@ -12,7 +12,7 @@ use crate::observer::{Observer, Stage, begin};
 use crate::parts::map;
 use crate::prepared::Survey;
 
-/// How lower bounds are computed.
+/// Options for computing lower bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Options {
@@ -33,7 +33,7 @@ impl Options {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// The counts of the mesh.
+    /// The vertex, edge and face counts of the mesh.
     pub mesh: MeshProperties,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,

@@ -118,7 +118,7 @@ pub struct ChainLevel {
     pub target_triangles: usize,
     /// The number of triangles drawn.
     pub triangles: usize,
-    /// The number of vertices that the level uses. They are the first ones of each part.
+    /// The number of vertices that the level uses: the first vertices of each part.
     pub vertices: usize,
     /// The maximum error of the collapses of the level, in mesh units.
     pub surface_error: f32,
@@ -158,7 +158,7 @@ pub struct Outcome {
     /// The collapses to the coarsest level.
     #[serde(skip)]
     pub collapses: Collapses,
-    /// The counts of the source mesh.
+    /// The vertex, edge and face counts of the source mesh.
     #[serde(skip)]
     pub mesh: MeshProperties,
     /// The method of the strips and the options that it uses.
@@ -182,7 +182,7 @@ pub struct Outcome {
     /// The levels, the finest first.
     #[serde(rename = "chain")]
     pub levels: Vec<ChainLevel>,
-    /// The number of vertices that were kept because they touch a part that other nodes place.
+    /// The number of vertices that were kept because they touch a part placed by other nodes.
     pub locked_vertices: usize,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,

@@ -36,7 +36,7 @@ pub struct Collapses {
     pub diagonal: f64,
     /// The number of small components that were removed within the error limit.
     pub vanished_components: usize,
-    /// The number of vertices that were kept because they touch a part that other nodes place.
+    /// The number of vertices that were kept because they touch a part placed by other nodes.
     pub locked_vertices: usize,
     /// The number of remaining vertices by the reason why they were kept, each counted once; `None`
     /// if the goal was reached.

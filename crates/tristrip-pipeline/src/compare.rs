@@ -14,7 +14,7 @@ use crate::metrics::StripMetrics;
 use crate::observer::{Observer, SearchStop, Stage, begin};
 use crate::prepared::{PreparedModel, Survey};
 
-/// Which methods are compared.
+/// Options for comparing methods.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Options {
@@ -68,7 +68,7 @@ impl Options {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// The counts of the mesh.
+    /// The vertex, edge and face counts of the mesh.
     pub mesh: MeshProperties,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,

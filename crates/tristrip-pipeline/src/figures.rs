@@ -84,7 +84,8 @@ impl StripMetrics {
     }
 }
 
-/// The counts of a model's mesh. The field names are the keys of the JSON report.
+/// The vertex, edge and face counts of a model's mesh. The field names are the keys of the JSON
+/// report.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

@@ -68,7 +68,7 @@ pub struct Outcome {
     /// The levels.
     #[serde(skip)]
     pub model: ModelLevels,
-    /// The counts of the full mesh.
+    /// The vertex, edge and face counts of the full mesh.
     #[serde(skip)]
     pub mesh: MeshProperties,
     /// The number of strips of the full mesh.

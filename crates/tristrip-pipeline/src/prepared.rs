@@ -151,7 +151,7 @@ pub(crate) struct Survey<'a> {
     /// The options, adapted to the model: welding is disabled if vertices may differ in values that
     /// were not read.
     pub options: StripifyOptions,
-    /// The counts of the mesh.
+    /// The vertex, edge and face counts of the mesh.
     pub mesh: MeshProperties,
     /// Notes of the reader, and notes on data that was dropped, changed or unusual.
     pub notes: Vec<String>,

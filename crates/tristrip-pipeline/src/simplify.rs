@@ -163,7 +163,7 @@ pub struct Outcome {
     /// Human-readable notes on data that was read, dropped, changed or unusual, on locked vertices,
     /// and on an interruption.
     pub notes: Vec<String>,
-    /// The counts of the source mesh.
+    /// The vertex, edge and face counts of the source mesh.
     #[serde(skip)]
     pub mesh: MeshProperties,
     /// Whether the observer stopped the simplification. It then has fewer collapses than requested,

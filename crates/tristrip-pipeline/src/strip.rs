@@ -69,7 +69,7 @@ pub struct Outcome {
     /// default effort. `None` otherwise, because the bound takes at least as long as those
     /// searches.
     pub bound: Option<BoundGap>,
-    /// The counts of the mesh.
+    /// The vertex, edge and face counts of the mesh.
     pub mesh: MeshProperties,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,

@@ -79,7 +79,7 @@ pub struct Outcome {
     /// The model.
     #[serde(skip)]
     pub model: ViewModel,
-    /// The counts of its full mesh.
+    /// The vertex, edge and face counts of the full mesh.
     #[serde(skip)]
     pub mesh: MeshProperties,
     /// The method and the options that it uses.

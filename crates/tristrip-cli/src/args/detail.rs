@@ -63,9 +63,9 @@ pub(crate) struct SimplifyArgs {
     pub(crate) target: TargetArgs,
     /// Draw the model before and after to a PNG file, from eight sides
     ///
-    /// The upper row shows the input, the lower row the result. Each view is 256 x 256 pixels, with
-    /// base colours and textures. Node transformations are applied; animations and skins are
-    /// ignored. This option takes one input.
+    /// The upper row shows the input, and the lower row shows the result. Each view is 256 x 256
+    /// pixels, with base colours and textures. Node transformations are applied; animations and
+    /// skins are ignored. This option takes one input.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) picture: Option<PathBuf>,
 }

@@ -80,9 +80,9 @@ pub(crate) struct UnpackArgs {
 /// Report chunks, bits per vertex and errors of a progressive GLB
 ///
 /// The table splits the range-coded bits by component: `marks` selects the vertices to split,
-/// `corners` the triangles that move, and `precision` refines known positions. Bits per vertex are
-/// relative to the vertices of the full meshes. A truncated or damaged file is inspected up to the
-/// damage.
+/// `corners` selects the triangles that move, and `precision` refines known positions. Bits per
+/// vertex are relative to the vertices of the full meshes. A truncated or damaged file is inspected
+/// up to the damage.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip inspect bunny.glb

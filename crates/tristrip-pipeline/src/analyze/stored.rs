@@ -1,7 +1,8 @@
-//! The statistics of a part of a file as stored.
+//! Index statistics of a part of a file, as stored.
 //!
-//! Restarts separate strips, and degenerate triangles join them. Joined strips are counted as two,
-//! but simulated as stored. Polygons are drawn as triangle fans.
+//! Restarts separate strips, and degenerate triangles join them. Joined strips count as separate
+//! strips. The vertex caches are simulated with the indices as stored. Polygons are drawn as
+//! triangle fans.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -7,7 +7,7 @@
 //!
 //! # Complexity
 //! Linear in the bytes of the accessors, up to the limit for decoded attributes. Groups beyond the
-//! limit count as having only distinct vertices.
+//! limit are treated as having no equal vertices.
 
 use std::collections::HashMap;
 use std::sync::Arc;
