@@ -58,8 +58,8 @@ pub(crate) struct Leveled {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Drawn {
     /// Whether the strips draw the full mesh, the display strips draw exactly the triangles of the
-    /// level or view, and a written file, read back, draws the same; `null` if verification was
-    /// disabled.
+    /// level or view, and a written file draws the same triangles when it is read back; `null` if
+    /// verification was disabled.
     proven: Option<bool>,
     /// The level that is drawn; `null` for a camera.
     level: Option<usize>,

@@ -28,8 +28,8 @@ pub(crate) const SECONDS: SecondsKeys = &[
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Unpacked {
-    /// Whether the written file, read back, draws exactly the triangles of the level; `null`
-    /// without `-o`, and if verification was disabled.
+    /// Whether the written file draws exactly the triangles of the level when it is read back;
+    /// `null` without `-o`, and if verification was disabled.
     proven: Option<bool>,
     #[serde(flatten)]
     outcome: unpack::Outcome,

@@ -11,11 +11,10 @@
 //!    share a border are simplified together. The collapses of all parts are merged into one order,
 //!    by cost. A level is the first point in this order at which the number of triangles is at most
 //!    the requested number. Each level is therefore a simplification of the next finer one.
-//! 2. Vertices are numbered in reverse order of removal. The vertices of the coarsest level come
-//!    first, followed by the removed vertices, the last removed first. A level, and any point
-//!    between two levels, uses a prefix of the vertices. A program can load a coarse level first
-//!    and append vertices to its buffer. The vertices of coarse levels are spread over the surface,
-//!    and their memory order has no locality.
+//! 2. Vertices are numbered in reverse order of removal, after the vertices of the coarsest level.
+//!    A level, and any point between two levels, uses a prefix of the vertices. A program can load
+//!    a coarse level first and append vertices to its buffer. The vertices of coarse levels are
+//!    spread over the surface, and their memory order has no locality.
 //! 3. Each level gets its own strips or triangle list. Vertices keep their normals in all levels,
 //!    because a repaired normal would need a new vertex.
 //!

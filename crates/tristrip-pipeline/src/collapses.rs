@@ -38,12 +38,12 @@ pub struct Collapses {
     pub vanished_components: usize,
     /// The number of vertices that were kept because they touch a part placed by other nodes.
     pub locked_vertices: usize,
-    /// The number of remaining vertices by the reason why they were kept, each counted once; `None`
-    /// if the goal was reached.
+    /// The numbers of remaining vertices by the reason for keeping them. Each vertex counts once.
+    /// `None` if the goal was reached.
     pub vertices_kept: Option<KeptVertices>,
 }
 
-/// The number of vertices by the reason why a simplification kept them. Each vertex counts once.
+/// The numbers of vertices that a simplification kept, by reason. Each vertex counts once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

@@ -49,8 +49,8 @@ impl Options {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// Whether the file, read back, draws exactly the faces of the input; `null` in reports if
-    /// verification was disabled.
+    /// Whether the file draws exactly the faces of the input when it is read back; `null` in
+    /// reports if verification was disabled.
     #[serde(serialize_with = "encode::true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,

@@ -106,7 +106,7 @@ pub struct FileCost {
     /// The number of indices, including restarts and degenerate triangles. Polygons count as fans,
     /// except in a PLY file that was written, where their corners count.
     pub indices: usize,
-    /// Misses per triangle of a FIFO vertex cache of 16 entries, empty at the start of each part.
+    /// Misses per triangle in a FIFO vertex cache of 16 entries, empty at the start of each part.
     pub acmr_fifo_16: f64,
     /// The size in bytes; `None` for standard input, and for a `.gltf`, because its buffers may be
     /// in other files.

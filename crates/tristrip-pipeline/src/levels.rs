@@ -243,7 +243,8 @@ impl ModelLevels {
     /// Returns the level that meets a goal.
     ///
     /// # Errors
-    /// A level number exceeds that of the full mesh, or an error or pixel count is negative or NaN.
+    /// A level number is greater than the level of the full mesh, or an error or pixel count is
+    /// negative or NaN.
     ///
     /// ```
     /// use tristrip::lod::View;

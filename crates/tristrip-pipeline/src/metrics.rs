@@ -33,20 +33,19 @@ pub struct StripMetrics {
     pub indices_restart_per_triangle: f64,
     /// `indices_degenerate` divided by T.
     pub indices_degenerate_per_triangle: f64,
-    /// Misses per triangle of a FIFO vertex cache of 16 entries, in drawing order. The cache is not
+    /// Misses per triangle in a FIFO vertex cache of 16 entries, in drawing order. The cache is not
     /// flushed between strips.
     pub acmr_fifo_16: f64,
-    /// Misses per triangle of a FIFO vertex cache of 32 entries.
+    /// Misses per triangle in a FIFO vertex cache of 32 entries.
     pub acmr_fifo_32: f64,
-    /// Misses per vertex in use of a FIFO vertex cache of 16 entries.
+    /// Misses per used vertex in a FIFO vertex cache of 16 entries.
     pub atvr_fifo_16: f64,
-    /// Misses per vertex in use of a FIFO vertex cache of 32 entries.
+    /// Misses per used vertex in a FIFO vertex cache of 32 entries.
     pub atvr_fifo_32: f64,
-    /// Misses per triangle of the vertex cache that the method optimizes for; only for `cache`.
+    /// Misses per triangle in the vertex cache that the method optimizes for; only for `cache`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub acmr: Option<f64>,
-    /// Misses per vertex in use of the vertex cache that the method optimizes for; only for
-    /// `cache`.
+    /// Misses per used vertex in the vertex cache that the method optimizes for; only for `cache`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub atvr: Option<f64>,
     /// The vertex cache that the method optimizes for, and its misses.

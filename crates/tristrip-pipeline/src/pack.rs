@@ -101,9 +101,9 @@ pub struct Outcome {
     /// The file.
     #[serde(skip)]
     pub bytes: Vec<u8>,
-    /// Whether the file, read back, has exactly the triangles of the model, at positions rounded to
-    /// the grid; `None` if verification was disabled. Reports have `true`, Rust has the number of
-    /// triangles.
+    /// Whether the file contains exactly the triangles of the model when it is read back, at
+    /// positions rounded to the grid; `None` if verification was disabled. Reports have `true`, and
+    /// Rust has the number of triangles.
     #[serde(serialize_with = "is_some_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: Option<usize>,

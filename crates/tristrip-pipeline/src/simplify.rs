@@ -133,8 +133,9 @@ pub struct Outcome {
     /// The model with fewer triangles, over the vertices that it uses.
     #[serde(skip)]
     pub redrawn: Redrawn,
-    /// Whether replaying the collapses removes exactly the recorded triangles, and a written file,
-    /// read back, draws the remaining ones; `null` in reports if verification was disabled.
+    /// Whether replaying the collapses removes exactly the recorded triangles, and a written file
+    /// draws exactly the remaining triangles when it is read back; `null` in reports if
+    /// verification was disabled.
     #[serde(serialize_with = "true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,
@@ -177,8 +178,8 @@ pub struct Outcome {
     copies: Vec<Option<Copies>>,
 }
 
-/// How far a simplified surface is from the original, rounded to six decimals. The field names are
-/// the keys of the JSON report.
+/// The distances between a simplified surface and the original, rounded to six decimals. The field
+/// names are the keys of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

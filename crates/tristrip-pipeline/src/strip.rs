@@ -55,8 +55,8 @@ pub struct Outcome {
     /// The method and the options that it uses.
     #[serde(flatten)]
     pub method: MethodDescription,
-    /// Whether the strips draw exactly the faces of the model, and a written file, read back, does
-    /// too; `null` in reports if verification was disabled.
+    /// Whether the strips draw exactly the faces of the model, and a written file draws the same
+    /// faces when it is read back; `null` in reports if verification was disabled.
     #[serde(serialize_with = "true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,

@@ -79,8 +79,8 @@ struct Sums {
     texel_count: usize,
 }
 
-/// Measures the difference of surfaces from their originals, with about `points` points in each
-/// direction in total.
+/// Measures the difference between surfaces and their originals, with a total of about `points`
+/// points per direction.
 ///
 /// If nothing is left of a surface, its distance is the diagonal of its bounding box.
 ///

@@ -88,8 +88,8 @@ pub struct Outcome {
     /// The order in which the collapses of a level were chosen: `quadric` or `shortest-edge`.
     pub order: &'static str,
     /// Whether the strips draw exactly the faces of the mesh and the triangles of the collapses,
-    /// and the file, read back, holds the same model; `null` in reports if verification was
-    /// disabled.
+    /// and the file contains the same model when it is read back; `null` in reports if verification
+    /// was disabled.
     #[serde(serialize_with = "true_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: bool,

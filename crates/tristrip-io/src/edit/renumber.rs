@@ -2,7 +2,7 @@
 //! detail.
 //!
 //! # Complexity
-//! Linear in the vertices and their values, and for a scene as in `gltf/edit/renumber.rs`.
+//! Linear in the vertices and their values. For a scene, see `gltf/edit/renumber.rs`.
 
 use std::sync::Arc;
 

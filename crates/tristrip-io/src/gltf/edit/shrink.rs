@@ -12,8 +12,8 @@
 //!    that had them.
 //! 3. The bytes of removed values are deleted unless other data uses them: another accessor, an
 //!    image, a view without an accessor, or a view that an extension or extras may refer to. Bytes
-//!    are deleted in multiples of 8, which keeps the alignment of all others. Interleaved accessors
-//!    have the same count, so whole rows are deleted.
+//!    are deleted in multiples of 8, so the remaining bytes keep their alignment. Interleaved
+//!    accessors have the same count, so whole rows are deleted.
 //! 4. Views move and become shorter; accessor offsets are adjusted to match. No accessor or view is
 //!    removed, because anything may refer to them by index.
 //!

@@ -16,17 +16,17 @@ pub(super) const OWN_MEMBERS: [&str; 3] = ["name", "extensions", "extras"];
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Rounding {
-    /// Nothing. Vertices and JSON values are preserved exactly; animation tracks change by at most
-    /// a millionth of their largest absolute value.
+    /// Rounds nothing. Vertices and JSON values are preserved exactly; animation tracks change by
+    /// at most a millionth of their largest absolute value.
     #[default]
     None,
-    /// Joint weights to 16 bits: each changes by less than 1/65535 if the weights of a vertex sum
-    /// to 1. Node transforms that are exact 32-bit floats are written with the fewest digits of
-    /// these; as 64-bit floats, they change by a relative error below 1e-7.
+    /// Rounds joint weights to 16 bits: each changes by less than 1/65535 if the weights of a
+    /// vertex sum to 1. Node transforms that are exact 32-bit floats are written with the fewest
+    /// digits of these; as 64-bit floats, they change by a relative error below 1e-7.
     Weights,
-    /// Joint weights to 8 bits: each changes by less than 1/255. Animated rotations to 16 bits:
-    /// each quaternion component changes by at most 1/65534, the angle by less than 0.004 degrees.
-    /// Node transforms as with `Weights`.
+    /// Rounds joint weights to 8 bits: each changes by less than 1/255. Rounds animated rotations
+    /// to 16 bits: each quaternion component changes by at most 1/65534, and the angle by less than
+    /// 0.004 degrees. Node transforms are rounded as with `Weights`.
     WeightsAndRotations,
 }
 

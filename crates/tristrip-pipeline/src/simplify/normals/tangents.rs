@@ -1,5 +1,5 @@
-//! Tangents of rebuilt parts from their texture coordinates, in the convention that normal maps are
-//! baked for.
+//! Computes the tangents of rebuilt parts from their texture coordinates, in the usual convention
+//! for normal maps.
 //!
 //! # References
 //! M. S. Mikkelsen: *Simulation of Wrinkled Surfaces Revisited*, 2008. glTF uses the tangents of
