@@ -8,11 +8,11 @@
 //!   ├▶ simplify: collapses, across borders between parts ─▶ smaller model
 //!   └▶ levels: strips ─ collapses of all parts in one order ─▶ display strips of any level, proven
 //! ```
-//! The functions take a model in memory and return owned results. They do not access files, the
-//! clock or the terminal. Only `Target` accesses files; it needs the feature `fs`. An [`Observer`]
-//! is notified of every stage: it can measure time, stop a search, or cancel. All parts are
-//! processed in parallel in the current `rayon` pool. Results are the same for any number of
-//! threads.
+//! The functions take a model in memory and return owned results. They do not access the clock or
+//! the terminal. Only `Target`, and [`unpack`] with a base directory, access files; both need the
+//! feature `fs`. An [`Observer`] is notified of every stage: it can measure time, stop a search, or
+//! cancel. All parts are processed in parallel in the current `rayon` pool. Results are the same
+//! for any number of threads.
 //!
 //! ```
 //! use tristrip_io::{Format, read};
