@@ -1,4 +1,4 @@
-//! The collapses of a simplification, in order, over the triangles of the full mesh.
+//! The collapses of a simplification in order, with the triangles of the full mesh.
 //!
 //! A half-edge collapse renames one vertex, the *removed* one, to a neighbour, the *kept* one.
 //! Triangles that have both become degenerate and are dropped. A point on an attribute seam has
@@ -110,9 +110,9 @@ impl CollapseSequence {
     ///
     /// # Errors
     /// The number of corners is not a multiple of three; a vertex index is out of range; there are
-    /// too many vertices or corners for 32-bit ids; a collapse names a vertex that no triangle uses
-    /// or that an earlier collapse removed, or renames a vertex to itself or to one that it also
-    /// removes; an error is negative or NaN.
+    /// too many vertices or corners for 32-bit ids; a collapse renames an unused or already removed
+    /// vertex, or renames a vertex to itself or to another removed vertex; an error is negative or
+    /// NaN.
     ///
     /// ```
     /// use tristrip::{CollapseSequence, Rename};
@@ -197,10 +197,10 @@ impl CollapseSequence {
         }
     }
 
-    /// Multiplies the errors by a non-negative scale, such as the scale of the mesh in a scene.
+    /// Multiplies all errors by a non-negative scale, such as the scale of the mesh in a scene.
     ///
     /// # Errors
-    /// The scale is negative or not a number.
+    /// The scale is negative or NaN.
     ///
     /// ```
     #[doc = include_str!("lod/example.txt")]
@@ -413,7 +413,8 @@ impl CollapseSequence {
         Ok(self)
     }
 
-    /// Returns for each vertex the vertex that replaces it at a level, or itself.
+    /// Returns, for each vertex, the vertex that replaces it at a level. A vertex that is still
+    /// drawn maps to itself.
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
@@ -471,12 +472,12 @@ impl CollapseSequence {
         renamed.filter(|&triangle| !is_degenerate(triangle)).collect()
     }
 
-    /// Checks that each collapse in turn drops the triangles that the sequence states.
+    /// Replays the sequence and checks that each collapse drops exactly the triangles in its list.
     ///
     /// # Errors
-    /// A collapse names a vertex that no triangle uses or that an earlier collapse removed, or
-    /// renames a vertex to itself or to one that it also removes; an error is negative or NaN; a
-    /// collapse drops other triangles than stated.
+    /// A collapse renames an unused or already removed vertex, or renames a vertex to itself or to
+    /// another removed vertex; an error is negative or NaN; the list of dropped triangles of a
+    /// collapse is wrong.
     ///
     /// ```
     #[doc = include_str!("lod/example.txt")]

@@ -176,9 +176,9 @@ impl PathCover {
         true
     }
 
-    /// Joins the ends of two different paths across a half-edge of the graph. Returns whether it
-    /// succeeded: the half-edge has a twin, and its two triangles are ends of different paths. The
-    /// time is proportional to the length of one of the paths.
+    /// Joins two paths at their ends across a half-edge of the graph, and returns whether it
+    /// succeeded. The half-edge must have a twin, and its two triangles must be ends of different
+    /// paths. The time is proportional to the length of one of the paths.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, HalfEdge, PathCover};
@@ -264,7 +264,8 @@ impl PathCover {
         numbering
     }
 
-    /// Checks that links are stored on both sides, no path is closed, and the link count is right.
+    /// Checks that links are stored on both sides, that no path is closed, and that the stored link
+    /// count is correct.
     ///
     /// # Errors
     /// The first violation found.

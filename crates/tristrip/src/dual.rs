@@ -1,8 +1,8 @@
 //! The dual graph: faces connected across shared edges.
 //!
 //! A half-edge is a corner of a face and represents the edge from that corner to the next one. Two
-//! half-edges of opposite direction over the same two vertices are *twins*. A pair of twins is an
-//! arc of the graph.
+//! half-edges with opposite directions between the same two vertices are *twins*. A pair of twins
+//! is an arc of the graph.
 //!
 //! ```text
 //!        c                  half-edge 3t + 0: a → b      its twin: b → a in the face below
@@ -16,7 +16,7 @@
 //! A half-edge is paired with the most recent unpaired half-edge over the same edge, among the last
 //! eight, unless the two faces fold back onto each other. Two faces fold back if both have the same
 //! third corner, like a face and its own reverse. Faces that fold back are paired last, in order.
-//! Half-edges of equal direction belong to neighbours with inconsistent winding and are never
+//! Half-edges with the same direction belong to neighbours with inconsistent winding and are never
 //! paired.
 //!
 //! # Complexity
@@ -354,7 +354,7 @@ impl DualGraph {
     /// Checks that twins refer to each other and never to a half-edge of the same face.
     ///
     /// # Errors
-    /// A half-edge does not satisfy this; the first one is returned.
+    /// The first half-edge that violates this.
     ///
     /// ```
     #[doc = include_str!("dual/example.txt")]

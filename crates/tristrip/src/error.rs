@@ -10,7 +10,7 @@ pub enum Error {
     /// An option has an invalid value.
     #[error("parameter `{name}`: found {found}, expected {expected}")]
     Parameter {
-        /// The name of the option, as in the command line and the documentation.
+        /// The name of the option, as on the command line and in the documentation.
         name: &'static str,
         /// The value found.
         found: String,
@@ -27,8 +27,8 @@ pub enum Error {
         /// What the format requires.
         expected: String,
     },
-    /// There are more items than a limit allows: that of 32-bit indices, an index type, a buffer,
-    /// or the memory.
+    /// The number of items exceeds a limit: of 32-bit indices, of an index type, of a buffer, or of
+    /// memory.
     #[error("{what}: found {found}, the limit is {limit}")]
     LimitExceeded {
         /// The kind of item that is limited.
@@ -40,7 +40,7 @@ pub enum Error {
     },
 }
 
-/// A defect of a mesh that prevents every method.
+/// A defect of a mesh that no method can process.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshProblem {

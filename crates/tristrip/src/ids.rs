@@ -1,5 +1,5 @@
-//! Ids: distinct 32-bit types for faces and half-edges, an optional id in four bytes, and the limit
-//! that reserves one value.
+//! Ids: distinct 32-bit types for faces and half-edges, an optional id in four bytes, and the
+//! maximum count, which reserves one value.
 
 use crate::error::Error;
 use crate::index::Index;

@@ -1,4 +1,4 @@
-//! Converts polygon meshes into render-ready triangle strips and proves the result.
+//! Converts polygon meshes into render-ready triangle strips and verifies the result.
 //!
 //! Every stripification is a path cover of the mesh's dual graph. The nodes are triangles, the arcs
 //! are shared edges, and each strip is a simple path. The modules follow the data flow, and each

@@ -8,15 +8,15 @@
 //! # Algorithm
 //! 1. An edge shared by two triangles, matched by position, is *hard* if the normals on its two
 //!    sides differ at one of its ends.
-//! 2. A mesh is flat-shaded if nearly all corners have their face normals, and many edges are hard.
-//!    Without the second condition, a plane would count as flat-shaded.
-//! 3. The crease angle is the angle between faces that best separates hard edges from the others,
-//!    with the fewest edges on the wrong side.
-//! 4. New normals: a corner gets the mesh's normal at its point that is nearest to the face normal,
-//!    if it is within 45 degrees. All other corners at a point that are connected by edges below
-//!    the crease angle share one normal. It is the mesh's normal at the point that is nearest to
-//!    the weighted mean of their face normals, or that mean if none is near. In a flat-shaded mesh,
-//!    every corner gets its face normal.
+//! 2. A mesh is flat-shaded if nearly all corners have the normal of their face and many edges are
+//!    hard. Without the second condition, a plane would count as flat-shaded.
+//! 3. The crease angle is the threshold of the angle between faces that best separates hard edges
+//!    from the others. It leaves the fewest edges on the wrong side.
+//! 4. New normals: a corner looks at the mesh's normals at its point. It gets the one nearest to
+//!    its face normal, if that is within 45 degrees. All other corners at a point that are
+//!    connected by edges below the crease angle share one normal. This is the mesh normal at the
+//!    point that is nearest to the weighted mean of their face normals. If no mesh normal is near,
+//!    it is the mean itself. In a flat-shaded mesh, every corner gets its face normal.
 //!
 //! # References
 //! N. Max: *Weights for Computing Vertex Normals from Facet Normals*, 1999: the weights, which need
@@ -115,8 +115,8 @@ impl Shading {
     }
 
     /// Returns unit normals for other triangles over the vertices of a mesh, three per triangle.
-    /// `before` are the triangles with this shading. A triangle without area gets the normals of
-    /// its vertices, or zero if they have none.
+    /// `before` contains the triangles that have this shading. A triangle without area gets the
+    /// normals of its vertices, or zero if they have none.
     ///
     /// # Errors
     /// A number of indices is not a multiple of three, or an index is out of range.
@@ -138,8 +138,8 @@ impl Shading {
         self.normals_of_corners(mesh, before, triangles, false)
     }
 
-    /// Returns normals like [`Shading::corner_normals`], but keeps the vertex normal of a corner
-    /// where it fits the face. A corner whose candidates all fail to fit gets the face normal.
+    /// Returns normals like [`Shading::corner_normals`], but a corner keeps its vertex normal if
+    /// that fits the face. A corner whose candidates all fail to fit gets the face normal.
     ///
     /// # Errors
     /// A number of indices is not a multiple of three, or an index is out of range.

@@ -43,15 +43,15 @@ pub struct PreparedFaces<'a> {
 /// What the preparation of a mesh's faces changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PreparedCounts {
-    /// Number of vertices in use that were replaced by another one with the same bits (`--weld`).
+    /// Number of vertices in use that were replaced by a vertex with the same bits (`--weld`).
     pub welded_vertices: usize,
-    /// Number of dropped faces that draw nothing: fewer than three corners remain after corners
-    /// that repeat the previous one are dropped.
+    /// Number of dropped faces that draw nothing. They have fewer than three corners after repeated
+    /// consecutive corners are dropped.
     pub degenerate_faces: usize,
     /// Number of polygons cut into triangles because they are not convex or contain a vertex twice.
     pub cut_polygons: usize,
-    /// Number of these polygons that became a fan, because ear cutting found no triangulation of
-    /// all corners or the polygon was too large for it.
+    /// Number of these polygons that became a fan: the polygon was too large for ear cutting, or
+    /// ear cutting found no triangulation of all corners.
     pub fanned_polygons: usize,
 }
 

@@ -1,8 +1,8 @@
 //! Simplification by half-edge collapses, cheapest first, to any level of detail.
 //!
 //! The result contains the requested mesh and all finer levels as a [`CollapseSequence`]. Level 0
-//! is the requested mesh, the highest level is the input mesh. No vertex is created or moved, so
-//! every level is drawn with the vertices of the full mesh.
+//! is the requested mesh, and the highest level is the input mesh. No vertex is created or moved,
+//! so every level is drawn with the vertices of the full mesh.
 //!
 //! Vertices at the same position form one point. If their attributes differ, the point lies on a
 //! seam: its vertices collapse together along the seam or not at all. Holes are not closed and
@@ -75,8 +75,7 @@ pub struct Simplified {
 ///
 /// # Errors
 /// There are more than 2²⁷ triangles; the error limit is negative or NaN; another option is out of
-/// range; there are more values for locked vertices, error factors or vanishing errors than
-/// vertices.
+/// range; an option has more per-vertex values than the mesh has vertices.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
@@ -105,8 +104,8 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions) -> Result<Simplified, Er
 ///
 /// # Errors
 /// The number of indices is not a multiple of three; an index is out of range; there are more than
-/// 2²⁷ triangles; the error limit is negative or NaN; another option is out of range; there are
-/// more values for locked vertices, error factors or vanishing errors than vertices.
+/// 2²⁷ triangles; the error limit is negative or NaN; another option is out of range; an option has
+/// more per-vertex values than the mesh has vertices.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify_triangles}};

@@ -1,6 +1,6 @@
 //! Triangle strips, stored as one vertex array and the end of each strip.
 //!
-//! Triangle i of a strip consists of the vertices i, i + 1 and i + 2. For odd i the first two are
+//! Triangle i of a strip consists of the vertices i, i + 1 and i + 2. For odd i, the first two are
 //! exchanged. A triangle with two equal vertices is degenerate and draws nothing. A *swap* repeats
 //! a vertex inside a strip; a *winding repeat* repeats the first vertex at the start.
 

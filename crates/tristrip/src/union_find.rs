@@ -31,7 +31,7 @@ impl UnionFind {
         Self { parents: (0..count as u32).collect() }
     }
 
-    /// Returns the root of the set of an element, and halves the path to it.
+    /// Returns the root of the set of an element, and halves the path to the root.
     ///
     /// # Panics
     /// The element is not less than the number of elements.

@@ -45,7 +45,7 @@ pub(crate) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
 }
 
 /// Returns the squared distance from a point to a triangle if it is less than `known`, otherwise
-/// `known`. A triangle without area consists of its edges.
+/// `known`. A triangle without area is treated as its edges.
 ///
 /// If the foot of the perpendicular lies inside, this is the distance to the plane. Otherwise it is
 /// the smallest distance to the edges that the foot lies beyond.
@@ -71,7 +71,7 @@ pub(crate) fn to_triangle(p: Point, corners: [Point; 3], known: f64) -> f64 {
 }
 
 /// Returns the point of a triangle closest to a given point, in barycentric coordinates: none is
-/// negative, and they add up to 1. A triangle without area consists of its edges.
+/// negative, and they add up to 1. A triangle without area is treated as its edges.
 ///
 /// Uses the formulas by Voronoi region of Ericson: *Real-Time Collision Detection*, 2005, section
 /// 5.1.5.

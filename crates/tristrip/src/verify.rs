@@ -1,4 +1,4 @@
-//! Proof that strips draw every face of a mesh exactly once, with its original winding.
+//! Verifies that strips draw every face of a mesh exactly once, with its original winding.
 //!
 //! [`verify`](fn@verify) compares by vertex index. [`verify_models`] compares two models by
 //! position.

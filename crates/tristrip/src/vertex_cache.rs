@@ -18,8 +18,8 @@
 //!
 //! [`VertexCacheStatistics`] measures strips or a list, with one cache or many. [`lru_profile`]
 //! measures all LRU sizes. [`VertexCacheSimulator`] receives vertices one at a time.
-//! [`GeneralizedCost`] models a different machine, that of the first studies, which receives
-//! vertices and references to its cache.
+//! [`GeneralizedCost`] models the machine of the first studies, which receives vertices and
+//! references to its cache.
 //!
 //! # Algorithm
 //! *FIFO:* each vertex stores the number of the miss at which it entered. It is evicted after as

@@ -2,8 +2,8 @@
 //!
 //! # Algorithm
 //! Each drawn vertex has a *slot*, a list of corners. When one vertex is renamed to another, the
-//! shorter of their two lists is appended to the longer one, and the kept vertex takes the longer
-//! one's slot. A triangle that becomes degenerate has a corner in both lists, so checking the
+//! shorter of their two lists is appended to the longer one. The kept vertex takes the slot of the
+//! longer list. A triangle that becomes degenerate has a corner in both lists, so checking the
 //! triangles of the moved corners finds all of them.
 //!
 //! # Complexity

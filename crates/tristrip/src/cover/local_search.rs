@@ -6,9 +6,9 @@
 //!     ┊   ┊              (one index fewer than before); a chain that raises the
 //!     e   d ━ f ━        cost is undone in reverse order
 //! ```
-//! Annealing accepts a rise at random and repairs the damage while it cools. If little has changed
-//! since a good cover, for example near a collapse, a chain gains more in the same time: it
-//! continues at its cut, and failed attempts are undone.
+//! Annealing accepts a rise at random and repairs the damage while it cools. If only a small part
+//! of a good cover has changed, for example near a collapse, chains gain more in the same time. A
+//! chain continues at its cut, and failed attempts are undone.
 //!
 //! # Algorithm
 //! 1. Start at the end of a path, or at the two ends created by a cut between two triangles.
@@ -17,7 +17,7 @@
 //! 3. Stop when the cost is below the start, no end is left, or the maximum number of moves is
 //!    reached. Undo everything if the cost is higher.
 //!
-//! A chain that ends at its initial cost is kept, so ends move until they meet.
+//! A chain whose cost is unchanged at its end is kept, so path ends move until they meet.
 //!
 //! # Complexity
 //! A few moves per chain, each in O(length of the paths that it cuts).

@@ -10,9 +10,9 @@
 //! repeats at the starts of the affected paths. All other moves are composed of these two, and are
 //! undone by the inverse moves in reverse order.
 //!
-//! A cut walks to the nearer end of its path, which is far in a mesh of one regular strip. A search
-//! therefore limits the total steps of its walks. Once they are used up, it can cut only near the
-//! ends of paths.
+//! A cut walks to the nearer end of its path. In a mesh that is one long strip, this is a long
+//! walk. A search therefore limits the total steps of its walks. Once they are used up, it can cut
+//! only near the ends of paths.
 //!
 //! # Complexity
 //! 16 bytes and one bit per triangle. A join takes O(1), and so does undoing it. A cut takes as

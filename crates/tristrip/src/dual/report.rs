@@ -2,14 +2,14 @@
 //! should know about.
 //!
 //! # Algorithm
-//! The pairing of the graph knows whether two half-edges have the same direction over the same
-//! vertices. If there are none, every edge has one face or two of opposite direction, and no face
-//! occurs twice. A half-edge without a twin is then a boundary edge. Otherwise the half-edges are
-//! counted edge by edge, and faces are compared.
+//! The pairing of the graph records whether any two half-edges have the same direction between the
+//! same vertices. If not, every edge belongs to one face or to two faces with opposite directions,
+//! and no face occurs twice. A half-edge without a twin is then a boundary edge. Otherwise the
+//! half-edges are counted edge by edge, and faces are compared.
 //!
 //! # Complexity
 //! O(n) time for meshes of bounded valence, O(n log n) in the worst case. Temporary memory: 8 bytes
-//! per triangle and 1 per vertex, or 16 and 4 for meshes with other edges.
+//! per triangle and 1 per vertex, or 16 and 4 if the half-edges are counted.
 
 use super::{DualGraph, for_each_edge};
 use crate::csr::Csr;
@@ -30,11 +30,11 @@ pub struct MeshReport {
     pub triangles: usize,
     /// Number of connected components of the dual graph.
     pub components: usize,
-    /// Number of edges of one face.
+    /// Number of boundary edges, which belong to one face.
     pub boundary_edges: usize,
-    /// Number of edges of more than two faces.
+    /// Number of edges shared by more than two faces.
     pub non_manifold_edges: usize,
-    /// Number of edges of two faces with inconsistent winding. No strip crosses them.
+    /// Number of edges shared by two faces with inconsistent winding. No strip crosses them.
     pub inconsistent_edges: usize,
     /// Number of faces that share no edge with another face.
     pub isolated_faces: usize,

@@ -2,7 +2,7 @@
 //! triangles.
 //!
 //! A face of k corners has k − 2 consecutive triangles, in face order. Triangles are connected
-//! across the edges of their faces like the faces, and across diagonals.
+//! across shared edges, as their faces are, and across diagonals.
 //!
 //! # Complexity
 //! 24 bytes per triangle and 4 per corner while building. Nothing if every face is a triangle: the

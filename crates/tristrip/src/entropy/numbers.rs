@@ -1,8 +1,8 @@
-//! Codes integers as decisions: first the bucket of the size, relative to the expected one, as one
-//! of sixteen symbols; then the position within the bucket; then the sign.
+//! Codes integers as decisions. The first is the bucket of the size, relative to the expected
+//! bucket, as one of sixteen symbols. The position within the bucket and the sign follow.
 //!
-//! The bounds of the buckets are 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, …: the bucket of a size is the
-//! integer part of twice its binary logarithm.
+//! The buckets start at 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, …. The bucket of a size is the integer
+//! part of twice its binary logarithm.
 //!
 //! # Algorithm
 //! The *level*, the logarithm of the expected size, is a weighted sum of features. Its weights are

@@ -3,7 +3,8 @@
 //!
 //! # Algorithm
 //! After a choice, each score moves by the difference between the outcome and its probability. This
-//! is the gradient of the bits that the choice took. A decision is a choice between a score and 0.
+//! is the gradient of the number of bits spent on the choice. A decision is a choice between a
+//! score and 0.
 //!
 //! Scores are integers modulo 2³², in units of 1/65536 of a natural logarithm.
 //!

@@ -2,8 +2,9 @@
 //! level is always ready, and a level change writes only the slots that differ.
 //!
 //! Strips with renamed vertices get worse with each collapse, because dropped triangles remain in
-//! them as degenerate ones. Here, some levels, the *keys*, have strips of their own, repaired when
-//! the model is built. Between two keys, collapses rename slots of the buffer in place.
+//! them as degenerate triangles. Here, some levels have strips of their own, which are repaired
+//! when the model is built. These levels are the *keys*. Between two keys, collapses rename slots
+//! of the buffer in place.
 //!
 //! ```text
 //! level   full ────────▶ key 1 ─────────▶ key 2 ── … ─▶ 0
@@ -11,11 +12,11 @@
 //!           slots renamed  slots renamed                 written one by one
 //! ```
 //! # Algorithm
-//! *Keys*: below the full mesh, the next key follows when the number of triangles has fallen by
-//! x·√(T·F), or by half. T is the number of triangles of the last key, F that of the full mesh. These
-//! distances minimize the memory of all key buffers for a given number of vertices sent over all
-//! levels: a key costs memory in proportion to T, and saves vertices in proportion to the square of
-//! the distance. The constant x follows from the memory that the options allow.
+//! *Keys*: the next coarser key follows when the number of triangles has fallen by x·√(T·F), or by
+//! half. T is the number of triangles of the last key, and F is the number of triangles of the full
+//! mesh. These distances minimize the memory of all key buffers for a given number of vertices sent
+//! over all levels: a key costs memory in proportion to T, and saves vertices in proportion to the
+//! square of the distance. The constant x follows from the memory that the options allow.
 //!
 //! *Strips of a key*: [`Repair`](crate::lod::Repair) follows the collapses from the strips of the
 //! full mesh.
@@ -24,12 +25,12 @@
 //! and each collapse writes the kept vertex into them. The records are stored once, in the order of
 //! the levels. To enter the range of another key, copy its buffer and apply collapses from it.
 //!
-//! *Ends*: where degenerate triangles are at an end of a strip, or between two triangles that share
-//! no slot, their slots are overwritten with [`Index::RESTART`], so the buffer sends fewer vertices
-//! (module `live_buffer`).
+//! *Ends*: some degenerate triangles are at an end of a strip, or between two triangles that share
+//! no slot. Their slots are overwritten with [`Index::RESTART`], so fewer vertices are sent (module
+//! `live_buffer`).
 //!
 //! *Changes*: the records between two positions list the slots that differ, regardless of the level
-//! changes in between. So nothing has to be recorded during a level change.
+//! changes in between. Nothing has to be recorded during a level change.
 //!
 //! # Complexity
 //! A level change takes one step per renamed slot, about three per collapse, plus a copy of the
@@ -64,8 +65,8 @@ pub use options::BlockOptions;
 use records::{BlockRecords, Position, RecordList, index_of};
 use upload_order::SlotChanges;
 
-/// Strips at all levels, as index buffers of some levels and the slots that collapses rename in
-/// them.
+/// A level model that stores the index buffers of some levels, and the slots that collapses rename
+/// between them.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -265,10 +266,10 @@ impl<I: Index> BlocksCursor<I> {
         &self.buffer
     }
 
-    /// Returns the index ranges changed since the last call, sorted and non-empty, merged to at
-    /// most `most` ranges, but at least one if anything changed. Ranges with the smallest gaps
-    /// between them are merged first. The first call returns the whole buffer, as does the first
-    /// call after a change to another key.
+    /// Returns the index ranges changed since the last call, sorted and non-empty. They are merged
+    /// to at most `most` ranges, but at least one range if anything changed. Ranges with the
+    /// smallest gaps between them are merged first. The first call returns the whole buffer. So
+    /// does the first call after a change to another key.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

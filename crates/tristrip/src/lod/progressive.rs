@@ -3,8 +3,8 @@
 //!
 //! The vertices of all strips are stored in one *index map*, with a restart between strips. A
 //! collapse overwrites the removed vertex with another entry in every slot that contains it. The
-//! vertex split that undoes the collapse writes the vertex back. The record of a split is therefore
-//! the vertex and its slots, and no step reads anything else.
+//! vertex split that undoes the collapse writes the vertex back. The record of a split therefore
+//! consists of the vertex and its slots. No step reads anything else.
 //!
 //! ```text
 //! level 8   0 1 2 3 4 R 3 2 5       4 collapses to 2, then 3 to 2
@@ -63,9 +63,9 @@ names! {
     Offsets => "offsets", "E-PS: slots that follow a neighbour are stored once (Kim et al. 2005)";
 }
 
-/// The strips of a mesh at all levels of a collapse sequence: an index map, and the slots that each
-/// collapse renames in it. The model is immutable; a [`ProgressiveStripsCursor`] has the map of one
-/// level.
+/// The strips of a mesh at all levels of a collapse sequence, stored as an index map and the slots
+/// that each collapse renames in it. The model is immutable; a [`ProgressiveStripsCursor`] has the
+/// map of one level.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -245,7 +245,7 @@ impl ProgressiveStripsCursor {
         &self.model
     }
 
-    /// Splits a vertex, which moves one level up. Returns `false` at the full mesh.
+    /// Moves one level up by splitting a vertex. Returns `false` at the full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -263,7 +263,7 @@ impl ProgressiveStripsCursor {
         self.replay.refine(&self.model.records)
     }
 
-    /// Collapses a vertex, which moves one level down. Returns `false` at the base mesh.
+    /// Moves one level down by collapsing a vertex. Returns `false` at the base mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -29,12 +29,12 @@
 //! *Directly at a level*: drop everything that the level does not draw. Link consecutive remaining
 //! triangles of a strip that share an edge, as the filters do. Then search from all triangles.
 //!
-//! The module `pairing` defines twins where more than two triangles share an edge.
+//! The module `pairing` defines the twins at edges of more than two triangles.
 //!
 //! # Determinism
-//! The strips of a level depend only on the levels passed on the way: the same steps give the same
-//! strips. Coarsening and then refining can give strips other than the earlier ones, but they draw
-//! the same triangles.
+//! The strips of a level depend only on the sequence of levels before it: the same steps give the
+//! same strips. Coarsening and then refining can give different strips, but they draw the same
+//! triangles.
 //!
 //! # Effort
 //! Measured on the bunny with 69,451 triangles, simplified to a twentieth in 33,042 collapses. The

@@ -29,8 +29,8 @@
 //! - The arrays of each strip are packed one after the other, with as many bits per number as the
 //!   strip needs, instead of objects that contain arrays. Visit counters belong to the walk, so
 //!   instances share the model.
-//! - The paper does not say which subsequences it looks for; `shortened.rs` removes pairs until
-//!   none can be removed.
+//! - The paper does not say which subsequences are removed; `shortened.rs` removes pairs until none
+//!   can be removed.
 //!
 //! # References
 //! Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*, 2006,
@@ -85,9 +85,9 @@ impl Sets {
     /// Builds the model from strips of the full mesh.
     ///
     /// # Errors
-    /// A strip has a vertex that is not in the sequence, or the strips have too many arcs. The
-    /// latter happens if one strip surrounds a vertex with thousands of triangles, because its
-    /// successors change with each collapse around it.
+    /// A strip has a vertex that is not in the sequence, or the strips have too many arcs. A strip
+    /// has too many arcs if thousands of its triangles surround one vertex, because the successors
+    /// of this vertex change with each collapse around it.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -102,8 +102,8 @@ impl Sets {
     }
 
     /// Returns the number of list entries that a level change reads: beginnings, labels and
-    /// successors of the strips that differ between the two levels. Reading them takes most of the
-    /// time of a level change, and their number is the same on every machine.
+    /// successors of the strips that differ between the two levels. Reading them dominates the time
+    /// of a level change. Their number does not depend on the machine.
     ///
     /// # Errors
     /// One of the levels does not exist.

@@ -2,8 +2,8 @@
 //!
 //! The collapses of a simplification form a vertex hierarchy. A view applies every collapse whose
 //! error is too small to see. It therefore draws less detail far from the camera, outside the view
-//! frustum and on back faces. Strips are built once, for the full mesh. A view draws each strip
-//! vertex as its first active ancestor, and a filter removes the degenerate triangles. Only a few
+//! frustum and on back faces. Strips are built once, for the full mesh. A view replaces each strip
+//! vertex with its first active ancestor, and a filter removes the degenerate triangles. Only a few
 //! vertices change from frame to frame, and only the strips around them are rebuilt.
 //!
 //! ```text

@@ -19,7 +19,7 @@ impl Faces {
     /// Creates triangles from three vertex indices each.
     ///
     /// # Errors
-    /// The number of indices is not a multiple of three, or too large for 32-bit indices.
+    /// The number of indices is not a multiple of three, or it is too large for 32-bit indices.
     ///
     /// ```
     /// let faces = tristrip::Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?;
@@ -37,8 +37,8 @@ impl Faces {
     /// corners. Faces may have any size, including 0.
     ///
     /// # Errors
-    /// The offsets do not match the corners, or there are too many corners of faces or of their
-    /// triangles for 32-bit indices.
+    /// The offsets do not match the corners, or the faces or their triangles have too many corners
+    /// for 32-bit indices.
     ///
     /// ```
     /// let quad_and_triangle = tristrip::Faces::from_offsets(vec![0, 4, 7], vec![0, 1, 2, 3, 3, 2, 4])?;
@@ -198,7 +198,7 @@ impl Faces {
     /// Returns faces of the same sizes with other vertices.
     ///
     /// # Errors
-    /// The number of corners differs.
+    /// The number of vertices differs from the number of corners.
     ///
     /// ```
     /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;

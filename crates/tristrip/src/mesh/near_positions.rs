@@ -1,4 +1,4 @@
-//! Finds positions within a distance of others by a grid of cells.
+//! A grid of cells that finds the positions within a distance of a given position.
 //!
 //! Scanners and CAD programs write the two sides of a border with small differences. To find the
 //! other side, each position is looked up in the grid before it is inserted.
@@ -65,7 +65,7 @@ impl NearPositions {
         Ok(Self { distance: distance.into(), latest: HashMap::new(), entries: Vec::new() })
     }
 
-    /// Adds a position with a number that the caller chooses.
+    /// Adds a position with a number chosen by the caller.
     ///
     /// # Errors
     /// There are too many positions for 32-bit indices.
@@ -85,7 +85,7 @@ impl NearPositions {
     }
 
     /// Iterates over the positions within the distance, as pairs of a distance and a number, in no
-    /// particular order. In cells with more than 1024 positions only the latest 1024 are compared.
+    /// particular order. In cells with more than 1024 positions, only the latest 1024 are compared.
     ///
     /// ```
     /// let mut grid = tristrip::NearPositions::new(1.0)?;

@@ -1,4 +1,4 @@
-//! A common vertex numbering of several meshes by position, used to compare what two files draw.
+//! Numbers the vertices of several meshes by position, to compare what two files draw.
 //!
 //! Vertices get the same number if their positions have the same bits; −0.0 equals 0.0. Other
 //! attributes are ignored.
@@ -34,7 +34,7 @@ pub struct PositionIds {
 }
 
 impl PositionIds {
-    /// Returns the faces of all meshes, in order, with the common numbers as vertices.
+    /// Returns the faces of all meshes, in order, with position numbers as vertices.
     ///
     /// # Errors
     /// The meshes together have too many corners, faces or positions for 32-bit indices.

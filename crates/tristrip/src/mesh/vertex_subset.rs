@@ -1,5 +1,5 @@
 //! The vertices that an index buffer uses, renumbered 0, 1, 2 … in ascending order. Thousands of
-//! parts may share one long list of vertices; arrays per vertex should then have the size of a
+//! parts may share one long list of vertices. Per-vertex arrays then need only the size of one
 //! part.
 //!
 //! # Complexity

@@ -2,7 +2,7 @@
 //!
 //! A model exported without shared vertices has no shared edges, and every triangle would be a
 //! strip of its own. Welding uses one vertex for all equal ones. Strips of a welded mesh draw the
-//! same surface but use other vertices than its faces, so they carry the welds.
+//! same surface as its faces but use other vertices, so the strips store the welds.
 //! [`verify`](crate::verify::verify) checks that the vertices are equal and compares the faces
 //! after welding.
 //!

@@ -145,7 +145,7 @@ pub struct SimplifyOptions {
     pub error: Option<f32>,
     /// Whether each vertex is locked. Vertices after the last value are not locked.
     pub locked: Vec<bool>,
-    /// A factor per vertex for its errors; see [`SimplifyOptions::with_error_factors`].
+    /// Error factors, one per vertex; see [`SimplifyOptions::with_error_factors`].
     pub error_factors: Vec<f32>,
     /// Whether vertices at the borders of the surface are locked.
     pub locked_borders: bool,
@@ -292,8 +292,8 @@ impl SimplifyOptions {
 
         /// Joins vertices at open borders that are at most this far apart, in mesh units. Scanners
         /// and CAD programs write the two sides of a border with small differences; joined sides
-        /// collapse together like the sides of a seam. Positions do not change. Errors can be
-        /// larger by the distance. The default 0 joins only vertices at equal positions. The
+        /// collapse together like the sides of a seam. Positions do not change. Errors can increase
+        /// by up to this distance. The default 0 joins only vertices at equal positions. The
         /// distance should be shorter than the edges.
         ///
         /// ```

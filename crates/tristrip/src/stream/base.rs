@@ -5,10 +5,10 @@
 //! which the edges were created. It is a border, the edge of a new triangle, or shared with another
 //! open edge. When no edge is left, a new component begins.
 //!
-//! Then the fans are coded, in the order of their lowest corners. Each fan is a new vertex, or
-//! belongs to the vertex of an earlier fan. Each vertex is a new point, or has the position of an
-//! earlier fan. New points and vertices get values. These are predicted by the parallelogram across
-//! the edge at which their first triangle was added.
+//! Then the fans are coded, in order of their lowest corners. Each fan is a new vertex, or belongs
+//! to the vertex of an earlier fan. Each vertex is a new point, or has the position of an earlier
+//! fan. New points and vertices get values. The values are predicted by the parallelogram rule
+//! across the edge at which the first triangle was added.
 //!
 //! # Complexity
 //! O(n) time.

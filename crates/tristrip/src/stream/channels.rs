@@ -1,7 +1,7 @@
 //! Vertex attributes as integers on a grid. The grid is the same at all levels.
 //!
-//! Each component of a new vertex is predicted as the mean of those of the vertices around it, and
-//! the difference is coded. Joint indices are predicted as those of the kept vertex.
+//! Each component of a new vertex is predicted as the mean over the vertices around it, and the
+//! difference is coded. Joint indices are predicted from the kept vertex.
 
 use crate::entropy::numbers::{NumberLevel, NumberModel, logarithm};
 use crate::entropy::range_coder::{BitCoder, code_bits};

@@ -154,8 +154,8 @@ impl Decoder {
         self
     }
 
-    /// Changes the limits for the chunks that follow. A client can raise the limits as bytes
-    /// arrive, in proportion to what they can reasonably decode to.
+    /// Changes the limits for the chunks that follow. For example, a client can raise the limits in
+    /// proportion to the bytes received.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -173,8 +173,8 @@ impl Decoder {
     ///
     /// # Errors
     /// A chunk is damaged or exceeds the limits. The chunks decoded before it remain valid. If a
-    /// chunk passes its checksum but is invalid, the part decoded before the error remains as well.
-    /// All later calls return the same error.
+    /// chunk passes its checksum but is invalid, the part of the chunk decoded before the error
+    /// remains as well. All later calls return the same error.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

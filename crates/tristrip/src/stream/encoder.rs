@@ -1,8 +1,8 @@
 //! Encodes a mesh and its collapses as a stream.
 //!
 //! # Algorithm
-//! 1. Plan: collapses become splits of fans (module `plan`). What no collapse removes is the base
-//!    mesh.
+//! 1. Plan: collapses become splits of fans (module `plan`). The base mesh consists of everything
+//!    that no collapse removes.
 //! 2. Rehearsals: all decisions are made without writing them, in order to fit the weights of the
 //!    predictions (module `fit`).
 //! 3. Batches, starting from the base mesh. Within a batch, groups of splits are sorted by the fans
@@ -148,8 +148,8 @@ pub fn encode(
     })
 }
 
-/// Returns the vertices that a stream cannot restore. Their collapse does more than move the
-/// corners of one fan, because the surface touches itself there or attributes differ all around.
+/// Returns the vertices that a stream cannot restore. Collapsing such a vertex moves corners of
+/// more than one fan, because the surface touches itself there or attributes differ all around.
 /// Lock them to make a simplification choose other collapses.
 ///
 /// ```

@@ -13,8 +13,8 @@ pub struct StreamError {
     pub found: String,
     /// What was expected.
     pub expected: String,
-    /// The limit that the stream exceeds; `None` for any other error. Such a stream can be valid
-    /// otherwise.
+    /// The limit that the stream exceeds; `None` for any other error. A stream that exceeds a limit
+    /// may still be valid.
     pub exceeded: Option<ExceededLimit>,
 }
 

@@ -1,8 +1,8 @@
 //! Fits the weights of the estimates to a model by least squares.
 //!
-//! The bits of a coordinate grow with the logarithm of the prediction error. Squared errors are
-//! therefore divided by those under the previous weights: a few such fits minimize the sum of the
-//! logarithms. A decoder does not repeat them; it reads the weights.
+//! The bits of a coordinate grow with the logarithm of the prediction error. Each squared error is
+//! therefore divided by its value under the previous weights. A few such fits minimize the sum of
+//! the logarithms. The decoder reads the weights and does not repeat the fits.
 
 use super::fans::GridPlace;
 use super::places::{ESTIMATES, EstimateWeights, Estimates, WEIGHT_ONE};

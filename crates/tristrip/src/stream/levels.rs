@@ -1,7 +1,7 @@
 //! A mesh of a stream as a level model over the levels decoded so far.
 //!
-//! The strips are those of [`RepairedStrips`]: a cursor starts with the strips of the current mesh
-//! and repairs them as it moves. The model is built on first use after a chunk.
+//! [`RepairedStrips`] provides the strips: a cursor starts with the strips of the current mesh and
+//! repairs them as it moves. The model is built on first use after a chunk.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ impl StreamPart {
     }
 }
 
-/// The levels decoded so far. Each chunk adds levels; cursors started earlier do not see them.
+/// The levels decoded so far. Each chunk adds levels. Existing cursors do not see them.
 ///
 /// ```
 #[doc = include_str!("example.txt")]

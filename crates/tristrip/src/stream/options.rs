@@ -13,7 +13,7 @@ pub struct StreamOptions {
     pub(super) attribute_bits: AttributeBits,
     pub(super) least_chunk_bytes: usize,
     pub(super) most_chunk_bytes: usize,
-    /// Two corners of a box that the position grid covers in addition to the mesh; see
+    /// Two opposite corners of a box that the position grid covers in addition to the mesh; see
     /// [`StreamOptions::with_bounds`].
     pub bounds: Option<[[f32; 3]; 2]>,
     /// Whether positions have all bits at every level; see [`StreamOptions::with_exact_positions`].
@@ -72,9 +72,9 @@ impl StreamOptions {
     }
 
     crate::setters! {
-        /// Sets two corners of a box that the position grid covers in addition to the mesh. Meshes
-        /// that lie in the same box and use it as bounds share one grid. They then meet without
-        /// gaps where their positions are equal. The corners must be finite.
+        /// Sets two opposite corners of a box that the position grid covers in addition to the
+        /// mesh. Meshes that lie in the same box and use it as bounds share one grid. They then
+        /// meet without gaps where their positions are equal. The corners must be finite.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -87,7 +87,7 @@ impl StreamOptions {
 
         /// Sets whether positions have all bits at every level. By default, coarse levels have only
         /// as many bits as their error justifies. With all bits, neighbouring meshes meet at every
-        /// level where their full meshes meet. This adds a few bytes before the middle levels.
+        /// level where their full meshes meet. This adds a few bytes to the coarse levels.
         ///
         /// ```
         #[doc = include_str!("example.txt")]

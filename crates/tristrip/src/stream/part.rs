@@ -290,7 +290,8 @@ impl StreamPart {
         self.refiner.costs.map(|(costs, _)| costs)
     }
 
-    /// Returns the bits per position coordinate that are known so far, and those of the full mesh.
+    /// Returns the bits per position coordinate decoded so far, and the bits per coordinate of the
+    /// full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -13,16 +13,17 @@
 //! differences of other estimates from q.
 //!
 //! # Algorithm
-//! 1. The estimates: the kept point; the midpoint of aₛ and aₑ; q plus the mean of the Laplacians
-//!    of the polygon's points; the centroid of the polygon. They have separate weights along the
-//!    polygon's normal and perpendicular to it. The encoder fits the weights to the model and sends
-//!    them, for each number of points in the polygon and each of three regimes of batches.
-//! 2. The axes: the coordinates are coded one after the other; the axis along which the normal is
-//!    longest comes last. If the new point is in the plane of the polygon, the differences in the
-//!    first coordinates predict those in the later ones.
-//! 3. The levels: the expected size of a difference. Features are the size of the polygon projected
-//!    to the axis, the distance of the prediction from q, the width of the polygon along the axis,
-//!    and the difference in the previous coordinate.
+//! 1. The other estimates are the kept point, the midpoint of aₛ and aₑ, q plus the mean of the
+//!    Laplacians of the polygon's points, and the centroid of the polygon. They have separate
+//!    weights along the polygon's normal and perpendicular to it. The encoder fits the weights to
+//!    the model and sends them, for each number of points in the polygon and each of three regimes
+//!    of batches.
+//! 2. The coordinates are coded one after the other. The axis along which the normal is longest
+//!    comes last. If the new point is in the plane of the polygon, the differences in the first
+//!    coordinates predict those in the later ones.
+//! 3. The level of a number is the expected size of a difference. Features are the size of the
+//!    polygon projected to the axis, the distance of the prediction from q, the width of the
+//!    polygon along the axis, and the difference in the previous coordinate.
 //!
 //! All values are integers below 2⁵³, so they can be represented as floats. Divisions round down.
 //!

@@ -2,9 +2,9 @@
 //! moves, and which triangles it adds.
 //!
 //! # Algorithm
-//! 1. Build a corner table of the triangles of the full mesh: edges of exactly two triangles, one
-//!    in each direction, are shared. On non-manifold surfaces and attribute seams, vertices have
-//!    several fans.
+//! 1. Build a corner table of the triangles of the full mesh: an edge is shared if it has exactly
+//!    two triangles, one in each direction. On non-manifold surfaces and attribute seams, vertices
+//!    have several fans.
 //! 2. Apply the collapses one after another. A collapse removes one fan or several for each vertex
 //!    that it renames: the corners between the dropped triangles move to the fan of the kept
 //!    vertex.

@@ -1,5 +1,5 @@
-//! A pass over the batches of a stream: every decision, starting from the base mesh, rehearsed or
-//! written.
+//! A pass over the batches of a stream: makes every decision, starting from the base mesh, as a
+//! rehearsal or to write it.
 
 use super::base::{BaseToEncode, code_triangles};
 use super::channels::ChannelModel;

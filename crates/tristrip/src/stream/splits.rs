@@ -6,15 +6,15 @@
 //!
 //! 1. Is there another split? Features: the valence and the number of free corners, the age of the
 //!    fan, and its distance from the mean of its neighbours, since a split adds what a curved
-//!    surface lacks. None of these accesses the fans around.
+//!    surface lacks. None of these features reads the surrounding fans.
 //! 2. For an open fan: is a triangle only added at an end, and at which one?
 //! 3. The number of corners that move, given the valence and the longest run of free corners. The
-//!    shape of the fan says little about it.
-//! 4. The first of them, as one choice among all corners that start a long enough free run. An edge
-//!    of the fan is the first of the run, the last, within, or outside. Its features are its length
-//!    relative to the other edges, and the valence at its other end: edges that are not in the
-//!    finer mesh are long.
-//! 5. For corners at the end of an open fan: is there a triangle beyond?
+//!    shape of the fan hardly predicts this number.
+//! 4. The first corner that moves, as one choice among all corners that start a long enough free
+//!    run. An edge of the fan is the first of the run, the last, within, or outside. Its features
+//!    are its length relative to the other edges, and the valence at its other end: edges that are
+//!    not in the finer mesh are long.
+//! 5. For corners at the end of an open fan: is there a triangle beyond the end?
 //!
 //! # Complexity
 //! O(1) for a mark, O(n) for a split of a fan with n corners.

@@ -12,11 +12,11 @@
 //!
 //! # Algorithm
 //! 1. *Split*: each new triangle on a link is inserted into it; others become strips of their own.
-//! 2. After a *chunk*, each of its new triangles, in order, is joined to the ends of neighbouring
-//!    strips: across the edge that lowers the vertices sent most, as long as there is one.
-//! 3. *Search*: take the triangles nearest to the new ones, four times as many. A local search (see
-//!    `cover/local_search.rs`) starts four times from each of them that is the end of a strip, and
-//!    then once from each.
+//! 2. After a *chunk*, its new triangles are joined in order to the ends of neighbouring strips:
+//!    across the edge that reduces the vertices sent most, as long as an edge reduces them.
+//! 3. *Search*: take the triangles nearest to the new ones, four times as many as the new ones. A
+//!    local search (see `cover/local_search.rs`) starts four times from each of them that is the
+//!    end of a strip, and then once from each.
 //!
 //! The base mesh is the first chunk: all its triangles are new, and it gets more search.
 //!
@@ -29,11 +29,11 @@
 //! one bit per triangle.
 //!
 //! # Vertices sent
-//! In percent of three vertices per triangle: the mean over all chunks at the default options, and
-//! at the full mesh. Values in parentheses include an index between strips. Times are for all
-//! chunks. For the bunny, the levels of Kim et al. 2005 with their filter send 54.4 %, and need the
-//! strips of the full mesh in the stream. These take an estimated 1.2 bits per vertex
-//! (`strip_links` of the benchmarks), which is 5 % more bytes.
+//! The table lists the vertices sent in percent of three per triangle, as the mean over all chunks
+//! and for the full mesh, with the default options. Values in parentheses include an index between
+//! strips. Times are for all chunks. For the bunny, the levels of Kim et al. 2005 with their filter
+//! send 54.4 %, and need the strips of the full mesh in the stream. These take an estimated 1.2
+//! bits per vertex (`strip_links` of the benchmarks), which is 5 % more bytes.
 //!
 //! | model | chunks | mean | full mesh | decoding, ms | with strips, ms |
 //! |---|---|---|---|---|---|
@@ -43,7 +43,7 @@
 //!
 //! # References
 //! Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*,
-//! 2005 (strips that a stream carries). Porcu, Sanna, Scateni: *Efficiently Keeping an Optimal
+//! 2005 (strips stored in a stream). Porcu, Sanna, Scateni: *Efficiently Keeping an Optimal
 //! Stripification over a CLOD Mesh*, 2005 (repair next to each change).
 
 use super::surface::{NONE, StreamSurface, corners_of, triangle_of};

@@ -2,8 +2,8 @@
 //!
 //! A *fan* is a run of triangles around a point in which each shares an edge with the next. It is
 //! closed around an inner point and open at a border. A point where a surface touches itself, or
-//! where attributes differ, has several fans. Edges are shared only within fans, so any set of
-//! triangles has a table.
+//! where attributes differ, has several fans. Edges are shared only within fans, so a corner table
+//! exists for any set of triangles.
 //!
 //! ```text
 //!        a₂ ───── a₁

@@ -10,8 +10,8 @@
 //! A strip begins with the vertex opposite the first exit, so the first triangle has the right
 //! winding. Each turn is free on one side only, depending on the position in the strip. A strip
 //! whose first turn is not free needs a winding repeat, or a swap at that turn, which costs the
-//! same. The first turn may be free from the other end of the path, so both directions are
-//! compared.
+//! same. The first turn may be free if the strip starts at the other end of the path, so both
+//! directions are compared.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996,

@@ -3,8 +3,8 @@
 //! A strip needs no extra indices if it starts with the vertex that was sent last, at a position
 //! with the right parity. A strip with an even number of vertices must start at an even position,
 //! in either direction. A strip with an odd number of vertices must start at an even position
-//! forward, or at an odd position backward. A strip that starts with a repeat does not need the
-//! repeat at the other parity.
+//! forward, or at an odd position backward. A strip that starts with a repeat does not need it at
+//! the other parity.
 //!
 //! ```text
 //!   (a, even) ──────── (z, even)     a strip a … z of an even number of vertices, sent either way
@@ -13,7 +13,7 @@
 //! # Algorithm
 //! 1. A node is a vertex with the parity of the next position, and each strip is an edge between
 //!    two nodes. A strip of one triangle can be any of three edges, because it can start with any
-//!    of its vertices. The edge that leaves the fewest nodes of odd degree is used.
+//!    of its vertices. The algorithm uses the edge that leaves the fewest nodes of odd degree.
 //! 2. Bridges pair the nodes of odd degree. The first bridges connect the two parities of the same
 //!    vertex, because a repeat changes the parity. The other nodes are paired in order.
 //! 3. Hierholzer's algorithm finds closed Euler trails through all edges and bridges, which are

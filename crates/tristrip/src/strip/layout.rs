@@ -73,8 +73,8 @@ impl Strips {
     /// advance.
     ///
     /// # Errors
-    /// A vertex does not fit the index type, or equals the restart value in a buffer with restarts;
-    /// or the slice is too short. Nothing is written then.
+    /// A vertex does not fit the index type or equals the restart value in a buffer with restarts,
+    /// or the slice is too short. In these cases, nothing is written.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -286,7 +286,8 @@ impl Strips {
     /// A join repeats the last vertex of a strip and the first vertex of the next. It repeats the
     /// first vertex again if the next strip would start at an odd position. A join costs nothing if
     /// the next strip starts with the vertex that was sent last. Strips are therefore reordered and
-    /// reversed to make this frequent, unless their order is [kept](Strips::with_kept_order).
+    /// reversed to increase the number of such joins, unless their order is
+    /// [kept](Strips::with_kept_order).
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -314,8 +315,8 @@ impl Strips {
 }
 
 /// Iterates over the strips of a joined index buffer. The buffer is cut between equal consecutive
-/// vertices, and parts that draw nothing are omitted. A vertex repeated at the very start, for the
-/// winding, stays with its strip.
+/// vertices, and parts that draw nothing are omitted. A vertex that repeats at the start to
+/// preserve the winding remains part of its strip.
 ///
 /// A strip that started at an odd position has the opposite winding when it is drawn alone.
 ///

@@ -9,7 +9,8 @@
 //! 4. The result is the cheapest of the three by measured cost. No effort makes it worse than the
 //!    start.
 //!
-//! No search is needed if the start has one strip per component and no swaps: no cover is cheaper.
+//! If the start has one strip per component and no swaps, no cover is cheaper and no search is
+//! needed.
 //!
 //! The module `anneal` implements the moves. They consist of joins and cuts, which [`PricedPaths`]
 //! prices exactly. One of the moves flips a diagonal, so polygons are retriangulated during the

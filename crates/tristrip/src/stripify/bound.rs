@@ -54,7 +54,7 @@ use strips::ComponentStrips;
 pub use method::BoundMethod;
 pub use sequential::{SequentialStrip, sequential_strip};
 
-/// Lower bounds for a mesh. No cover of its dual graph is below any of them.
+/// Lower bounds for a mesh. No path cover of its dual graph costs less.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Bound {

@@ -14,16 +14,16 @@
 //! 4. *Temporary edges* for the strips that leave the star and come back.
 //! 5. *Tunnelling*: alternating paths, depth first. A step cuts a black edge, which splits a strip,
 //!    and links the part at its near end with the tip. The part gets the identifier of the tip,
-//!    node by node, and its old identifier again when the path is abandoned. No step closes a loop:
-//!    after the cut, the linked triangle and the tip must not be on the same part of a strip. A
-//!    search ends after its paths have visited a given number of triangles, the forecast of section
-//!    4.2.
+//!    node by node. When the path is abandoned, the part gets its old identifier back. No step
+//!    closes a loop: after the cut, the linked triangle and the tip must not be on the same part of
+//!    a strip. A search ends after its paths have visited a given number of triangles (the forecast
+//!    of section 4.2).
 //! 6. *Complement*, if a tunnel was found: the temporary edges are removed, and the strips get
 //!    their identifiers everywhere.
 //! 7. *The next terminal.*
 //!
 //! Without localization, steps 3, 4 and 6 are omitted, and identifiers are written to the end of
-//! each strip. It finds the same tunnels. With localization on demand, a search starts without
+//! each strip. This finds the same tunnels. With localization on demand, a search starts without
 //! localization, and is restarted within a star when it has become long. This also finds the same
 //! tunnels.
 //!
@@ -37,12 +37,12 @@
 //! - The threshold counts the triangles that paths visit, not the identifiers written. It ends the
 //!   same searches with and without localization.
 //! - The paper does not specify the order of terminals and paths. Here both are random, but an end
-//!   of the tunnel is tried first. It does not specify when to stop either. Here the search stops
-//!   when some passes over all terminals have found nothing.
+//!   of the tunnel is tried first. The paper does not specify when to stop either. Here the search
+//!   stops after some passes over all terminals without a tunnel.
 //! - The paper does not specify the lengths of repeated searches. Section 6.1 only says that longer
 //!   tunnels can be searched for.
 //!
-//! [`guided_tunnels`](super::guided_tunnels) is a variant by this library.
+//! [`guided_tunnels`](super::guided_tunnels) is this library's variant.
 //!
 //! # References
 //! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*,

@@ -1,5 +1,5 @@
-//! `fewest`: a local search for as few strips as possible. The ends of paths move until ends of two
-//! different paths are adjacent and are joined. Where that takes too long, one end is guided to
+//! `fewest`: a local search for as few strips as possible. The ends of paths move until the ends of
+//! two different paths are adjacent and can be joined. If this takes too long, one end is guided to
 //! another.
 //!
 //! ```text

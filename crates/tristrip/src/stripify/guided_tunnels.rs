@@ -20,14 +20,16 @@
 //! When lengths of some dozens find few tunnels, the maximum length is used, and terminals *move*.
 //! If a search fails, the part of its path that came nearest to another terminal is complemented.
 //! The number of strips stays the same, and a triangle there replaces the terminal. The search ends
-//! when this has found nothing for a while, or when no star contains a terminal of another strip.
+//! when moves have led to no join for a while, or when no star contains a terminal of another
+//! strip.
 //!
 //! ```text
 //!   w ┄┄ v ━━ b ┄ … ┄ x        w ━━ v    b ┄ … ┄ x        b is the new terminal, closer to x
 //! ```
-//! A path may close a loop if it opens it again later, one loop at a time. Without loops, as in
-//! `eta`, a long strip leaves only one possible path at each step, and there is nothing to search.
-//! With that rule, horse ends with 2 to 7 strips; without it, with 1.
+//! A path may close a loop if it later opens the loop again. Only one loop may be closed at a time.
+//! Without loops, as in `eta`, a long strip leaves only one possible path at each step, and there
+//! is nothing to search. With the loop rule of `eta`, the horse model ends with 2 to 7 strips.
+//! Without it, it ends with 1.
 //!
 //! # References
 //! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*,

@@ -3,8 +3,8 @@
 //!
 //! # Algorithm
 //! Triangles keep their order, and polygons become fans. Each triangle is linked to the previous
-//! one if they share an edge. A triangle list that was expanded from strips becomes the same strips
-//! again, or longer ones.
+//! one if they share an edge. A triangle list that was expanded from strips is converted back to
+//! the same strips, or to longer ones.
 //!
 //! # Complexity
 //! O(n) time and 1 byte per triangle.

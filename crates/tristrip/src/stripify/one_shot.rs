@@ -53,7 +53,7 @@ pub fn stripify_indices<I: Index>(indices: &[I], vertex_count: usize) -> Result<
 ///
 /// # Errors
 /// The number of indices is not a multiple of three, or an index is not less than `vertex_count`;
-/// an option is invalid for the method; or welding is requested, which needs positions.
+/// an option is invalid for the method; welding is requested, which needs positions.
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions, stripify_indices_with};
@@ -76,7 +76,7 @@ pub fn stripify_indices_with<I: Index>(
 ///
 /// # Errors
 /// The number of indices is not a multiple of three, or an index is not less than `vertex_count`;
-/// an option is invalid for the method; or welding is requested, which needs positions.
+/// an option is invalid for the method; welding is requested, which needs positions.
 ///
 /// ```
 /// use tristrip::stripify::Progress;
@@ -112,7 +112,7 @@ pub fn stripify_indices_watched<I: Index>(
 ///
 /// # Errors
 /// A face has a vertex without a position, or with a position that is not finite; an option is
-/// invalid for the method; or welding is requested, which needs all attributes.
+/// invalid for the method; welding is requested, which needs all attributes.
 ///
 /// ```
 /// use tristrip::{Faces, StripifyOptions, InterleavedPositions, stripify_faces};

@@ -28,8 +28,7 @@ pub enum Method {
     Best,
     /// This library's search for the fewest strips, regardless of swaps.
     Fewest,
-    /// This library's strips ordered for a vertex cache, grown along the front of the drawn
-    /// triangles.
+    /// This library's method for vertex caches: strips grow along the front of the drawn triangles.
     Cache,
     /// Strips in the order of the input faces.
     Input,
@@ -55,8 +54,8 @@ pub enum Method {
         /// How ties between neighbours of the lowest adjacency are broken outside the patches.
         ties: Ties,
     },
-    /// This library's strips along the rows of quadrilateral patches. Strips grow at both ends, and
-    /// the diagonals of a strip are chosen together.
+    /// This library's method for rows of quadrilateral patches. Strips grow at both ends, and the
+    /// diagonals of a strip are chosen together.
     QuadRows {
         /// Minimum size of a patch, in quadrilaterals.
         cutoff: u32,
@@ -157,8 +156,8 @@ impl Method {
         }
     }
 
-    /// The tunnelling operator up to length 9. Each further step of two edges multiplies the time
-    /// several times.
+    /// The tunnelling operator up to length 9. Each increase of the length by two edges multiplies
+    /// the time by several times.
     pub const TUNNEL: Self = Self::Tunnel { length: 9 };
     /// The depth-first enhanced tunnelling algorithm with stars on demand. Its paper gives no
     /// defaults; [`TunnelOptions::ETA`] has those used here.
@@ -167,8 +166,8 @@ impl Method {
         acceptance: Acceptance::DepthFirst,
         localization: Localization::OnDemand,
     };
-    /// The SGI algorithm that breaks ties of the look-ahead by the last neighbour. The first
-    /// neighbour sends 1.5 % more vertices on the model power lines.
+    /// The SGI algorithm that breaks ties of the look-ahead by the last neighbour. Breaking ties by
+    /// the first neighbour sends 1.5 % more vertices on the model power lines.
     pub const SGI: Self = Self::Sgi { last_tie: LastTie::Last };
     /// STRIPE with the settings that its authors recommend: rows or columns of patches of at least
     /// 5 quadrilaterals, sequential ties.
@@ -353,7 +352,7 @@ impl StripifyOptions {
 pub enum Objective {
     /// Few indices: about as many as [`Method::Best`], in an order that reduces misses.
     Indices,
-    /// Both: a miss counts as about two thirds of an index.
+    /// A balance of both: a miss counts as about two thirds of an index.
     #[default]
     Balanced,
     /// Few misses: a miss counts as four indices.

@@ -2,7 +2,7 @@
 //! order, in which neighbours are close in memory.
 //!
 //! A method reads a face, then its neighbours. In scans, grids and stored strips, most neighbours
-//! are a few faces away. In files with randomly ordered faces each step waits for memory, and a
+//! are a few faces away. In files with randomly ordered faces, each step causes cache misses, and a
 //! million triangles take five to ten times as long. The published methods and `input` process the
 //! faces in mesh order, which is part of their definition.
 //!
@@ -13,7 +13,7 @@
 //! 3. Copy the faces and the dual graph in that order. Half-edges keep their twins.
 //!
 //! # Complexity
-//! A few thousand accesses for the test. O(n) time for reordering, and 12 bytes per corner for
+//! The test takes a few thousand accesses. Reordering takes O(n) time, and 12 bytes per corner for
 //! faces and graph.
 
 use crate::dual::DualGraph;

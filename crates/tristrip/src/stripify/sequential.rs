@@ -1,19 +1,19 @@
-//! `sequential`: this library's fast method. A greedy stripper chooses each step by the cost of
-//! what it leaves behind. Then a local search joins the remaining ends of strips.
+//! `sequential`: this library's fast method. A greedy stripper chooses each step by its effect on
+//! the cost of the remaining faces. Then a local search joins the remaining ends of strips.
 //!
 //! # Algorithm
 //! A strip costs one index per triangle, one more per swap, and three more for its start. Swaps are
-//! cheap and ends of strips are expensive. A triangle with a single free neighbour becomes an end,
-//! which costs half of the three indices.
+//! cheap and ends of strips are expensive. A triangle with a single free neighbour becomes an end
+//! of a strip. An end costs half of the three indices.
 //!
 //! ```text
 //!          ╱╲  s   leaving over s takes a swap, over f none
 //!         ╱ t╲     continue to f, unless this leaves s with one free neighbour and f with two;
 //!   enter ────── f then the swap (1) is cheaper than the end (1.5) at s
 //! ```
-//! 1. *Seed*: a triangle with the fewest free neighbours, the last added in a tie. The free region
-//!    is thereby stripped from its boundary, next to the previous strip. While no triangle has lost
-//!    a neighbour, the first triangle in input order is used.
+//! 1. *Seed*: a triangle with the fewest free neighbours. Ties go to the last one added. The free
+//!    region is thereby stripped from its boundary, next to the previous strip. While no triangle
+//!    has lost a neighbour, the first triangle in input order is used.
 //! 2. *Run*: the winding fixes the first turn of a strip, so each exit of the seed gives one run.
 //!    It is extended backward over the edge that needs no swap. All exits are tried, and the run
 //!    with the lowest cost per triangle is chosen.
@@ -21,7 +21,7 @@
 //!    triangles to their neighbours.
 //!
 //! On regular meshes, especially grids, a swap at the end of a row saves a strip in one place and
-//! costs one elsewhere. The input order is often better. Such meshes are recognized by their low
+//! adds one elsewhere. The input order is often better. Such meshes are recognized by their low
 //! cost. For these and for small meshes, where the time is negligible, the steps are repeated with
 //! other policies for seeds and swaps, and the cheapest cover is kept. Plateau passes follow:
 //! passes of the local search that also apply zero-gain moves, which lead to moves that lower the

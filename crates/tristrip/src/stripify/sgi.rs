@@ -20,8 +20,8 @@
 //!    winding (the last tie, see [`LastTie`]).
 //! 4. At a dead end it continues from its start in the same way.
 //!
-//! The implementation follows section 3 of the paper. Where the paper says "arbitrary", the start
-//! is the triangle that lost a neighbour most recently.
+//! The implementation follows section 3 of the paper. Where the paper chooses an arbitrary start,
+//! this implementation starts at the triangle that lost a neighbour most recently.
 //!
 //! # References
 //! Akeley, Haeberli, Burns: `tomesh.c`, SGI Developer's Toolbox CD, 1990; Evans, Skiena, Varshney:

@@ -1,8 +1,7 @@
 //! STRIPE: strips that choose the triangulation of polygons, locally by adjacency and globally by
 //! patches of quadrilaterals.
 //!
-//! It was the first published method for polygons, and benefits from the freedom to choose their
-//! diagonals.
+//! It was the first published method for polygons. It reduces the cost by its choice of diagonals.
 //!
 //! ```text
 //!  static            whole face              partial face
@@ -15,19 +14,19 @@
 //!
 //! # Algorithm
 //! *Local* (section 3.1): a strip goes from a face with the fewest neighbours to a neighbour with
-//! the fewest neighbours, and so on, in both directions. [`Ties`] breaks ties. Faces are cut in
-//! advance, or when a strip passes: see [`FaceTriangulation`].
+//! the fewest neighbours, and so on, in both directions. [`Ties`] breaks ties. Faces are
+//! triangulated in advance, or when a strip passes through them: see [`FaceTriangulation`].
 //!
 //! *Global* (section 3.2):
 //! 1. The largest rectangular patches of quadrilaterals are found, down to a cutoff.
-//! 2. Each row or column of a patch becomes a strip, whichever is longer; or the whole patch
+//! 2. Either each row or column of a patch becomes a strip, whichever is longer, or the whole patch
 //!    becomes one strip ([`Patches`]).
 //! 3. The local algorithm covers the remaining faces.
 //!
-//! The paper leaves some choices open. Here, strips start at the face that has had the fewest
-//! neighbours for the longest time. The first face of a strip is cut for the second. Step 3 takes
-//! whole faces, with the ties of the method. Step 2 takes all patches before the strips of full
-//! patches grow.
+//! The paper leaves some choices open. Here, a strip starts at the face with the fewest neighbours.
+//! Among several, it starts at the one that has had them for the longest time. The first face of a
+//! strip is triangulated for the exit to the second. Step 3 takes whole faces, with the ties of the
+//! method. Step 2 takes all patches before the strips of full patches are extended.
 //!
 //! [`quad_rows`] is this library's own global method, with fewer vertices.
 //!

@@ -1,4 +1,5 @@
-//! Progress reports of a long search, which can be stopped and then returns its best result.
+//! Progress reports of a long search. A watcher can stop the search, which then returns its best
+//! result.
 //!
 //! The library reads no clock and prints nothing. Progress bars, interrupts and time budgets are
 //! implemented by the watcher. A search that is not stopped always returns the same result. A

@@ -1,5 +1,5 @@
-//! Proof by vertex index that strips draw every face of their mesh exactly once, with its original
-//! winding.
+//! Verifies by vertex index that strips draw every face of their mesh exactly once, with its
+//! original winding.
 //!
 //! # Algorithm
 //! *Triangles*: the two multisets of oriented triangles are compared (see `triangle_sets`). If they
@@ -7,11 +7,11 @@
 //!
 //! *Polygons*: a triangle may belong to every polygon that has all its corners. Polygons to which
 //! the same triangle may belong form a group, usually of one polygon. The search for the polygons
-//! of a triangle skips polygons whose group it has already found, so polygons over almost the same
-//! corners count as one once they are united. A group is proven if it has the k − 2 triangles of
-//! each of its polygons and the oriented edges of its triangles add up to those of the polygons:
-//! diagonals cancel, boundaries remain. Any diagonals are therefore accepted, but no triangle may
-//! be missing, doubled, flipped or outside.
+//! of a triangle skips polygons whose group it has already found. Polygons over almost the same
+//! corners therefore count as one polygon once they are united. A group is correct under two
+//! conditions. It has k − 2 triangles for each of its polygons of k corners. The oriented edges of
+//! its triangles add up to the edges of its polygons: diagonals cancel, and boundaries remain. Any
+//! diagonals are therefore accepted, but no triangle may be missing, doubled, flipped or outside.
 //!
 //! Corners that repeat the previous one, and faces with fewer than three remaining corners, draw
 //! nothing and are ignored. A polygon that contains a vertex twice, for example a hole with a
@@ -35,7 +35,7 @@ use crate::strip::Strips;
 use crate::union_find::UnionFind;
 use crate::verify::triangle_sets::same_triangles;
 
-/// The result of a successful proof.
+/// The result of a successful verification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Proof {
     /// Number of faces compared.
@@ -58,8 +58,8 @@ pub enum Unproven {
         /// The vertices of the first such triangle.
         first: [u32; 3],
     },
-    /// The strips replace a vertex by one that the mesh does not have, or that differs in position
-    /// or attributes.
+    /// The strips replace a vertex with one that does not exist in the mesh, or that differs in
+    /// position or attributes.
     #[error("vertex {vertex} is welded to {other}, which differs from it")]
     Weld {
         /// The vertex that was welded.
@@ -76,26 +76,26 @@ pub enum Unproven {
     /// A polygon has too few or too many triangles.
     #[error("face {face}: triangles found: {found}, expected: {expected}")]
     Count {
-        /// A face of the group.
+        /// A face of the group; a group contains the polygons that share possible triangles.
         face: u32,
         /// Number of triangles in the group.
         found: usize,
         /// Number of triangles that the polygons of the group need.
         expected: usize,
     },
-    /// The edges of a polygon's triangles do not add up to those of the polygon.
+    /// The edges of a polygon's triangles do not add up to the edges of the polygon.
     #[error("face {face}: its triangles do not match its boundary at edge {edge:?}")]
     Boundary {
-        /// A face of the group.
+        /// A face of the group; a group contains the polygons that share possible triangles.
         face: u32,
         /// The vertices of the first edge that differs.
         edge: [u32; 2],
     },
 }
 
-/// Proves that strips draw every face of a mesh exactly once, with its original winding. If the
-/// strips have [welds](Strips::welds), also proves that the welded vertices are equal bit for bit,
-/// and compares the faces after welding.
+/// Verifies that strips draw every face of a mesh exactly once, with its original winding. If the
+/// strips have [welds](Strips::welds), also verifies that the welded vertices are equal bit for
+/// bit, and compares the faces after welding.
 ///
 /// # Errors
 /// The first difference found.
@@ -128,7 +128,7 @@ pub fn verify(mesh: &Mesh, strips: &Strips) -> Result<Proof, Unproven> {
     verify_drawing(mesh.faces(), &strips.triangles().collect::<Vec<_>>())
 }
 
-/// Proves that triangles draw faces over the same vertices.
+/// Verifies that triangles draw faces over the same vertices.
 ///
 /// # Errors
 /// The first difference found.

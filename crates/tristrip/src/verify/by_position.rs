@@ -1,4 +1,5 @@
-//! Proof by position that one model draws exactly the faces of another, for any vertex numbering.
+//! Verifies by position that one model draws exactly the faces of another, for any vertex
+//! numbering.
 //!
 //! # Algorithm
 //! Most results keep the vertex order of the source. The models are the same if their meshes pair
@@ -8,10 +9,10 @@
 //! 1. The vertices of both models are numbered by position ([`PositionIds`]), over all meshes of a
 //!    model.
 //! 2. If the result has only triangles, [`verify_drawing`] compares it with the source.
-//! 3. If the result has polygons, faces that both models have cancel one for one. The rest is
-//!    compared as a drawing of the source by the result's triangles. If only the source consists of
-//!    triangles by then, it is compared as a drawing of the result by the source's triangles.
-//!    Polygons that remain on both sides differ; those of the result are then cut into fans.
+//! 3. If the result has polygons, faces that occur in both models cancel one for one. The rest is
+//!    compared as if the result's triangles drew the source. If only the remaining source consists
+//!    of triangles, the rest is compared as if the source's triangles drew the result. Polygons
+//!    that remain on both sides differ; those of the result are then cut into fans.
 //!
 //! # Complexity
 //! O(n) time and 12 bytes per triangle if the vertices are in the same order. Otherwise O(n log n)
@@ -35,7 +36,7 @@ pub enum Difference {
         at(first)
     )]
     Triangles {
-        /// Number of triangles of the source that are missing in the result.
+        /// Number of triangles of the source that are missing from the result.
         missing: usize,
         /// Number of triangles of the result that are not in the source.
         extra: usize,
@@ -80,7 +81,7 @@ fn at(positions: &[[f32; 3]]) -> String {
     positions.iter().map(point).collect::<Vec<_>>().join(" ")
 }
 
-/// Proves that the meshes of a result draw every face of a source's meshes exactly once, with its
+/// Verifies that the meshes of a result draw every face of a source's meshes exactly once, with its
 /// original winding. Vertices are compared by the bits of their positions; 0.0 equals −0.0.
 ///
 /// # Errors

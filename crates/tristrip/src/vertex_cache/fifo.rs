@@ -1,7 +1,7 @@
 //! FIFO caches, one or several side by side.
 //!
 //! The speculative simulation of the method `cache` uses the same stamps but is separate. It logs
-//! every send to undo it later, has no lanes, and would be invalidated by a rewound clock.
+//! every send to undo it later, has no lanes, and would become invalid if the clock were rewound.
 
 /// Maximum number of entries of a simulated cache. Clocks of 31 bits can count several times as
 /// far.

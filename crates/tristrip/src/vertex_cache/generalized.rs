@@ -15,8 +15,9 @@
 //! # What the study specifies and what it leaves open
 //! Section 6 of the reference specifies the following. The cache holds k ≥ 2 vertices. A reference
 //! costs ⌈lg k⌉ bits, which the results of the study do not include. FIFO never rearranges the
-//! cache except for swaps, which exchange the two latest vertices. LRU makes a used vertex the most
-//! recent one. The cache is flushed between meshes. This module decides the open points as follows:
+//! cache, except for swaps: a swap exchanges the two latest vertices. LRU makes a used vertex the
+//! most recent one. The cache is flushed between meshes. This module decides the open points as
+//! follows:
 //!
 //! - A mesh of the study is a strip: [`FlushPolicy::Flush`] flushes the cache between strips, and
 //!   [`FlushPolicy::Keep`] does not.
@@ -55,9 +56,9 @@ use crate::strip::{Strips, count_triangles};
 pub struct GeneralizedCost {
     /// Number of vertices transmitted: the cost in the studies of strips.
     pub transmitted: usize,
-    /// Number of vertices named by a reference to the cache.
+    /// Number of vertices sent as references to the cache.
     pub references: usize,
-    /// Bits of these references, ⌈lg k⌉ per reference for k entries.
+    /// Number of bits of these references: ⌈lg k⌉ per reference for k entries.
     pub reference_bits: u64,
     /// Number of swaps; each takes one bit.
     pub swaps: usize,

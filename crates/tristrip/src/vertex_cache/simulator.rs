@@ -35,7 +35,7 @@ enum Entries {
 
 impl VertexCacheSimulator {
     /// Creates an empty cache for the vertices 0 to `vertex_count` − 1. Takes 4 bytes per vertex.
-    /// More than 2²⁸ entries count as 2²⁸.
+    /// Sizes above 2²⁸ entries are treated as 2²⁸.
     ///
     /// # Errors
     /// There are too many vertices for 32-bit indices or for the memory.
@@ -85,7 +85,7 @@ impl VertexCacheSimulator {
     /// Sends vertices in order. Equivalent to [`send`](Self::send) for each vertex, but faster.
     ///
     /// # Errors
-    /// A vertex is not less than the number of vertices. Nothing is sent then.
+    /// A vertex is not less than the number of vertices. In this case, nothing is sent.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};

@@ -197,8 +197,8 @@ impl std::iter::Sum for VertexCacheStatistics {
     }
 }
 
-/// Counts the misses of LRU caches of 1 to `largest` entries in one pass. Item i is for i + 1
-/// entries. The misses never increase with the size.
+/// Counts the misses of LRU caches of 1 to `largest` entries in one pass. Item i contains the
+/// misses of a cache with i + 1 entries. The misses never increase with the size.
 ///
 /// # Errors
 /// `largest` is above [`VertexCache::MAX_ENTRIES`].

@@ -1,4 +1,4 @@
-//! The strips of the keys: those of the full mesh, repaired for each coarser key.
+//! The strips of the keys: the strips of the full mesh, repaired for each coarser key.
 
 use std::sync::Arc;
 

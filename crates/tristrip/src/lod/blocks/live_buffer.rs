@@ -1,5 +1,5 @@
-//! The index buffer of a key while the collapses below it are applied, to find the slots that each
-//! collapse writes.
+//! The index buffer of a key while the collapses below the key are applied. It finds the slots that
+//! each collapse writes.
 //!
 //! ```text
 //! strip         a b c d e f g h
@@ -8,14 +8,14 @@
 //! ```
 //! # Algorithm
 //! A collapse writes the kept vertex into the slots of the removed one. Then the consecutive
-//! degenerate triangles around each of these slots are examined. Slots that are not needed become
-//! restarts: those between the triangles before and after the degenerate ones, or up to the ends of
-//! the strip. The remaining part begins at an even position of the original strip, which preserves
-//! the winding of all triangles. If it would begin at an odd position, the slot before it is kept.
+//! degenerate triangles around each of these slots are examined. Slots between the remaining
+//! triangles on both sides, or up to an end of the strip, become restarts if they are not needed.
+//! The remaining part begins at an even position of the original strip, which preserves the winding
+//! of all triangles. If it would begin at an odd position, the slot before it is kept.
 //!
 //! # Complexity
-//! A run of degenerate triangles is overwritten the first time it is examined, so runs remain
-//! short: a constant number of steps per renamed slot.
+//! A constant number of steps per renamed slot: a run of degenerate triangles is overwritten the
+//! first time it is examined, so runs remain short.
 
 use crate::collapse::Rename;
 use crate::lod::level::index_map::RESTART;

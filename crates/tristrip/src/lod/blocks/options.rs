@@ -57,7 +57,7 @@ impl BlockOptions {
 
         /// Sets the approximate size of the model, up to 256 bytes per triangle of the full mesh.
         /// With more bytes there are more keys, so fewer vertices are sent. The collapses alone
-        /// take about 12 bytes; near or below that there are few keys.
+        /// take about 12 bytes per triangle. Sizes near or below that leave few keys.
         ///
         /// ```
         /// # use tristrip::lod::BlockOptions;
@@ -65,9 +65,9 @@ impl BlockOptions {
         /// ```
         with_memory(memory: u32);
 
-        /// Splits strips to keep uploads small: a level change by a percent of the levels then
-        /// changes a small part of the buffer, in few ranges. This sends about a quarter more
-        /// vertices. Use it for buffers that are expensive to upload.
+        /// Splits strips to keep uploads small. A move across 1 % of the levels then changes a
+        /// small part of the buffer, in few ranges. This sends about a quarter more vertices. Use
+        /// it for buffers that are expensive to upload.
         ///
         /// ```
         /// # use tristrip::lod::BlockOptions;

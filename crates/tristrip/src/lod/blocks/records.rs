@@ -5,8 +5,8 @@
 //! words      [slot 17] [slot 90 *] [slot 18 r**]    * last word of a rename  ** also of a collapse
 //! vertices   5 → 4                 4                r a restart
 //! ```
-//! The vertices of a rename are the one before the collapse and, unless it is a restart, the one
-//! after. A word has a slot and three flags. The loop over words branches only at its end.
+//! A rename stores the vertex before the collapse and, unless it is a restart, the vertex after it.
+//! A word contains a slot and three flags. The loop over words branches only at its end.
 
 use std::ops::Range;
 

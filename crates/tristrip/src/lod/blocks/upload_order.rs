@@ -14,14 +14,15 @@
 //!
 //! # Algorithm
 //! Strips are split into pieces of one interval each. A triangle may also be put into a larger
-//! interval, which is uploaded more often; one that never changes may be put into any interval. The
-//! chosen pieces minimize the vertices of the cuts plus the uploaded slots times a price. They are
-//! found by dynamic programming over the triangles of a strip and the intervals that contain them.
+//! interval, which is uploaded more often. A triangle that never changes may be put into any
+//! interval. The chosen pieces minimize the vertices of the cuts plus the uploaded slots times a
+//! price. They are found by dynamic programming over the triangles of a strip and the intervals
+//! that contain them.
 //!
 //! # Complexity
-//! For each triangle, one step per pair of intervals that contain it and the previous triangle; at
-//! most ten contain each. Long strips are processed in segments of [`SEGMENT`] triangles, each at
-//! minimum cost, to limit memory.
+//! For each triangle, one step per pair of an interval that contains it and an interval that
+//! contains the previous triangle. At most ten intervals contain a triangle. Long strips are
+//! processed in segments of [`SEGMENT`] triangles, each at minimum cost, to limit memory.
 
 use crate::lod::level::index_map::RESTART;
 use crate::mesh::is_degenerate;

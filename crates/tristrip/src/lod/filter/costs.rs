@@ -4,8 +4,8 @@
 //! The map is divided into blocks of 64 entries. For each filter and block, the state of the scan
 //! before the block and the cost of the block are stored. A collapse rescans the blocks of its
 //! slots, and the following blocks as long as the scan state differs from the stored one. This ends
-//! soon, because a new display strip begins where two triangles are not consecutive. So the length
-//! of strips does not matter.
+//! soon, because a new display strip begins where two triangles are not consecutive. The length of
+//! the strips therefore does not matter.
 //!
 //! # Complexity
 //! A collapse rescans a few blocks per changed slot. 3 bytes per entry.

@@ -12,15 +12,15 @@
 //! split     otherwise, at an odd position                       a new strip    a b c │ d d e f
 //! ```
 //! The paper does not require the parities, because they follow from the vertices on an oriented
-//! surface. They may not where more than two triangles share an edge; the scanner then splits. The
-//! vertex repeated at the start of a strip at an odd position is what the paper calls overridden
-//! for a consistent orientation. The paper counts it in its results but not in its figure 8
-//! (`502 615 206 620 │ 620 580 66 761`, where the second strip begins at an odd position).
-//! [`DrawCost`](super::DrawCost) has both counts.
+//! surface. Where more than two triangles share an edge, the parities may not match; the scanner
+//! then starts a new strip. A strip that begins at an odd position repeats its first vertex. The
+//! paper says that this vertex is overridden for a consistent orientation. The paper counts it in
+//! its results but not in its figure 8 (`502 615 206 620 │ 620 580 66 761`, where the second strip
+//! begins at an odd position). [`DrawCost`](super::DrawCost) has both counts.
 //!
 //! A straightforward scanner spends most of its time on mispredicted branches. Here, valid
-//! triangles are gathered without branches. What each of them sends is a suffix of one word, d d e
-//! f; only the length of the suffix depends on the case:
+//! triangles are gathered without branches. Each of them sends a suffix of the word d d e f. Only
+//! the length of the suffix depends on the case:
 //!
 //! ```text
 //! d d e f     new strip at an odd position

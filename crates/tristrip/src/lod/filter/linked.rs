@@ -2,9 +2,9 @@
 //! order, at the minimum cost for strips in this order.
 //!
 //! # Algorithm
-//! The next valid triangle is linked to the last one if the two share an edge with opposite
-//! directions that is not the entry edge of the last one. A swap is sent only when a link needs it.
-//! The last triangle is z x y, entered across z x:
+//! The next valid triangle is linked to the last one if they share an edge with opposite
+//! directions. The edge must not be the entry edge of the last triangle. A swap is sent only when a
+//! link needs it. The last triangle is z x y, entered across z x:
 //!
 //! ```text
 //!     y           across x y   w follows                            z x y w
@@ -15,8 +15,8 @@
 //! If the second triangle of a strip took a swap, the strip is reversed without the swap, provided
 //! its length allows it: the parities of all its triangles then change with the direction.
 //!
-//! Strips are not joined by degenerate triangles, which would send two of them in a row. Joining is
-//! part of the [layout](crate::strip::layout).
+//! Strips are not joined by degenerate triangles: a join would send two degenerate triangles in a
+//! row. Joining is part of the [layout](crate::strip::layout).
 //!
 //! A sequence of linked triangles therefore costs as much as the strip that
 //! [`emit`](crate::strip::emit()) would send for its path. A link is always worthwhile: it costs

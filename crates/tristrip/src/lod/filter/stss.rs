@@ -2,9 +2,9 @@
 //! b)+, are sent once.
 //!
 //! # Algorithm
-//! The strip is read in pairs. A pair that equals the next one is skipped. So each longest run of
-//! the regular expressions, which consume two vertices at a time from the start of the strip,
-//! becomes one pair.
+//! The strip is read in pairs. A pair that equals the next one is skipped. Each longest run that
+//! matches the regular expressions thus becomes one pair. The expressions consume two vertices at a
+//! time from the start of the strip.
 //!
 //! Removing two vertices does not change parities and removes only the two degenerate triangles
 //! that begin with them. Windings are preserved, although neither paper mentions them. Redundant
@@ -22,13 +22,13 @@
 //! Figure 8 of Kim et al. prints 11 vertices that the scanner sends for a strip of 26 vertices:
 //! `615 615 502 615 206 620 620 580 66 761 258`. The rules give 14 in both interpretations: pairs
 //! leave three of five equal vertices, and `761 761 258 761` at the end. A pass that first shortens
-//! runs of equal vertices to two would give the printed list up to `66`. No reading of the rules
-//! gives its end. Moreover, two triangles of the printed strip have the wrong winding, since a run
-//! of five lost three vertices, and a third, `66 761 258`, is not in the mesh.
+//! runs of equal vertices to two would give the printed list up to `66`. No interpretation of the
+//! rules gives the end of the list. Moreover, two triangles of the printed strip have the wrong
+//! winding, since a run of five lost three vertices, and a third, `66 761 258`, is not in the mesh.
 //!
 //! # References
-//! El-Sana et al. 2000, section 5.4; Kim et al. 2005, section 2.3, and section 5, where it reads
-//! four vertices at a time.
+//! El-Sana et al. 2000, section 5.4; Kim et al. 2005, section 2.3, and section 5, where the scanner
+//! reads four vertices at a time.
 //!
 //! # Complexity
 //! O(n) time.

@@ -10,9 +10,9 @@
 //!                          coarsen ──────────────▶ │
 //!                                 │ ◀────────────── refine
 //! ```
-//! A level that is too coarse is replaced with the finest level of the range, and one that is too
-//! fine with the coarsest. A camera that continues in its direction therefore changes the level
-//! again only after the whole range has been crossed.
+//! A level that is too coarse is replaced with the finest level of the range. A level that is too
+//! fine is replaced with the coarsest level of the range. A camera that keeps moving in one
+//! direction therefore changes the level again only after it has crossed the whole range.
 
 use super::level_table::LevelTable;
 use crate::error::Error;

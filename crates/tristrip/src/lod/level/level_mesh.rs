@@ -16,11 +16,11 @@
 //! stores rings as arrays, which its searches read sequentially. Here splits must restore rings
 //! exactly. Linked rings do that in O(1) per corner.
 //!
-//! A view of Skip Strips undoes collapses in a different order: those that depend on a collapse are
-//! undone first, but other, later collapses may remain applied. The stored neighbours of a corner
-//! may then have left the ring, and the corner is inserted at the front instead. A split takes
-//! those corners from the kept vertex's ring whose vertex in the full mesh lies below the removed
-//! vertex in the collapse tree.
+//! A view of Skip Strips undoes collapses in a different order. The collapses that depend on a
+//! collapse are undone first, but other later collapses may remain applied. The stored neighbours
+//! of a corner may then have left the ring, and the corner is inserted at the front instead. A
+//! split takes corners from the ring of the kept vertex. It takes a corner if its vertex in the
+//! full mesh is a descendant of the removed vertex in the collapse tree.
 //!
 //! # References
 //! Knuth: *Dancing links*, 2000.

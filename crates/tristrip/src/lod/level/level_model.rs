@@ -203,10 +203,10 @@ pub trait LevelCursor: Send {
     }
 
     /// Moves only if the current level is too coarse or too fine for an error in mesh units, and
-    /// returns the resulting level. A level that is too fine is replaced with the level that
-    /// [`LevelCursor::set_error`] would choose. A level that is too coarse is replaced with the
-    /// level for a share of the error. Small camera movements therefore do not switch levels back
-    /// and forth.
+    /// returns the resulting level. If the level is too fine, moves to the level that
+    /// [`LevelCursor::set_error`] chooses for this error. If it is too coarse, moves to the level
+    /// for the hysteresis share of this error. Small camera movements therefore do not switch
+    /// levels back and forth.
     ///
     /// # Errors
     /// The error is negative or NaN.
@@ -229,7 +229,7 @@ pub trait LevelCursor: Send {
         Ok(level)
     }
 
-    /// Moves as [`LevelCursor::follow_error`] does, for an error in pixels of a view.
+    /// Calls [`LevelCursor::follow_error`] for an error in pixels of a view.
     ///
     /// # Errors
     /// The number of pixels is negative or NaN.

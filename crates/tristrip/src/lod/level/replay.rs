@@ -1,5 +1,5 @@
-//! Replay: the entries of an index map at a level, and the records with which collapses and vertex
-//! splits rename entries.
+//! Replay: the entries of an index map at a level, and the records that collapses and vertex splits
+//! use to rename entries.
 
 use super::index_map::RESTART;
 use crate::error::Error;

@@ -1,31 +1,32 @@
 //! Encoded progressive strips: if the kept vertex is nearby in the strip, a collapse writes a
 //! symbol that refers to it, so fewer slots contain the vertex.
 //!
-//! The two vertices of a collapsed edge that a strip draws are at most two slots apart. The removed
-//! one need not become another copy of the kept one: the symbol R−2, R−1, R+1 or R+2 in its slot
-//! means "the vertex 2 before, 1 before, 1 after, 2 after".
+//! The two vertices of a collapsed edge that a strip draws are at most two slots apart. The slot of
+//! the removed vertex does not need a copy of the kept vertex. It gets a symbol, R−2, R−1, R+1 or
+//! R+2, for "the vertex 2 slots before, 1 before, 1 after or 2 after".
 //!
 //! ```text
 //! map        0 1 2 3 4 5           4 collapses to 3, then 3 to 2
 //! naive      0 1 2 3 3 5           0 1 2 2 2 5            two slots
 //! offsets    0 1 2 3 ◁ 5           0 1 2 ◁ ◁ 5            one: R−1 in slot 4 follows slot 3
 //! ```
-//! A symbol refers to a slot, not to a vertex. When that slot is renamed later, its followers
-//! change with it, although no record lists them. Only the slots that contain the vertex itself,
-//! its *roots*, are updated and listed in the record of the split.
+//! A symbol refers to a slot, not to a vertex. When that slot is renamed later, the slots that
+//! refer to it change with it, although no record lists them. Only the slots that contain the
+//! vertex itself, its *roots*, are updated and listed in the record of the split.
 //!
 //! # Algorithm
 //! 1. Swaps and winding repeats are symbols already in the full mesh.
 //! 2. At a collapse, each root of the removed vertex examines the slots 1 and 2 before and after it
-//!    in its strip. It refers to one that represents the kept vertex. It may also refer to one that
-//!    represents the removed vertex through another root, since that root is renamed by the same
-//!    collapse. Otherwise the kept vertex is written. This includes both exceptions of the paper: a
-//!    *disjoint* vertex, where the edge is not in this strip or not at this position, and a
-//!    *closed* one, which a strip passes twice.
+//!    in its strip. It refers to a slot that represents the kept vertex. It may also refer to a
+//!    slot that represents the removed vertex through another root, since the same collapse renames
+//!    that root. If there is no such slot, the kept vertex is written. This includes both
+//!    exceptions of the paper: a *disjoint* vertex, where the edge is not in this strip or not at
+//!    this position, and a *closed* one, which a strip passes twice.
 //! 3. References never form a cycle: a root may only refer to a slot with another root.
 //!
 //! Joining trees of the same vertex is not in the paper; it saves less than one percent of the
-//! slots. A split writes the vertex back into its roots, and the followers change with them.
+//! slots. A split writes the vertex back into its roots, and the slots that refer to them change
+//! with them.
 //!
 //! Decoding resolves each reference once: chains are followed to their root, and the vertex is
 //! written to the whole chain.

@@ -1,8 +1,8 @@
 //! Naive progressive strips: the kept vertex is written into every slot of the removed one.
 //!
-//! A vertex accumulates the slots of all vertices that collapsed to it, including those of swaps
-//! and degenerate parts of strips. When it collapses itself, it passes them on. For the models of
-//! the paper, a collapse renames six or seven slots on average.
+//! A vertex accumulates the slots of all vertices that collapsed to it, including slots in swaps
+//! and in degenerate parts of strips. When it collapses, its slots go to the next kept vertex. For
+//! the models of the paper, a collapse renames six or seven slots on average.
 //!
 //! # References
 //! Kim et al. 2005, section 3.2.

@@ -2,12 +2,12 @@
 //! progressive strips.
 //!
 //! # Algorithm
-//! The triangles are stored in the order in which vertex splits add them, so those of a level are a
-//! prefix of the list. A split adds the next triangles and renames corners of earlier ones. The
-//! published record describes these corners by its two *wing* vertices: the triangles around the
-//! split vertex from one wing to the other. This works on manifold surfaces. This module supports
-//! any mesh, with seams and with edges of three triangles, so the corners are listed explicitly,
-//! like the slots of strips. The wings are stored in addition.
+//! The triangles are stored in the order in which vertex splits add them, so the triangles of a
+//! level are a prefix of the list. A split adds the next triangles and renames corners of earlier
+//! ones. The published record describes these corners by its two *wing* vertices: the triangles
+//! around the split vertex from one wing to the other. This works on manifold surfaces. This module
+//! supports any mesh, with seams and with edges of three triangles, so the corners are listed
+//! explicitly, like the slots of strips. The wings are stored in addition.
 //!
 //! ```text
 //!       left wing                    left wing
@@ -34,9 +34,9 @@ use crate::lod::level::replay::{Records, Replay};
 use crate::mesh::{is_degenerate, triangles_of};
 use crate::strip::Strips;
 
-/// The triangles of a mesh at all levels of a collapse sequence: a list, and the corners that each
-/// collapse renames in it. The model is immutable; a [`ProgressiveMeshCursor`] has the list of one
-/// level.
+/// The triangles of a mesh at all levels of a collapse sequence, stored as a list and the corners
+/// that each collapse renames in it. The model is immutable; a [`ProgressiveMeshCursor`] has the
+/// list of one level.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -64,16 +64,16 @@ pub struct ProgressiveMesh {
     wings: Vec<[OptionalId; 2]>,
 }
 
-/// A vertex split as published: the vertex that is split in two, and the neighbours between which
-/// it opens.
+/// A vertex split as published: the vertex that is split in two, and its neighbours at both ends of
+/// the opening.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VertexSplit {
     /// The restored vertex.
     pub vertex: u32,
     /// The vertex that it is split from.
     pub kept: u32,
-    /// The third vertex of the first new triangle with the directed edge `kept` → `vertex`, and of
-    /// the first with `vertex` → `kept`; `None` at a boundary.
+    /// The third vertices of two new triangles: the first with the directed edge `kept` → `vertex`,
+    /// and the first with `vertex` → `kept`. `None` at a boundary.
     pub wings: [Option<u32>; 2],
 }
 
@@ -118,8 +118,8 @@ impl ProgressiveMesh {
         }
     }
 
-    /// Returns the vertex splits from `level` to `level` + 1; `None` if there is no such level.
-    /// There are several, all at one position, where attributes differ.
+    /// Returns the vertex splits from `level` to `level` + 1; `None` if there is no such level. A
+    /// point on an attribute seam has one split for each of its vertices.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -189,8 +189,8 @@ pub struct ProgressiveMeshCursor {
 }
 
 impl ProgressiveMeshCursor {
-    /// Returns the triangles of the current level, three vertices each, those of coarser levels
-    /// first.
+    /// Returns the triangles of the current level, three vertices each. The triangles of coarser
+    /// levels come first.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

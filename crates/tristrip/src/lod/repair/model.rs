@@ -62,7 +62,7 @@ impl RepairedStrips {
     }
 }
 
-/// A mesh without triangles.
+/// Creates the strips of a mesh without triangles.
 impl Default for RepairedStrips {
     fn default() -> Self {
         let sequence = Arc::new(CollapseSequence::default());

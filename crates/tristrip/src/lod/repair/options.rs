@@ -34,9 +34,9 @@ pub(super) const SEARCH_AMOUNTS: [SearchAmount; 10] = [
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 #[non_exhaustive]
 pub struct RepairOptions {
-    /// How much to search next to each change.
+    /// The search effort next to each change.
     pub effort: Effort,
-    /// The seed of the random choices.
+    /// Seed for the random number generator.
     pub seed: u64,
     /// The cost to minimize; see [`RepairOptions::with_cost`].
     pub cost: Cost,
@@ -51,8 +51,8 @@ impl Default for RepairOptions {
 
 impl RepairOptions {
     crate::setters! {
-        /// Sets how much to search next to each change. At effort 0, there is no search in strips
-        /// that are computed directly for a level.
+        /// Sets the search effort next to each change. Effort 0 disables the search when strips are
+        /// computed directly for a level.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -62,7 +62,7 @@ impl RepairOptions {
         /// ```
         with_effort(effort: Effort);
 
-        /// Sets the seed of the random choices.
+        /// Sets the seed for the random number generator.
         ///
         /// ```
         #[doc = include_str!("example.txt")]

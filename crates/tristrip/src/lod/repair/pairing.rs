@@ -6,16 +6,15 @@
 //!        ╱ │ ╲
 //!      k ━ r   ∙
 //! ```
-//! A collapse of r to k renames the edges r–x, and drops the triangles at the edge r–k. So only the
-//! edges k–x change. Of their sides, only those that came from r and those whose twin was dropped
-//! are *released*. All other twins remain, no matter how many triangles surround k or share an
-//! edge.
+//! A collapse of r to k renames the edges r–x, and drops the triangles at the edge r–k. Only the
+//! edges k–x change. Their sides are *released* if they came from r or if their twin was dropped.
+//! All other twins remain, no matter how many triangles surround k or share an edge.
 //!
-//! If an edge has two sides, they are twins if they have opposite directions. If it has more, those
-//! that were twins remain twins. The others have no twin. After each change they are paired like
-//! brackets: in the order of the triangles, each one takes the last side of the other direction
-//! that has no twin yet. So all sides of an edge that remain without a twin have the same
-//! direction.
+//! If an edge has two sides, they are twins if they have opposite directions. If it has more, the
+//! sides that were twins remain twins. The others have no twin. After each change they are paired
+//! like brackets. In the order of the triangles, each one takes the last side of the other
+//! direction that has no twin yet. All sides of an edge that remain without a twin therefore have
+//! the same direction.
 //!
 //! # Algorithm
 //! The sides without a twin are kept in a set ordered by edge. To pair the released sides of an

@@ -3,8 +3,8 @@
 //! walked.
 //!
 //! State 0 of a strip is the full mesh, and each collapse that changes the strip leads to the next
-//! state. The collapses at which states begin are stored per strip. So the labels of a graph are
-//! states instead of levels; a strip has few states.
+//! state. The collapses at which states begin are stored per strip. The labels of a graph are
+//! therefore states instead of levels. A strip has few states.
 //!
 //! # References
 //! Belmonte, Aguado, Sancho: *Triangle Strip Multiresolution Modelling Using Sorted Edges*, 2006,
@@ -82,12 +82,13 @@ pub trait ListBuilder: Default {
     /// state and is exact at the end.
     fn cost(&self) -> usize;
 
-    /// Packs the lists of a graph. The number of nodes as a successor means the end of the strip.
+    /// Packs the lists of a graph. A successor equal to the number of nodes is the end of the
+    /// strip.
     fn push(&self, graph: &Graph, packed: &mut Packed);
 }
 
-/// The packed graph of one strip: its beginnings, each with the last state where it is valid and a
-/// node; the vertex of each node; the lists of successors.
+/// The packed graph of one strip. It has the beginnings of the strip, each with its node and its
+/// last valid state, the vertex of each node, and the lists of successors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Graph {
     start: usize,
@@ -337,7 +338,7 @@ pub struct RecoveredStrips<L> {
 }
 
 impl<L: SuccessorLists> RecoveredStrips<L> {
-    /// Recovers the full mesh.
+    /// Creates the strips at the full mesh.
     pub fn new(model: Arc<StripGraphs<L>>) -> Self {
         let states = &model.states;
         let strip_count = states.strip_count();

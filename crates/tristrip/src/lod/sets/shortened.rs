@@ -1,5 +1,5 @@
-//! The strips of all levels as the multiresolution strip models store them: collapses rename
-//! vertices, and superfluous vertices are removed.
+//! The strips of all levels in the form that the multiresolution strip models store: collapses
+//! rename vertices, and superfluous vertices are removed.
 //!
 //! ```text
 //! a b c d e f g h    c → d   a b d d e f g h     nothing to remove

@@ -1,4 +1,4 @@
-//! The bounds of a collapse that a view evaluates: error, sphere and cone of normals.
+//! The bounds of a collapse, which a view evaluates: error, sphere and cone of normals.
 //!
 //! - The *error*, or switch value, is the largest error of the collapse and of its dependencies, in
 //!   mesh units. A view that allows a collapse therefore also allows its dependencies at the same

@@ -49,8 +49,8 @@ impl Camera {
         Ok(Self { eye, look_at, up: [0.0, 1.0, 0.0], field_of_view, columns: 1920, rows: 1080 })
     }
 
-    /// Sets the direction that is up in the image. If it is parallel to the view direction, the
-    /// coordinate axis least parallel to the view direction is used instead.
+    /// Sets the up direction of the image. If it is parallel to the view direction, the coordinate
+    /// axis least parallel to the view direction is used instead.
     ///
     /// # Errors
     /// A coordinate is not finite, or all are 0.
@@ -132,7 +132,7 @@ impl Camera {
         self.look_at
     }
 
-    /// Returns the direction that is up in the image.
+    /// Returns the up direction of the image.
     ///
     /// ```
     /// use tristrip::lod::Camera;

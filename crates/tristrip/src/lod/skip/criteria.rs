@@ -15,16 +15,16 @@
 //! Foveation multiplies the tolerance by another factor (module `foveation`).
 //!
 //! A collapse is split if its error exceeds the allowed error. It is applied if its error is at
-//! most a share of the allowed error, so small camera movements change nothing.
+//! most a given share of the allowed error, so small camera movements change nothing.
 //!
 //! # Travel
-//! Every change of the camera is reduced to one number, the *travel*: the distance that the eye
-//! moved, or the largest change of the distance between a frustum plane and a point of the model,
-//! whichever is larger. A turn of the gaze adds the distance by which it moves the farthest point
-//! of the model. A choice depends on the distance of the sphere from the eye and from the frustum
-//! planes, on the angle between its normals and the view direction, and on its angle to the gaze
-//! direction. The travel bounds the change of each of them. If a collapse does not change,
-//! [`Criteria::choose`] returns the travel for which this choice remains valid.
+//! Every change of the camera is reduced to one number, the *travel*. It is the larger of two
+//! lengths: the distance that the eye moved, and the largest change of the distance between a
+//! frustum plane and a point of the model. A turn of the gaze adds the distance by which it moves
+//! the farthest point of the model. A choice depends on the distance of the sphere from the eye and
+//! from the frustum planes, on the angle between its normals and the view direction, and on its
+//! angle to the gaze direction. The travel bounds the change of each of them. If a collapse does
+//! not change, [`Criteria::choose`] returns the travel for which this choice remains valid.
 //!
 //! # References
 //! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli 2000, section 5.2.1; Xia, El-Sana, Varshney
@@ -149,8 +149,8 @@ impl ViewCriteria {
         /// Sets how the allowed error grows away from the point of the image that the user looks
         /// at. There is no foveation by default.
         ///
-        /// The point may move from frame to frame, like a turn of the camera. If the growth
-        /// changes, the next update evaluates every collapse.
+        /// The point may move from frame to frame; an update treats this like a turn of the camera.
+        /// If the growth changes, the next update evaluates every collapse.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -198,7 +198,7 @@ impl ViewCriteria {
     }
 
     /// Checks the allowed error and the direction to the light.
-    /// [`SkipView::update`](super::view::SkipView::update) does the same check.
+    /// [`SkipView::update`](super::view::SkipView::update) performs the same check.
     ///
     /// # Errors
     /// The allowed error is negative or NaN, or the direction to the light is zero or not finite.

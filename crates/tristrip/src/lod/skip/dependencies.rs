@@ -1,9 +1,9 @@
-//! Dependencies: the collapses that must be applied before another one. With them, no view has a
-//! foldover that the simplification does not have.
+//! Dependencies: the collapses that must be applied before another one. They ensure that no view
+//! has a foldover that the simplification does not have.
 //!
-//! The simplification checked each collapse only in the neighbourhood of that time. The collapse is
-//! valid again whenever its neighbourhood is the same: all vertices around it have the same
-//! children as then.
+//! The simplification checked each collapse only in the neighbourhood that it had then. A collapse
+//! is valid whenever its neighbourhood is the same again: all vertices around it have the same
+//! children as in the simplification.
 //!
 //! ```text
 //!       n1 ── n2
@@ -19,18 +19,18 @@
 //! The collapses are replayed from the full mesh. A collapse depends on the last collapse into each
 //! vertex of the triangles around its own vertices. A collapse that drops the last triangle between
 //! the kept vertex and a third vertex also counts as a collapse into the third vertex. Otherwise a
-//! later collapse of the third vertex would not know that this triangle is gone. A dependency is
-//! omitted if another dependency in the list already depends on it. The published reduction omits
-//! nodes with an ancestor in the list; this one also omits nodes that another collapse in the list
-//! depends on.
+//! later collapse of the third vertex would not depend on the removal of this triangle. A
+//! dependency is omitted if another dependency in the list already depends on it. The published
+//! reduction omits nodes with an ancestor in the list. This reduction also omits nodes that another
+//! collapse in the list depends on.
 //!
 //! Every triangle of a view then also exists at some level of the simplification. Its corners were
 //! last changed by a collapse of the view that had the neighbourhood of the simplification.
 //!
 //! # Departures
-//! - The neighbours of a kept vertex with more than [`MAX_TRIANGLES`] triangles are ignored. This
-//!   keeps the time linear if thousands of collapses go to one vertex. The collapses of `simplify`
-//!   never keep such a vertex unless they change the topology.
+//! - The neighbours of a kept vertex with more than [`MAX_TRIANGLES`] triangles are ignored. The
+//!   time then remains linear even if thousands of vertices collapse to one vertex. The collapses
+//!   of `simplify` never keep such a vertex unless they change the topology.
 //! - Implicit dependencies (El-Sana, Varshney 1999) compare the vertex numbers around a collapse,
 //!   and find them through triangles that are stored and tagged one by one. Display strips have no
 //!   such triangles: finding the neighbours of a vertex requires a scan of all strips through it.

@@ -2,14 +2,14 @@
 //! split.
 //!
 //! Display strips that are filtered from the strips of the full mesh break up as a view gets
-//! coarser. This view has strips of its own triangles instead. `repair` keeps them about as good as
-//! strips built from scratch. This is not part of the published algorithm.
+//! coarser. This view has strips of its own triangles instead. `repair` keeps their cost close to
+//! that of strips built from scratch. This is not part of the published algorithm.
 //!
 //! Each update writes all strips again, which takes time proportional to the triangles of the view.
 //!
 //! # Complexity
-//! The time of [`Repair`](crate::lod::Repair) per collapse and split, plus O(t) time for t drawn
-//! triangles. 64 bytes per triangle of the full mesh and view.
+//! Each collapse and split takes the time of [`Repair`](crate::lod::Repair). Each update takes O(t)
+//! time for t drawn triangles. 64 bytes per triangle of the full mesh and view.
 
 use std::sync::Arc;
 
@@ -41,10 +41,11 @@ pub struct RepairedView {
 }
 
 impl RepairedView {
-    /// Creates a view at the base mesh. `strips` and `sequence` must be those of the model.
+    /// Creates a view at the base mesh. `strips` and `sequence` must be the ones that the model was
+    /// built from.
     ///
     /// # Errors
-    /// The sequence is not that of the model, or the strips do not draw its full mesh.
+    /// The model was built from another sequence, or the strips do not draw its full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

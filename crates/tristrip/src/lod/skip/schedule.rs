@@ -1,9 +1,9 @@
 //! The schedule of a view: when each collapse must be evaluated again.
 //!
-//! Each collapse that can change next has an entry with a travel. Its choice cannot change before
-//! the camera has covered this travel. Entries with nearly the same travel share a bucket. A frame
-//! evaluates only the expired entries: collapses close to a threshold in the direction of the
-//! camera movement.
+//! Each collapse that can change next has an entry with a camera travel. Its choice cannot change
+//! before the camera has moved by this travel. Entries with nearly the same travel share a bucket.
+//! A frame evaluates only the expired entries: collapses close to a threshold in the direction of
+//! the camera movement.
 //!
 //! ```text
 //! travel    ──────────▶ now

@@ -14,8 +14,8 @@
 //! The child that collapsed last comes first. The children of a are node 1, node 3 (the end of the
 //! subtree of 1) and node 4 (the end of the subtree of 3).
 //!
-//! A point on a seam has several vertices, which collapse together. The node of the first of them
-//! is the id of the collapse.
+//! A point on a seam has several vertices, which collapse together. The collapse is identified by
+//! the node of the first one.
 //!
 //! # Complexity
 //! O(n) time. 12 bytes per vertex, plus log₂(depth) packed pointers per vertex.

@@ -406,8 +406,8 @@ impl SkipView {
     }
 
     /// Returns the simplified strips: the strips of the full mesh with each vertex replaced by its
-    /// first active ancestor. This method finds ancestors with the skip pointers, not with the
-    /// names that the view stores.
+    /// first active ancestor. This method finds ancestors with the skip pointers. It does not use
+    /// the first active ancestors that the view stores.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -1,13 +1,13 @@
 //! Prices and estimates computed by several threads ahead of a pass, and prices for the levels of a
 //! merge tree.
 //!
-//! A pass visits the points one after the other and prices those that it may remove. Most of its
-//! time is spent on these prices. A price depends only on the triangles of the point, and is valid
-//! unless a neighbour was removed earlier in the pass. So prices can be computed before the pass,
-//! for any points in any order, and the pass produces the same collapses with and without them. The
-//! effect of a collapse on the topology may depend on changes elsewhere in the pass. It is
-//! determined when the pass reaches the point; if the best collapse is not allowed then, the point
-//! is priced again.
+//! A pass visits the points one after the other and prices the points that it may remove. Most of
+//! its time is spent on these prices. A price depends only on the triangles of the point, and is
+//! valid unless a neighbour was removed earlier in the pass. Prices can therefore be computed
+//! before the pass, for any points in any order. The pass produces the same collapses with and
+//! without them. The effect of a collapse on the topology may depend on changes elsewhere in the
+//! pass. It is determined when the pass reaches the point; if the best collapse is not allowed
+//! then, the point is priced again.
 //!
 //! ```text
 //!   ·── 4 ──·── 7 ──·── 9 ──·      points 4, 7 and 9 may be removed
@@ -15,12 +15,13 @@
 //! In the first round, only 4 is priced. If it will be removed, 7 will be skipped, and the next
 //! round prices 9. Otherwise the next round prices 7, and the one after it 9.
 //!
-//! Pricing a point that is skipped would be wasted work. So prices are computed in rounds. Each
-//! round prices the points that have no earlier neighbour that is undecided or will be removed.
+//! Pricing a point that is skipped would be wasted work. Prices are therefore computed in rounds.
+//! Each round prices the points that have no earlier neighbour that is undecided or will be
+//! removed.
 //!
-//! The levels of a merge tree price all points around which something changed before they take one.
-//! Each price includes the outcome of the collapse at that time, so each thread has its own marks
-//! ([`Pricers`]).
+//! For a level of a merge tree, all points with a changed neighbourhood are priced before the first
+//! one is taken. Each price includes the outcome of the collapse at that time, so each thread has
+//! its own marks ([`Pricers`]).
 //!
 //! # References
 //! Blelloch, Fineman, Shun: *Greedy Sequential Maximal Independent Set and Matching are Parallel on

@@ -3,11 +3,11 @@
 //! Two collapses whose points have no common neighbour are independent: either order gives the same
 //! result. All others keep their order. Each collapse gets a key. It is the maximum of its price
 //! and the keys of the earlier collapses of the pass that had one of its neighbours. Collapses are
-//! sorted by key; equal keys keep the order in which they were found. Each then comes after all
-//! that it depends on.
+//! sorted by key; equal keys keep the order in which they were found. Each collapse then follows
+//! all collapses that it depends on.
 //!
-//! Passes follow each other. So the collapses to some number of triangles are a prefix of those to
-//! any smaller number, no matter when a simplification stops.
+//! The passes are concatenated. The collapses to a number of triangles are therefore a prefix of
+//! the collapses to any smaller number, no matter when a simplification stops.
 
 use crate::collapse::CollapseSequence;
 

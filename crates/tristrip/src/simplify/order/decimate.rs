@@ -2,12 +2,12 @@
 //! applies the changes.
 //!
 //! # Algorithm
-//! Every removable point has a cost: that of its best collapse, as far as known (module `price`).
-//! Points are removed in passes:
+//! Every removable point has a cost: the cost of its best known collapse (module `price`). Points
+//! are removed in passes:
 //!
 //! 1. The limit of a pass is the cost of the cheapest twelfth of the candidate points.
-//! 2. All points are visited in their order. A point whose cost is at most the limit, and near
-//!    which nothing has changed in this pass, is priced unless its last price is still valid. If
+//! 2. All points are visited in their order. A point is priced if its cost is at most the limit and
+//!    nothing near it has changed in this pass. A valid price from an earlier pass is reused. If
 //!    its price is at most the limit, it collapses: its corners move to the kept point, its
 //!    triangles with that point are dropped, and its quadric is added to that of the kept point.
 //!    Otherwise the price becomes its cost.
@@ -18,8 +18,8 @@
 //! mesh, so its triangles, positions and quadrics must be fetched from memory each time. The data
 //! of the next point in a pass is usually cached (module `curve`). The cheapest point is also often
 //! a neighbour of the last one, whose price has just become invalid. A pass always runs to its end.
-//! Its collapses are then sorted by price, each after those that it depends on (module `order`),
-//! and cut off where the target is reached.
+//! Its collapses are then sorted by price, each after the collapses that it depends on (module
+//! `order`). The sequence is cut off where the target is reached.
 //!
 //! A collapse is refused if it would
 //! - rotate a remaining triangle by more than about 75 degrees (`MIN_COSINE` of the module
@@ -30,8 +30,8 @@
 //!   Permissive simplification allows topology changes: holes can close and handles can vanish;
 //! - remove the last triangle or tetrahedron of a component, unless the caller has given the error
 //!   of its removal;
-//! - open a seam: each vertex at the point needs a triangle with the kept point, and these must
-//!   agree;
+//! - open a seam: each vertex at the point needs a triangle with the kept point, and these
+//!   triangles must agree;
 //! - exceed the error limit, if there is one.
 //!
 //! # References

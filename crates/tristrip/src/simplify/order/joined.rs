@@ -8,12 +8,12 @@
 //!
 //! # Algorithm
 //! The vertices of all meshes are concatenated into one mesh. Vertices of different meshes are
-//! assumed to differ in their attributes, which makes the borders between meshes seams. They cost
-//! as much as borders of a mesh, since materials meet there. Every rename stays within one mesh, so
-//! the collapses can be split among the meshes at the end.
+//! assumed to differ in their attributes, which makes the borders between meshes seams. These seams
+//! cost as much as borders of a mesh, since materials meet there. Every rename stays within one
+//! mesh, so the collapses can be split among the meshes at the end.
 //!
 //! # Complexity
-//! The time and memory of simplifying one mesh with all triangles, plus 12 bytes per vertex.
+//! Time and memory are the same as for one mesh with all triangles, plus 12 bytes per vertex.
 
 use super::decimate::Decimation;
 use crate::collapse::{CollapseSequence, Rename};
@@ -187,8 +187,8 @@ impl<'a> SurfaceSimplifier<'a> {
     /// Returns the maximum cost of the collapses so far, in cubic mesh units: squared deviations of
     /// the surface and its attributes, times the square root of the affected area. With
     /// [`Price::Quadric`](crate::simplify::Price::Quadric) the area does not count, and the unit is
-    /// square mesh units. The cheapest collapse is always next, so comparing the costs of several
-    /// surfaces tells which of them loses least by its next collapse.
+    /// square mesh units. The cheapest collapse is always next. The surface with the lowest cost
+    /// therefore loses least with its next collapse.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -217,12 +217,12 @@ impl<'a> SurfaceSimplifier<'a> {
         self.decimation.stopped()
     }
 
-    /// Returns the collapses of each mesh in the order of their costs, up to the first at which all
-    /// meshes together have at most this many triangles. With 0, returns all collapses. `stopped`
-    /// is `None` in the result.
+    /// Returns the collapses of each mesh in order of cost, until all meshes together have at most
+    /// this many triangles. With 0, returns all collapses. `stopped` is `None` in the result.
     ///
     /// # Errors
-    /// The triangles of a mesh are invalid. [`SurfaceSimplifier::new`] has ruled this out.
+    /// The triangles of a mesh are invalid. This does not happen after [`SurfaceSimplifier::new`],
+    /// which checks them.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

@@ -1,7 +1,7 @@
 //! Merge trees: collapses in independent sets, for vertex hierarchies of small height.
 //!
-//! Cheapest-first simplification collapses one region many times before it reaches the next, and
-//! each of these collapses depends on the ones before it. Here, each level of the tree is a set of
+//! Cheapest-first simplification collapses one region many times before it reaches the next. Each
+//! of these collapses depends on the ones before it. Here, each level of the tree is a set of
 //! collapses that do not touch each other. None of them depends on another collapse of its level,
 //! and the tree has about log(n) levels.
 //!
@@ -18,19 +18,19 @@
 //!    last priced.
 //! 2. Take collapses in the order of their prices: the edge length, as published, or the quadric at
 //!    the kept vertex. A collapse is taken if neither of its vertices shares a triangle with a
-//!    vertex of an edge taken at this level, so the neighbourhoods of taken collapses have no
+//!    vertex of an edge taken at this level. The neighbourhoods of taken collapses then have no
 //!    triangle in common. A vertex whose best target is blocked takes the best of its other
 //!    targets, which makes the set maximal.
-//! 3. In the quadric order, only collapses up to a limit are taken; a quarter of the vertices are
-//!    below it. A maximal set without a limit would remove feature vertices early, and every
-//!    refinement that depends on them would have a large error.
+//! 3. In the quadric order, only collapses up to a limit are taken. The limit is chosen so that a
+//!    quarter of the vertices are below it. A maximal set without a limit would remove feature
+//!    vertices early, and every refinement that depends on them would have a large error.
 //!
 //! The rules of the module `decimate` apply. In addition, no triangle may turn by more than 78
-//! degrees from the full mesh, or farther than it has turned already. The reference is the area-weighted
-//! sum of the normals of the full mesh at the vertices that one of its corners represents. This
-//! rule applies to the triangles of the removed vertex, and to those of the kept vertex, which
-//! represents more vertices afterwards. Without it, triangles fold over step by step.
-//! `decimate/merge_levels.rs` builds the levels.
+//! degrees from the full mesh. A triangle that has already turned farther may not turn any farther.
+//! The reference direction is a sum of full-mesh normals, weighted by area, at the vertices that
+//! one corner of the triangle represents. This rule applies to the triangles of the removed vertex,
+//! and to those of the kept vertex, which represents more vertices afterwards. Without it,
+//! triangles fold over step by step. `decimate/merge_levels.rs` builds the levels.
 //!
 //! # Departures
 //! Collapses are half-edge collapses. The quadric order is not published.

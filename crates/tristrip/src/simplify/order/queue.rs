@@ -2,12 +2,12 @@
 //! neighbours collapses next.
 //!
 //! # Algorithm
-//! 1. The quadric of a point is the sum of the squared distances from the planes of its triangles,
-//!    each plane once and unweighted (1997, section 5), and from planes through its border edges,
-//!    perpendicular to their triangles (section 6).
+//! 1. The quadric of a point is a sum of squared distances from planes. The planes of its triangles
+//!    count once each, unweighted (1997, section 5). Each border edge adds a plane through the
+//!    edge, perpendicular to its triangle (section 6).
 //! 2. The cost of a collapse of `p` to `q` is `(Qp + Qq)` at the position of `q`. Every pair of
-//!    neighbours is queued in both directions, so the better end is kept. Kim et al. 2005 collapse
-//!    half-edges, and no vertex moves.
+//!    neighbours is queued in both directions, so the better end point is kept. Kim et al. 2005
+//!    collapse half-edges, and no vertex moves.
 //! 3. The cheapest collapse is taken from a queue. Ties go to the lowest removed point, then to the
 //!    lowest kept point. Points are numbered in the order in which the triangles use them;
 //!    triangles are sorted along a curve if neighbours are far apart in memory (module `curve`).
@@ -22,13 +22,13 @@
 //! # Departures
 //! - The paper only says that the weight of border planes is large. Here it is 1000, the default of
 //!   its authors' program `QSlim`. `QSlim` and the later papers also weight each plane by the area
-//!   of its triangle; the paper of 1997 and this module do not.
+//!   of its triangle. The 1997 paper and this module do not.
 //! - All collapses refused by `decimate` are refused here. The paper allows any topology and only
 //!   requires that no normal flips. Here no triangle rotates by more than about 75 degrees, the
 //!   link condition holds, the last triangle of a component is kept, and attribute seams stay
 //!   closed.
-//! - Only edges are pairs: the paper's distance threshold for pairs without an edge is 0.
-//! - Vertices at the same position are one point. Vertex attributes have no price.
+//! - Only the two ends of an edge form a pair: the paper's distance threshold for other pairs is 0.
+//! - Vertices at the same position are one point. Vertex attributes do not affect the cost.
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Garland: `QSlim`,

@@ -7,8 +7,8 @@
 //!   with an atlas;
 //! - *normals*, *tangents* and *colours*: the difference times a fixed length in the local frame
 //!   ([`NORMAL_LENGTH`], [`TANGENT_LENGTH`], [`COLOUR_LENGTH`]). A surface that moves by that
-//!   length is as bad as a normal that turns by a radian, or a colour that changes from black to
-//!   full;
+//!   length counts as much as a normal that turns by a radian, or a colour that changes from black
+//!   to full intensity;
 //! - *joints and weights*: the distance by which a vertex moves differently when a joint turns
 //!   (module `skin`).
 //!

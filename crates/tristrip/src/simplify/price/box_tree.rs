@@ -1,17 +1,17 @@
 //! A tree of boxes around the triangles of the full mesh, for queries whether a position is near
 //! any triangle.
 //!
-//! The triangles are sorted along a Morton curve. Every four consecutive ones have a box, every
-//! four of these boxes have one, and so on. The tree consists only of its boxes, in one array per
-//! level, lowest level first.
+//! The triangles are sorted along a Morton curve. Every four consecutive triangles have a box,
+//! every four of these boxes have a box, and so on. The tree consists only of its boxes, in one
+//! array per level, lowest level first.
 //!
 //! ```text
 //!   level 1   [───────────────────────]
 //!   level 0   [────][────][────][─────]
 //! ```
-//! A search descends into the boxes that are near enough, nearest first, and ends at the first
-//! triangle that is near enough. Where the boxes of very many triangles overlap, it stops without a
-//! result.
+//! A search descends into the boxes within the distance, nearest first, and ends at the first
+//! triangle within the distance. Where the boxes of very many triangles overlap, the search stops
+//! without a result.
 //!
 //! # Complexity
 //! O(n log n) time to build; 14 bytes per triangle. A search takes O(log n) time if triangles are

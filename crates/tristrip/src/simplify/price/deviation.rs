@@ -1,9 +1,10 @@
 //! The deviation of new triangles from the full mesh, which makes an error limit hold for the whole
 //! surface.
 //!
-//! Removed points measure how far the full mesh is from the surface. The other direction matters
-//! where triangles bridge a valley: the full mesh has no point there. The module `neighbourhood`
-//! compares new edges with the triangles that they replace, which can deviate already:
+//! Removed points measure how far the full mesh is from the surface. Where triangles bridge a
+//! valley, the full mesh has no points, so the distance from the surface to the full mesh matters
+//! too. The module `neighbourhood` compares new edges with the triangles that they replace, but
+//! these can already deviate from the full mesh:
 //!
 //! ```text
 //!   ·───────────·  now
@@ -15,8 +16,8 @@
 //! The deviation of a triangle is an upper estimate of its distance from the full mesh: the maximum
 //! deviation of the triangles that it replaces, plus its distance from them. If it is within the
 //! error limit, nothing else is needed. Otherwise the full mesh is searched for sample positions on
-//! the new triangles, and the deviation is the maximum distance found. So searches are needed only
-//! near the limit.
+//! the new triangles, and the deviation is the maximum distance found. Searches are therefore
+//! needed only near the limit.
 //!
 //! # Complexity
 //! 16 bytes per triangle, and 14 more for the tree of the module `box_tree` once it is needed.

@@ -7,20 +7,21 @@
 //!   triangles. It has three terms. The first is the sum of the squared distances of the point and
 //!   of the removed points that its triangles represent (module `removed_points`), weighted by the
 //!   areas that they represent. The second is the maximum squared distance of the midpoints of the
-//!   new edges from the old triangles. The third is a small share of the estimate. A quadric knows
-//!   only unbounded planes, and counts them repeatedly. The sum is the mean squared distance
-//!   itself, and the new edges show whether one would cross a ridge or bridge a valley. The
-//!   quadrics of the attributes are added, if there are any (module `attribute_quadrics`).
+//!   new edges from the old triangles. The third is a small share of the estimate. A quadric
+//!   represents only unbounded planes, and it counts them repeatedly. The first term of the price
+//!   is the mean squared distance itself. The midpoints show whether a new edge would cut a ridge
+//!   or bridge a valley. The quadrics of the attributes are added, if there are any (module
+//!   `attribute_quadrics`).
 //!
-//! Both are divided by the square root of the weight of the point, the area that it represents.
-//! Weighting by area alone would remove thin parts first. Weighting by distance alone would make a
-//! small part as expensive as a large one.
+//! Both costs are divided by the square root of the weight of the point. The weight is the area
+//! that the point represents. Weighting by area alone would remove thin parts first. Weighting by
+//! distance alone would make a small part as expensive as a large one.
 //!
 //! # Algorithm
 //! The neighbours are priced by ascending estimate. A price is computed in steps, cheap ones first,
-//! and abandoned as soon as it exceeds the best price. Points that were never priced have a cost of
-//! their estimate times a typical ratio of the two, so few prices are wasted. A neighbour whose
-//! estimate exceeds the best price is skipped, because it rarely has the better price.
+//! and abandoned as soon as it exceeds the best price. The cost of a point that was never priced is
+//! its estimate times a typical ratio of price to estimate, so few prices are wasted. A neighbour
+//! whose estimate exceeds the best price is skipped, because its price is rarely better.
 //!
 //! For [`Price::Planes`], the price is the estimate plus the attributes. [`Price::Quadric`] uses
 //! none of this; see the module `queue`.

@@ -9,8 +9,8 @@
 //! The link of the point b has its neighbours as nodes and the edges opposite to b, such as u–w, as
 //! arcs. It is a circle around an inner point, and a path at a border. An edge from b to a node
 //! that does not have two arcs is *singular*: a border, or an edge where three or more sheets meet.
-//! A point with two singular edges of equally many sheets is on a line. A point with any other
-//! singular edges is where lines meet or end.
+//! A point with two singular edges of equally many sheets is on a line. Lines meet or end at a
+//! point with any other singular edges.
 //!
 //! Triangles of the same three points, such as the two sides of a doubled face, count once.
 //!
@@ -19,8 +19,8 @@
 //!   opposite to both (the link condition). Then no hole opens or closes and no parts join. A fin,
 //!   a triangle attached by only one edge, can vanish;
 //! - a point on singular edges moves along one of them;
-//! - a triangle remains at each edge that two edges are merged into. So a last triangle is kept,
-//!   and so is one that alone connects two others.
+//! - a triangle remains at each edge that two edges are merged into. The last triangle of an edge
+//!   is therefore kept, and so is a triangle that is the only connection between two others.
 //!
 //! # References
 //! Dey, Edelsbrunner, Guha, Nekhayev: *Topology Preserving Edge Contraction*, 1999. Attali,

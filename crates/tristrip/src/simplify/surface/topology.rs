@@ -14,18 +14,18 @@
 //! ```
 //! The triangle (b, u, w) has a corner of the point b. The ring of b contains its corners, in any
 //! order. Around an inner point, every neighbour is the u of one corner and the w of another.
-//! Around a border point, two neighbours are only one of these: those along the border.
+//! Around a border point, each of the two neighbours along the border is only one of these.
 //!
 //! A ring is a range of one array: pricing reads the whole ring of a point several times per
 //! collapse, and a range is read sequentially. Levels of detail have the opposite access pattern:
 //! their collapses and splits read each ring once, and a split has to restore the ring in constant
 //! time. The linked rings of `lod::level::level_mesh` do that. Here, a removed corner is replaced
-//! by the last one, and the order of a ring determines the order in which normals are added. So the
-//! two cannot share one structure without losing speed or changing results.
+//! by the last one, and the order of a ring determines the order in which normals are added. The
+//! two modules therefore cannot share one structure without losing speed or changing results.
 //!
 //! # Complexity
-//! 12 bytes per triangle, 12 more if there are seams, some 30 for the rings; 18 bytes per point,
-//! and about 60 per vertex on a seam.
+//! 12 bytes per triangle, 12 more if there are seams, and about 30 for the rings; 18 bytes per
+//! point, and about 60 per vertex on a seam.
 
 mod corner;
 mod fans;

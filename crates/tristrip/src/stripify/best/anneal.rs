@@ -11,8 +11,8 @@
 //! tries a join or a rotation over a random free edge. After a rotation it tries the new end
 //! instead. Then it tries to cut links, one per triangle, and to flip diagonals. A move that raises
 //! the cost by r is accepted with probability e^(−r/T). The temperature T decreases with each
-//! sweep. The highest acceptable rise is drawn first, so most moves are rejected by their local
-//! swaps before anything changes.
+//! sweep. The highest acceptable rise is drawn first. Most moves are then rejected by a count of
+//! their local swaps, before anything changes.
 //!
 //! Two consecutive rotations are a tunnel through two paths, and a rotation followed by a join is
 //! Stewart's tunnel. Annealing finds longer tunnels without further moves.

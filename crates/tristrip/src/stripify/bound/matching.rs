@@ -8,9 +8,9 @@
 //!    cycles are shrunk by union–find (Gabow). A search that finds no other free node keeps its
 //!    labels, because its nodes cannot help any later search.
 //!
-//! The nodes that the failed searches labelled even are the nodes that some maximum matching leaves
-//! free (Gallai, Edmonds). They determine without a search whether one more node would be matched:
-//! see [`Matching::would_match`].
+//! A node that the failed searches labelled even is left free by some maximum matching (Gallai,
+//! Edmonds). These labels determine without a search whether one more node would be matched: see
+//! [`Matching::would_match`].
 //!
 //! # References
 //! Edmonds: *Paths, trees, and flowers*, 1965; Gabow: *An efficient implementation of Edmonds'

@@ -10,7 +10,8 @@ pub enum BoundMethod {
     Leaves,
     /// A maximum matching in each block, and the best use of the bridges between blocks.
     Matching,
-    /// A matching, and subproblems solved exactly that prove that a block needs more strips.
+    /// A maximum matching, improved by exactly solved subproblems that prove that a block needs
+    /// more strips.
     Subproblems,
     /// Every block was solved exactly. A cover with this number of strips exists.
     Exact,

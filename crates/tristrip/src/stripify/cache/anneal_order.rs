@@ -12,7 +12,7 @@
 //!   reorder   A drawn before or after the strip of a neighbour, from either end
 //! ```
 //! Indices change only at these positions. Misses change until a strip starts with the same cache
-//! contents as before; everything after it stays the same. This usually takes a few strips. The
+//! contents as before. Everything after it remains the same. This usually takes a few strips. The
 //! contents at the start of each strip are stored for this comparison. A move whose effect lasts
 //! longer than [`WINDOW`] strips is rejected.
 //!

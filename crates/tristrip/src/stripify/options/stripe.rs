@@ -39,9 +39,9 @@ pub enum Ties {
 /// Which of several equal neighbours the look-ahead chooses. The papers do not specify this.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum LastTie {
-    /// The first neighbour after the entry.
+    /// The first neighbour after the entry edge.
     First,
-    /// The last neighbour after the entry, which is the first before it.
+    /// The last neighbour after the entry edge, which is the first one before it.
     #[default]
     Last,
 }

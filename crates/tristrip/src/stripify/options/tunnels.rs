@@ -3,7 +3,7 @@
 use crate::names::names;
 
 /// The tunnels of [`Method::GuidedTunnels`](super::Method::GuidedTunnels) and
-/// [`Method::Eta`](super::Method::Eta). The default is that of `GuidedTunnels`.
+/// [`Method::Eta`](super::Method::Eta). The default values are for `GuidedTunnels`.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, Method, StripifyOptions, stripify};
@@ -21,7 +21,7 @@ use crate::names::names;
 pub struct TunnelOptions {
     /// Maximum length of a tunnel, in edges.
     pub length: u32,
-    /// Maximum number of triangles that the paths of a search from one end of a strip visit.
+    /// Maximum number of triangles visited by a search from one end of a strip.
     pub threshold: u32,
     /// The initial strips.
     pub start: Start,
@@ -39,8 +39,8 @@ pub enum Start {
     Input,
     /// The strips of [`Method::Sgi`](super::Method::Sgi).
     Sgi,
-    /// The strips of [`Method::Sequential`](super::Method::Sequential). Guided tunnels need the
-    /// least time with them and end with the fewest strips and swaps: 446 strips for dragon,
+    /// The strips of [`Method::Sequential`](super::Method::Sequential). From these strips, guided
+    /// tunnels take the least time and end with the fewest strips and swaps: 446 strips for dragon,
     /// compared with 461 from isolated triangles.
     #[default]
     Sequential,
@@ -129,8 +129,7 @@ impl TunnelOptions {
         self
     }
 
-    /// Sets the maximum number of triangles that the paths of a search from one end of a strip
-    /// visit.
+    /// Sets the maximum number of triangles visited by a search from one end of a strip.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

@@ -1,5 +1,5 @@
-//! Strips the connected components of a large mesh in parallel. The cover is exactly that of a
-//! single thread.
+//! Strips the connected components of a large mesh in parallel. The cover is exactly the same as
+//! with a single thread.
 //!
 //! ```text
 //!   triangle    0 1 2 3 4 5 6 7 8         group 0: components a, b    group 1: component c
@@ -17,8 +17,8 @@
 //!
 //! Files with many parts store them one after the other, and interleaved components are usually
 //! interleaved with their neighbours. Collecting components from all over the mesh would require a
-//! search that numbers them first. This takes a fifth of the time of the whole method, too much for
-//! meshes of one component, which most large meshes are.
+//! search that numbers them first. Such a search takes a fifth of the time of the whole method.
+//! Most large meshes have only one component, so it would be wasted on them.
 //!
 //! The cover depends neither on the groups nor on the number of threads, because components do not
 //! affect each other in any step:
@@ -26,11 +26,11 @@
 //!   The top of the candidate lists of all components is also the top of the lists of its own
 //!   component. An entry is dropped if its triangle has been taken or has lost a neighbour since.
 //!   Triangles never gain neighbours, so it does not matter when an entry is dropped.
-//! - Without candidates, the first free triangle is taken. It is the first free one of its
-//!   component, because the order is kept. The triangles before it are taken, or belong to
+//! - Without candidates, the first free triangle is taken. It is also the first free triangle of
+//!   its component, because the order is kept. The triangles before it are taken, or belong to
 //!   components without candidates.
-//! - Tentative runs mark triangles with a number that is new each time. Marks are compared only
-//!   with the newest number.
+//! - Each tentative run marks triangles with a new number. Marks are compared only with the newest
+//!   number.
 //! - The local search processes ends in the order of the triangles and reaches only along links and
 //!   shared edges. Strip numbers are compared only within a component.
 //! - The random choice between equal moves would couple components, but is only used in plateau

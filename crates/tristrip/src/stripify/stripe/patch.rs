@@ -12,7 +12,8 @@
 //!      └───────┘             │   │ h─┼─▶ │    are neighbours; here 2
 //!        south               └───┴───┴───┘
 //! ```
-//! 1. The grid height of every quad half-edge is computed from that of the half-edge above it.
+//! 1. The grid height of every quad half-edge is computed from the grid height of the half-edge
+//!    above it.
 //! 2. The grid heights along a line are a histogram. A patch with its south row on the line is as
 //!    high as the lowest grid height between its columns. A stack finds the largest patches.
 //! 3. All patches as large as the largest are taken, except those that meet a patch already taken.

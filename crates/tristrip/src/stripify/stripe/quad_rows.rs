@@ -23,7 +23,8 @@
 //! 4. The diagonals of all polygons of a strip are chosen together for the fewest swaps.
 //!
 //! On skyscraper, triceratops and power lines, a cutoff of 5 sends 4537, 6737 and 10084 vertices.
-//! For the published rows the papers report 4616, 6911 and 10621, later 4849, 7248 and 10417.
+//! For the published row method, the first paper reports 4616, 6911 and 10621 vertices, and the
+//! later one 4849, 7248 and 10417.
 //!
 //! # References
 //! Patches: section 3.2 of the paper by Evans, Skiena and Varshney; see [`super`]. The rest is

@@ -8,12 +8,13 @@
 //!    twice.
 //! 3. If a red edge leads to a terminal and no loop would remain, complement the path, and continue
 //!    from that terminal.
-//! 4. When no terminal has a tunnel of that length, try the next odd length, up to the limit, if
-//!    some path is that long.
+//! 4. When no terminal has a tunnel of that length, try the next odd length, up to the limit, as
+//!    long as a path of that length exists.
 //!
-//! At the end no tunnel of any kind up to the limit remains, because a path may close a loop and
-//! open it again later. The rules of Stewart and of Porcu and Scateni forbid that. They are
-//! conditions on every step of a path, whereas this rule examines the paths after the last step.
+//! At the end, no tunnel up to the limit remains. This includes tunnels whose path closes a loop
+//! and opens it again later. The rules of Stewart and of Porcu and Scateni forbid such paths,
+//! because they are conditions on every step. The rule here examines the paths only after the last
+//! step.
 //!
 //! # Complexity
 //! The number of paths grows exponentially with the length: it doubles with each black edge.

@@ -2,7 +2,7 @@
 //!
 //! From one frame to the next, a view splits some vertices and collapses others. Without a geomorph
 //! these vertices visibly jump. An intermediate mesh has the collapses of both states applied. Each
-//! state has a geomorph to it:
+//! state has a geomorph to this intermediate mesh:
 //!
 //! ```text
 //! mesh before ── vertices that collapse ──▶ both applied ◀── vertices that split ── mesh after
@@ -33,7 +33,7 @@ use crate::lod::skip::vertex_tree::VertexTree;
 /// The number of flags compared at once.
 const BLOCK: usize = 64;
 
-/// A snapshot of the collapsed vertices of a view, the start of a geomorph: see
+/// A snapshot of the collapsed vertices of a view. A geomorph starts from it; see
 /// [`SkipView::geomorphs`].
 #[derive(Debug, Clone)]
 pub struct ViewSnapshot {
@@ -46,17 +46,17 @@ pub struct ViewSnapshot {
 /// The two geomorphs are independent of each other:
 ///
 /// - `split` applies to the mesh after the update, while its weight falls from 1 to 0.
-/// - `collapsed` applies to the mesh before the update, while its weight rises from 0 to 1. After
-///   that, the buffers of the mesh after the update can be used without a visible change.
+/// - `collapsed` applies to the mesh before the update, while its weight rises from 0 to 1. At
+///   weight 1, the renderer can switch to the buffers of the updated mesh without a visible change.
 ///
-/// At weight 1 both draw the same surface. If the update only splits, this is the mesh before the
-/// update. If it only collapses, this is the mesh after the update.
+/// At weight 1 both geomorphs draw the same surface. If the update only splits, this surface is the
+/// mesh before the update. If it only collapses, this surface is the mesh after the update.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ViewGeomorphs {
-    /// The vertices that only the mesh before the update has. Weight 0 draws that mesh.
+    /// The vertices that exist only in the mesh before the update. Weight 0 draws that mesh.
     pub collapsed: Geomorph,
-    /// The vertices that only the mesh after the update has. Weight 0 draws that mesh.
+    /// The vertices that exist only in the mesh after the update. Weight 0 draws that mesh.
     pub split: Geomorph,
 }
 
@@ -75,7 +75,7 @@ impl SkipView {
     }
 
     /// Finds the vertices that move between a snapshot and the current state of the view. The
-    /// snapshot may come from another view of the same model, or from any number of updates ago.
+    /// snapshot may belong to another view of the same model. It may be any number of updates old.
     ///
     /// # Errors
     /// The snapshot belongs to another model.

@@ -14,12 +14,13 @@
 //! sheets near each other remain separate.
 //!
 //! # Algorithm
-//! In the order of their indices, each point joins the nearest point within the distance that has
-//! joined no other. Ties go to the lowest index. It does not join if a triangle contains it and a
-//! point that is joined to that one, so no triangle loses its area.
+//! The points are processed in the order of their indices. Each joins the nearest point within the
+//! distance that has not joined another one. Ties go to the lowest index. A point does not join if
+//! a triangle contains both it and a point that is joined to the same target, so no triangle
+//! becomes degenerate.
 //!
 //! # Complexity
-//! O(n) for n points that are not inside, with their triangles. Inner points take no time.
+//! O(n) time for n border points and their triangles. Inner points take no time.
 
 use super::{PointKind, Topology};
 use crate::mesh::{NearPositions, Positions};
