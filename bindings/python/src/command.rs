@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 ///     arguments: the command line, starting with the program name.
 ///
 /// Returns:
-///     0 for success, 1 for bad input or a failed proof, 2 for wrong usage.
+///     0 for success, 1 for bad input or failed verification, 2 for wrong usage.
 ///
 /// >>> import tristrip
 /// >>> tristrip.run_command(["tristrip", "verify", "--quiet", "missing.ply", "missing.ply"])

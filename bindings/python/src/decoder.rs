@@ -28,9 +28,10 @@ fn lock(state: &Shared) -> MutexGuard<'_, ArrivingGlb> {
     state.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Incremental decoder of a progressive GLB, or of any GLB.
+/// Incremental decoder for a progressive GLB, or for any GLB.
 ///
-/// The bytes come in pieces of any size. The part received so far can be drawn at any time.
+/// `update` accepts the bytes in pieces of any size. The part received so far can be drawn at any
+/// time.
 ///
 /// Several threads may use one decoder. `copy.copy` makes an independent copy.
 ///
@@ -38,7 +39,7 @@ fn lock(state: &Shared) -> MutexGuard<'_, ArrivingGlb> {
 ///     strips: whether to maintain triangle strips during refinement, for `StreamedPart.strips`.
 ///         Decoding is then about five times slower.
 ///     max_bytes: the maximum number of bytes before the first chunk, or of a whole file without a
-///         stream; all of them are kept in memory. The default is 2^30.
+///         stream. All these bytes are kept in memory. The default is 2^30.
 ///     max_triangles: the maximum number of triangles of all meshes. The default, 2^26, is also the
 ///         upper limit. A stream is also limited to 2^18 triangles plus 32 per byte received.
 ///
@@ -130,7 +131,7 @@ impl Decoder {
     /// Check that the file is complete. Call this after the last bytes.
     ///
     /// Raises:
-    ///     FormatError: the file is truncated or was damaged.
+    ///     FormatError: the file is truncated or damaged.
     ///
     /// >>> import tristrip
     /// >>> tristrip.Decoder().finish()
@@ -221,8 +222,8 @@ impl Decoder {
 
     /// Return the scene as received so far, with materials, textures and nodes.
     ///
-    /// Meshes without a decoded chunk are base meshes. The result is None before the base meshes
-    /// have arrived.
+    /// Meshes without decoded chunks are at their base meshes. The result is None before the base
+    /// meshes have arrived.
     ///
     /// Raises:
     ///     FormatError: the glTF document is invalid.

@@ -17,7 +17,7 @@ pub(crate) enum Failure {
     Core(tristrip::Error),
     /// A read or write error.
     File(tristrip_io::Error),
-    /// A result failed its proof.
+    /// The verification of a result failed.
     Unproven(String),
     /// A panic: a bug, or an array was modified while it was in use.
     Panic(String),

@@ -39,11 +39,12 @@ use crate::strips::{Strips, index_bits, layout_of};
 ///     model: the level model: "progressive-mesh", "naive", "progressive", "sets", "blocks" or
 ///         "skip"; see `tristrip level --model`. "blocks" has the fewest indices at coarse levels
 ///         and uses the least memory.
-///     base: the ratio of triangles in the base mesh. By default as few as possible.
+///     base: the ratio of triangles in the base mesh. By default, the base mesh has as few
+///         triangles as possible.
 ///     price: the cost function of collapses; see `simplify`.
 ///     normals, uv, colors, attributes: per-vertex values; see `simplify`. Their seams stay closed.
 ///     method, effort, cost, **options: the method for the strips of the full mesh; see `stripify`.
-///     verify: whether to prove the strips.
+///     verify: whether to verify the strips.
 ///     progress: see `stripify`.
 ///
 /// Raises:
@@ -329,7 +330,7 @@ impl Levels {
     ///         as "0.1%".
     ///
     /// Raises:
-    ///     ParameterError: the error is negative or not a number.
+    ///     ParameterError: the error is negative or NaN.
     fn set_error(&self, py: Python<'_>, error: &Bound<'_, PyAny>) -> PyResult<usize> {
         self.set(py, LevelGoal::Error(deviation("error", error)?))
     }
@@ -456,10 +457,10 @@ impl Levels {
         Ok(PyArray1::from_vec(py, renamed))
     }
 
-    /// Prove that the strips of all parts draw exactly the triangles of the current level.
+    /// Verify that the strips of all parts draw exactly the triangles of the current level.
     ///
     /// Raises:
-    ///     NotProvenError: they do not, which is a bug in this package.
+    ///     NotProvenError: the strips draw other triangles, which is a bug in this package.
     fn verify(&self, py: Python<'_>) -> PyResult<()> {
         let proven: Result<(), Failure> = py.detach(|| {
             let mut state = self.state();
@@ -525,8 +526,8 @@ impl Levels {
         slf.py().import("tristrip._notebook")?.call_method1("levels_html", (slf,))
     }
 
-    /// Pickles the meshes and the options. Unpickling rebuilds the levels, which are larger, with
-    /// the same result.
+    /// Pickles the meshes and the options. Unpickling rebuilds the levels with the same result. The
+    /// levels themselves would take more space.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, this) = (slf.py(), slf.get());
         let scene = Scene { data: Arc::clone(&this.scene) };

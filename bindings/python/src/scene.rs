@@ -117,14 +117,14 @@ impl Scene {
         Ok(Self::new(parts::scene_of(&parts)?))
     }
 
-    /// The parts in file order. A part of a glTF file is one primitive, without the transforms of
-    /// the nodes that place it.
+    /// The parts in file order. A part of a glTF file is one primitive. The transforms of its nodes
+    /// are not applied.
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         PyList::new(py, parts::parts_of(&self.data)?)
     }
 
-    /// The placements of the parts by the nodes of a glTF scene.
+    /// How the nodes of a glTF scene place the parts.
     ///
     /// A list of pairs: a `range` of part indices, and the transform from part to scene space,
     /// float64 of shape (4, 4), for column vectors. Animations are not applied. Scenes of other
@@ -143,7 +143,7 @@ impl Scene {
         placements::placements(py, &self.data)
     }
 
-    /// Notes of the reader on dropped or changed data.
+    /// Notes on data that was dropped or changed on reading.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.data.model().notes.clone()
@@ -159,7 +159,7 @@ impl Scene {
     ///
     /// Args:
     ///     method, effort, cost, weld, **options: see `stripify`.
-    ///     verify: whether to prove the strips.
+    ///     verify: whether to verify the strips.
     ///     budget, progress, on_interrupt: see `stripify`.
     ///
     /// Returns:
@@ -198,16 +198,16 @@ impl Scene {
     ///     error: the maximum error in mesh units, or in percent of the bounding-box diagonal, such
     ///         as "0.1%". The default is "1%"; "100%" disables the limit.
     ///     weight, price, permissive, lock_borders, weld_distance: see `simplify`.
-    ///     normals: "auto" (rebuild those of flat-shaded parts, keep others where they still fit),
-    ///         "keep" or "rebuild".
+    ///     normals: "auto" (rebuild normals of flat-shaded parts, keep other normals where they
+    ///         still fit), "keep" or "rebuild".
     ///     fit: whether to move the remaining vertices closer to the original surface, as `--fit`
-    ///         does. These vertices stay: those on open borders, those shared with parts placed
-    ///         elsewhere in the scene, and those that a GLB cannot change. A note reports the last
-    ///         kind.
+    ///         does. Three kinds of vertices keep their positions: vertices on open borders,
+    ///         vertices shared with parts placed elsewhere in the scene, and vertices that a GLB
+    ///         cannot change. A note reports the last kind.
     ///     compact: whether to quantize joint weights to 8 bits and animation rotations to 16 bits
     ///         in a GLB.
-    ///     measure: whether to measure the distance from the original. It doubles the time.
-    ///     verify: whether to prove the collapses.
+    ///     measure: whether to measure the distance from the original. This doubles the time.
+    ///     verify: whether to verify the collapses.
     ///     progress, on_interrupt: see `tristrip.simplify`.
     ///
     /// Returns:
@@ -244,7 +244,7 @@ impl Scene {
     ///     method: the strip method; see `stripify`. The default is "best", or "cache" for the
     ///         layout "list".
     ///     effort, cost, weld, **options: see `stripify`.
-    ///     verify: whether to prove the collapses.
+    ///     verify: whether to verify the collapses.
     ///     budget: the time limit of each strip search when files are written, in seconds.
     ///     progress: see `stripify`.
     ///
@@ -329,7 +329,7 @@ impl Scene {
     /// Returns:
     ///     A dictionary with the keys of the command's JSON: "bound" ("strips", "vertices_sent",
     ///     "gl_cost", "indices_restart", "indices_degenerate"), "mesh", "parts", "sequential" (per
-    ///     part: whether one strip without swaps can draw it), "components" (with "proof", the
+    ///     part: whether one strip without swaps draws the part), "components" (with "proof", the
     ///     reason for the bound), "notes".
     ///
     /// >>> import tristrip
@@ -374,7 +374,7 @@ impl Scene {
         checks::statistics(py, &self.data, &options)
     }
 
-    /// Compare all methods. Every result is proven.
+    /// Compare all methods. Every result is verified.
     ///
     /// Args:
     ///     all: whether to compare all variants of the published methods.
@@ -417,7 +417,7 @@ impl Scene {
         }
     }
 
-    /// Prove that another scene draws every face of this one exactly once, with its original
+    /// Verify that another scene draws every face of this one exactly once, with its original
     /// winding.
     ///
     /// Vertices match if their positions are bitwise equal. Attributes are not compared.
@@ -448,13 +448,13 @@ impl Scene {
     /// Polygons remain polygons if the format supports them, and strips remain strips.
     ///
     /// Args:
-    ///     path: the output file. An existing file is replaced after the new one is complete. A
+    ///     path: the output file. An existing file is replaced after the new file is complete. A
     ///         .gltf file comes with a .bin file for its buffer, an OBJ file with its materials and
     ///         images.
     ///     format: "glb", "gltf", "ply" or "obj". By default the extension determines it.
     ///     layout: "restart", "degenerate", "separate" or "list". With a layout, all faces become
     ///         strips in their stored order.
-    ///     verify: whether to read the bytes back and prove them before the file is replaced.
+    ///     verify: whether to read the bytes back and verify them before the file is replaced.
     ///
     /// Returns:
     ///     A dictionary with keys of the command's JSON: "output", "layout", "faces", "triangles",

@@ -191,8 +191,8 @@ impl Simplified {
 ///     attributes: other per-vertex values by name, of shape (n,) or (n, k). Different values at
 ///         one position form a seam, which stays closed.
 ///     weight: the weights of attributes, such as "normal=0.5,uv=2".
-///     price: the cost function: "distance", "planes" (a third of the time, larger distances) or
-///         "quadric" (as published in 1997).
+///     price: the cost function: "distance", "planes" (takes a third of the time, with larger
+///         distances) or "quadric" (as published in 1997).
 ///     permissive: whether holes may close, handles may vanish and seams may merge.
 ///     lock_borders: whether to keep border vertices in place.
 ///     weld_distance: the maximum gap between two borders that collapse together; same units as
@@ -201,8 +201,8 @@ impl Simplified {
 ///         --normals`.
 ///     fit: whether to move the remaining vertices closer to the original surface, except at
 ///         borders. Without it, every vertex keeps its input position.
-///     measure: whether to measure the distance between the surfaces. It doubles the time.
-///     verify: whether to prove the collapses.
+///     measure: whether to measure the distance between the surfaces. This doubles the time.
+///     verify: whether to verify the collapses.
 ///     progress: see `stripify`. The steps are triangles removed.
 ///     on_interrupt: the effect of Ctrl-C: "raise" raises `Interrupted` with the mesh so far as
 ///         `best`; "return" returns that mesh. Pending stages (fit, measurement) are skipped.
@@ -217,7 +217,7 @@ impl Simplified {
 ///
 /// References:
 ///     Garland, Heckbert: Surface Simplification Using Quadric Error Metrics, 1997 (price
-///         "quadric"). The other prices are of this project.
+///         "quadric"). The other prices were developed for this project.
 ///
 /// >>> import numpy, tristrip
 /// >>> x, y = numpy.meshgrid(numpy.arange(20), numpy.arange(20))

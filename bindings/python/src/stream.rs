@@ -98,22 +98,22 @@ fn result_class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>>
 /// Pack a model as a progressive GLB: it renders from the first bytes and refines as the rest
 /// arrives.
 ///
-/// The file is a valid GLB, in which any viewer shows the base meshes. Chunks of vertex splits
-/// follow that refine the base meshes to the full meshes. Positions and attributes are quantized;
-/// triangles keep their winding. The rest of the scene is kept: nodes, materials, textures, skins
-/// and animations.
+/// The file is a valid GLB, in which any viewer shows the base meshes. The chunks that follow
+/// contain vertex splits, which refine the base meshes to the full meshes. Positions and attributes
+/// are quantized; triangles keep their winding. The rest of the scene is kept: nodes, materials,
+/// textures, skins and animations.
 ///
 /// Args:
 ///     input: a file, the bytes of a file, or a scene.
 ///     output: the file to write, with the extension .glb. An existing file is replaced.
 ///     format: the input format by extension ("ply", "glb", …). By default the file name or the
 ///         content determines it.
-///     eye: a viewpoint (x, y, z) in the scene; what looks largest from there is refined first. The
-///         default is uniform refinement.
+///     eye: a viewpoint (x, y, z) in the scene. Parts that look largest from there are refined
+///         first. The default is uniform refinement.
 ///     position_bits: the bits per coordinate, 4 to 16. The longest side of a mesh has
 ///         2**position_bits − 1 steps. The default is 14.
-///     verify: whether to read the bytes back and prove that they have exactly the triangles of the
-///         model.
+///     verify: whether to read the bytes back and verify that they have exactly the triangles of
+///         the model.
 ///     progress: see `stripify`.
 ///
 /// Returns:
@@ -123,11 +123,11 @@ fn result_class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>>
 ///     FileError: the input cannot be read, or the output cannot be written.
 ///     FormatError, LimitError: the input is invalid or exceeds the limits.
 ///     ParameterError: an option has an invalid value.
-///     NotProvenError: the bytes failed their proof, which is a bug in this package.
+///     NotProvenError: verification failed, which is a bug in this package.
 ///
 /// References:
 ///     Hoppe: Progressive Meshes, 1996; Pajarola, Rossignac: Compressed Progressive Meshes, 2000.
-///         The compression is of this project.
+///         The compression was developed for this project.
 ///
 /// >>> import tristrip
 /// >>> square = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
@@ -202,7 +202,7 @@ fn opened(bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
 
 /// Read a level of detail from a progressive GLB.
 ///
-/// A truncated or damaged file returns everything that is complete before the error.
+/// For a truncated or damaged file, the result contains everything before the error.
 /// `report["ended_early"]` is then True, and a note has the reason.
 ///
 /// Args:
@@ -215,7 +215,7 @@ fn opened(bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
 ///         full meshes.
 ///     to: the output format: "glb", "gltf", "ply" or "obj". By default the extension determines
 ///         it.
-///     verify: whether to read the written file back and prove it.
+///     verify: whether to read the written file back and verify it.
 ///     progress: see `stripify`.
 ///
 /// Returns:

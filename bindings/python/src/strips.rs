@@ -123,7 +123,7 @@ impl Strips {
         PyArray1::from_slice(py, self.inner.vertices())
     }
 
-    /// The start of each strip in `vertices`, and the end of the last one: int64 of shape
+    /// The start of each strip in `vertices`, and the end of the last strip: int64 of shape
     /// (strips + 1,).
     #[getter]
     fn offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
@@ -154,7 +154,7 @@ impl Strips {
         self.notes.clone()
     }
 
-    /// Whether the strips were proven when they were built.
+    /// Whether the strips were verified when they were built.
     #[getter]
     fn proven(&self) -> bool {
         self.is_proven
@@ -204,7 +204,7 @@ impl Strips {
         PyArray1::from_vec(py, list).reshape([rows, 3])
     }
 
-    /// Prove that the strips draw each of these faces exactly once, with its original winding.
+    /// Verify that the strips draw each of these faces exactly once, with its original winding.
     ///
     /// Args:
     ///     faces: see `stripify`.
@@ -407,7 +407,7 @@ pub(crate) fn index_bits(
 ///     effort: 0 to 9, for methods that search. Higher values find fewer indices and take longer.
 ///     cost: the cost that "best" minimizes: "restart", "degenerate", "opengl" or "gl".
 ///     weld: whether to merge vertices with the same position.
-///     verify: whether to prove the result.
+///     verify: whether to verify the result.
 ///     budget: a time limit in seconds, after which the search returns its best result. The result
 ///         then depends on the machine.
 ///     progress: True for a tqdm progress bar, a progress bar, or a function that is called with a
@@ -425,7 +425,7 @@ pub(crate) fn index_bits(
 ///     ArrayTypeError: an array has an unsupported type.
 ///     ParameterError: an option is unknown, has an invalid value, or does not belong to the
 ///         method.
-///     NotProvenError: the proof failed, which is a bug in this package.
+///     NotProvenError: verification failed, which is a bug in this package.
 ///
 /// References:
 ///     "stripe-local", "stripe-global": Evans, Skiena, Varshney: Optimizing Triangle Strips for

@@ -149,11 +149,11 @@ impl ViewModel {
     ///     faces: see `stripify`. Polygons are triangulated.
     ///     method, **options: the method for the strips of the full mesh; see `stripify`: `effort`,
     ///         `cost`, …
-    ///     order: the collapses that come first in a level: "quadric" (the cheaper half first;
+    ///     order: the collapses that come first in a level: "quadric" (the cheaper half first,
     ///         vertices on features last) or "shortest-edge" (as published).
     ///     normals, uv, colors, attributes: per-vertex values; see `simplify`. Their seams stay
     ///         closed.
-    ///     verify: whether to prove that the strips draw exactly the faces.
+    ///     verify: whether to verify that the strips draw exactly the faces.
     ///     budget: the time limit of the strip search in seconds; the search then returns its best
     ///         result.
     ///     progress: see `stripify`.
@@ -255,7 +255,7 @@ impl ViewModel {
         ended.object(py, |model| model)
     }
 
-    /// Return the bytes of a `.tlod` file, after reading them back and comparing.
+    /// Return the bytes of a `.tlod` file. They are read back and compared with the model first.
     ///
     /// >>> import tristrip
     /// >>> model = tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -269,8 +269,8 @@ impl ViewModel {
     ///
     /// Raises:
     ///     FileError: the file cannot be written.
-    ///     NotProvenError: the bytes, read back, differ from the model, which is a bug in this
-    ///         package.
+    ///     NotProvenError: the bytes that were read back differ from the model, which is a bug in
+    ///         this package.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let bytes = self.encoded(py)?;
         Ok(py.detach(|| tristrip_io::replace_file(&path, &bytes)).map_err(Failure::from)?)
@@ -365,8 +365,8 @@ impl ViewModel {
     /// Args:
     ///     filter: how to derive display strips from the strips of the full mesh: "none", "stss"
     ///         (El-Sana et al.), "dtfs" (Kim et al.) or "linked". "repair" instead maintains strips
-    ///         of the current triangles: the fewest indices, but the time is proportional to the
-    ///         triangle count.
+    ///         of the current triangles. It has the fewest indices, but its time is proportional to
+    ///         the triangle count.
     ///
     /// Raises:
     ///     ParameterError: the filter is unknown.
@@ -550,7 +550,7 @@ impl View {
     ///         default unlimited.
     ///     frustum: whether to use minimum detail outside the image.
     ///     back_faces: whether back faces may have four times the error.
-    ///     silhouettes: whether silhouettes may have only half the error.
+    ///     silhouettes: whether silhouettes are limited to half the error.
     ///     light: the direction to a light. Faces turned away from it may have twice the error.
     ///     foveation: the growth of the allowed error per degree from the gaze direction; at d
     ///         degrees the factor is 1 + foveation × d.
@@ -632,8 +632,8 @@ impl View {
         self.with(py, |state| state.cursor.view().active_vertex_count())
     }
 
-    /// The maximum error of the applied collapses, in mesh units. It can be at a position that is
-    /// not visible.
+    /// The maximum error of the applied collapses, in mesh units. This error can be at a position
+    /// that is not visible.
     #[getter]
     fn surface_error(&self, py: Python<'_>) -> f32 {
         self.with(py, |state| {
@@ -697,8 +697,8 @@ impl View {
         triangle_rows(py, self.with(py, |state| state.cursor.strips().to_list()))
     }
 
-    /// Prove that the display strips draw exactly the triangles of the view, and return their
-    /// number.
+    /// Verify that the display strips draw exactly the triangles of the view, and return the number
+    /// of triangles.
     ///
     /// Raises:
     ///     NotProvenError: they do not, which is a bug in this package.

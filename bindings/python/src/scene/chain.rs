@@ -216,8 +216,8 @@ impl Chain {
     ///
     /// A list of dictionaries: "level", "ratio", "target_triangles", "triangles", "vertices" (the
     /// length of the vertex prefix), "surface_error" (in mesh units), "surface_error_percent" (of
-    /// the diagonal), "screen_coverage" (the minimum ratio of the screen at which the level is
-    /// drawn) and "reached".
+    /// the diagonal), "screen_coverage" (the level is drawn down to this ratio of the screen) and
+    /// "reached".
     #[getter]
     fn levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.report.bind(py).as_any().get_item("chain")
@@ -229,7 +229,7 @@ impl Chain {
         self.report.bind(py).copy()
     }
 
-    /// A message about levels that missed their target; None if all reached it.
+    /// A message about levels that missed their target; None if all levels reached it.
     #[getter]
     fn warning<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.report.bind(py).as_any().get_item("warning")
@@ -247,11 +247,11 @@ impl Chain {
     /// a directory with one file per level.
     ///
     /// Args:
-    ///     path: the file or directory. A path that ends with a slash is a directory, created if
-    ///         missing.
+    ///     path: the file or directory. A path that ends with a slash is a directory, which is
+    ///         created if it does not exist.
     ///     format: the format of the files in a directory: "glb", "gltf", "ply" or "obj". The
     ///         default is "glb".
-    ///     verify: whether to read the bytes back and prove them before a file is replaced.
+    ///     verify: whether to read the bytes back and verify them before a file is replaced.
     ///     progress: see `stripify`.
     ///
     /// Returns:

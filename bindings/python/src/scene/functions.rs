@@ -44,8 +44,7 @@ pub(crate) fn load(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyRes
     Ok(Scene::new(read?.result()?))
 }
 
-/// Prove that a file or scene draws every face of another exactly once, with its original
-/// winding.
+/// Verify that a file or scene draws every face of another exactly once, with its original winding.
 ///
 /// Args:
 ///     source: the scene with the expected faces, or the path of a file.

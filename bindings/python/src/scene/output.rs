@@ -45,12 +45,12 @@ impl<'a> Destination<'a> {
         Ok(Self { target, layout, is_chosen: chosen.is_some() })
     }
 
-    /// Writes a result. If it is not proven, the error names the file.
+    /// Writes a result. If verification fails, the error names the file.
     pub(crate) fn write(&self, encoded: &encode::Outcome) -> Result<WrittenFiles, Failure> {
         self.target.write(encoded).map_err(|error| self.unproven(error.into()))
     }
 
-    /// Adds the file name to the error of an unproven result.
+    /// Adds the file name to the error of a failed verification.
     pub(crate) fn unproven(&self, failure: Failure) -> Failure {
         match (failure, self.target.path) {
             (Failure::Unproven(why), Some(path)) => {

@@ -174,7 +174,7 @@ impl SimplifiedScene {
         Ok(copied.into_any().unbind())
     }
 
-    /// Whether the collapses are proven.
+    /// Whether the collapses were verified.
     #[getter]
     fn proven(&self) -> bool {
         self.proven
@@ -186,7 +186,8 @@ impl SimplifiedScene {
         self.notes.clone()
     }
 
-    /// A message if the target was missed: the reason and what to try. None if it was reached.
+    /// A message if the target was missed: the reason and what to try. None if the target was
+    /// reached.
     #[getter]
     fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
@@ -198,16 +199,17 @@ impl SimplifiedScene {
         self.interrupted
     }
 
-    /// Write the result, as the command `simplify -o` does: as triangle lists, without vertices
-    /// that became unused.
+    /// Write the result as triangle lists without newly unused vertices, as the command
+    /// `simplify -o` does.
     ///
     /// Args:
     ///     path: the output file. An existing file is replaced after the new one is complete. A
     ///         .gltf file comes with a .bin file for its buffer, an OBJ file with its materials and
     ///         images.
     ///     format: "glb", "gltf", "ply" or "obj". By default the extension determines it. A glTF
-    ///         scene is simplified again for other formats, because those keep no unused vertices.
-    ///     verify: whether to read the bytes back and prove them before the file is replaced.
+    ///         scene is simplified again for other formats, because these formats keep no unused
+    ///         vertices.
+    ///     verify: whether to read the bytes back and verify them before the file is replaced.
     ///
     /// Returns:
     ///     A dictionary: "output", "proven", "faces", "bytes", "beside" (other files written),

@@ -88,8 +88,8 @@ impl StrippedScene {
         Some(if stopped == SearchStop::Budget { "budget" } else { "interrupt" })
     }
 
-    /// Whether the strips are proven to draw every face of the scene exactly once, with its original
-    /// winding.
+    /// Whether the strips were verified to draw every face of the scene exactly once, with its
+    /// original winding.
     #[getter]
     fn proven(&self) -> bool {
         self.stripped.proven
@@ -133,7 +133,7 @@ impl StrippedScene {
     ///         glTF and "restart" for PLY; a part is then drawn as a list if that takes fewer
     ///         indices.
     ///     reorder_vertices: whether to renumber vertices in the order of first use.
-    ///     verify: whether to read the bytes back and prove them before the file is replaced.
+    ///     verify: whether to read the bytes back and verify them before the file is replaced.
     ///
     /// Returns:
     ///     A dictionary with keys of the command's JSON: "output", "layout", "drawn" (part counts

@@ -14,9 +14,9 @@
 //! 1. *Split*: each new triangle on a link is inserted into it; others become strips of their own.
 //! 2. After a *chunk*, its new triangles are joined in order to the ends of neighbouring strips:
 //!    across the edge that reduces the vertices sent most, as long as an edge reduces them.
-//! 3. *Search*: take the triangles nearest to the new ones, four times as many as the new ones. A
-//!    local search (see `cover/local_search.rs`) starts four times from each of them that is the
-//!    end of a strip, and then once from each.
+//! 3. *Search*: take the triangles nearest to the new ones, four per new triangle. A local search
+//!    (see `cover/local_search.rs`) starts four times from each of them that is the end of a strip,
+//!    and then once from each.
 //!
 //! The base mesh is the first chunk: all its triangles are new, and it gets more search.
 //!
