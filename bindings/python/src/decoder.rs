@@ -141,8 +141,8 @@ impl Decoder {
         self.with(py, ArrivingGlb::finish).map_err(|error| Failure::from(error).into())
     }
 
-    /// The number of bytes received so far, which is the file offset of the next byte: the start of
-    /// an HTTP range request.
+    /// The number of bytes received so far. This is the file offset of the next byte, where an HTTP
+    /// range request resumes.
     #[getter]
     fn offset(&self, py: Python<'_>) -> u64 {
         self.with(py, ArrivingGlb::offset)

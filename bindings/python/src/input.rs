@@ -71,7 +71,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Reads all bytes. A scene is encoded to a file from which it can be read again.
+    /// Reads all bytes. A scene is encoded to the bytes of a file that can be read back.
     pub(crate) fn bytes(self) -> Result<Vec<u8>, Failure> {
         match self {
             Self::Path(path) => std::fs::read(path)

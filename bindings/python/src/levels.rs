@@ -245,7 +245,7 @@ impl Levels {
         py.detach(|| self.state().cursor.level())
     }
 
-    /// The last level, which is the full mesh: the number of collapses.
+    /// The last level, which is the full mesh. It equals the number of collapses.
     #[getter]
     fn last_level(&self) -> usize {
         self.built.collapse_count()

@@ -69,7 +69,7 @@ impl Simplified {
         named(py, &self.mesh, COLOUR)
     }
 
-    /// All attributes by name: "NORMAL", "TEXCOORD_0", "COLOR_0" and those of `attributes`.
+    /// All attributes by name: "NORMAL", "TEXCOORD_0", "COLOR_0" and the names in `attributes`.
     #[getter]
     fn attributes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         all(py, &self.mesh)

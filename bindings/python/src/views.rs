@@ -557,10 +557,9 @@ impl View {
     ///     attention: the gaze point in the image, as fractions of its width from the left and of
     ///         its height from the top.
     ///
-    /// Returns:
-    ///     A dictionary: "triangles" and "active_vertices" of the view, "collapses" and "splits"
-    ///     applied, "looked_at" (collapses whose error was computed), "segments" of strips scanned,
-    ///     "complete" (False if `steps` ended the work).
+    /// Returns: A dictionary: "triangles" and "active_vertices" of the view, "collapses" and
+    ///     "splits" applied, "looked_at" (collapses whose error was computed), "segments" of strips
+    ///     scanned, "complete" (False if the limit `steps` was reached).
     ///
     /// Raises:
     ///     ParameterError: the camera has no direction, or a number is out of range. The view is
@@ -626,7 +625,7 @@ impl View {
         self.with(py, |state| state.cursor.view().triangle_count())
     }
 
-    /// The number of active vertices, those that have not collapsed.
+    /// The number of active vertices. A vertex is active unless it has collapsed.
     #[getter]
     fn active_vertex_count(&self, py: Python<'_>) -> usize {
         self.with(py, |state| state.cursor.view().active_vertex_count())
@@ -701,7 +700,7 @@ impl View {
     /// of triangles.
     ///
     /// Raises:
-    ///     NotProvenError: they do not, which is a bug in this package.
+    ///     NotProvenError: the display strips draw other triangles, which is a bug in this package.
     fn verify(&self, py: Python<'_>) -> PyResult<usize> {
         let proven = self.with(py, |state| {
             let strips = state.cursor.strips();

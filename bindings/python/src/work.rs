@@ -75,7 +75,7 @@ impl Watching {
         Self { keeps_best: true, ..self }
     }
 
-    /// Runs a computation. If [`Ended::error`] is set, the result is that of an interrupted search.
+    /// Runs a computation. If [`Ended::error`] is set, the result comes from an interrupted search.
     ///
     /// # Errors
     /// The computation failed, panicked, or was cancelled without a result.

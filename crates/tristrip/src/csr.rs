@@ -1,4 +1,4 @@
-//! Compressed sparse rows: items grouped by key in two arrays, by a counting sort.
+//! Compressed sparse rows: two arrays of items grouped by key, built by a counting sort.
 //!
 //! ```text
 //! keys    2 0 2 1          ends   1 2 4        row 0: items 1

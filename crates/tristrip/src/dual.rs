@@ -21,10 +21,10 @@
 //!
 //! # Complexity
 //! O(n) time for meshes of bounded valence, O(n log n) in the worst case. The graph takes 12 bytes
-//! per triangle. Building it takes another 12 bytes per triangle and 12 per vertex up to the
-//! highest one in use (or per vertex in use, if those are few). Each thread after the first needs 8
-//! bytes per vertex, and meshes of more than a million triangles need another 12 bytes per
-//! triangle.
+//! per triangle. Building it takes another 12 bytes per triangle and 12 per vertex, counted up to
+//! the highest vertex in use (or only over the vertices in use, if they are few). Each thread after
+//! the first needs 8 bytes per vertex, and meshes of more than a million triangles need another 12
+//! bytes per triangle.
 
 mod corners;
 mod pair;

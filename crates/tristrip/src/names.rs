@@ -1,8 +1,8 @@
 //! Names of enumeration values: one table defines the name and one-line help of each value,
 //! `Display` and `FromStr`.
 
-/// Names the values of an enumeration as in the command line and JSON. The first argument is the
-/// path used in the documentation examples.
+/// Gives the values of an enumeration the names used on the command line and in JSON. The first
+/// argument is the path used in the documentation examples.
 macro_rules! names {
     ($path:literal, $type:ident, $what:literal, $($value:ident => $name:literal, $summary:literal);+ $(;)?) => {
         impl $type {

@@ -136,8 +136,7 @@ impl SceneData {
         Ok(self.materials.get_or_init(|| materials))
     }
 
-    /// Returns the bytes of a file from which the scene can be read again: the source file, or a
-    /// GLB.
+    /// Returns the bytes of a file that restores the scene: the source file, or a GLB.
     pub(crate) fn self_contained(&self) -> Result<(Arc<Vec<u8>>, Format), Failure> {
         if let (Some(bytes), Some(format), None) = (&self.bytes, self.format, &self.complete)
             && tristrip_io::read_shared(bytes, format).is_ok()

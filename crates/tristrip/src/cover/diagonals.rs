@@ -7,8 +7,7 @@
 //!   │ ╱   t │        │ u   ╲ │
 //!   a ───── b        a ───── b
 //! ```
-//! Every diagonal is valid, because polygons are convex or were cut in advance so that they can be
-//! treated as convex.
+//! Every diagonal is valid, because prepared polygons can be treated as convex.
 //!
 //! # Complexity
 //! O(1) per flip. 13 bytes per triangle, or nothing if every face is a triangle.

@@ -16,7 +16,7 @@ use crate::csr::Csr;
 use crate::mesh::{Faces, Mesh, vertex_bound};
 use crate::prepare::{PreparedCounts, PreparedFaces};
 
-/// Statistics of a mesh. The edges counted are those of the prepared faces.
+/// Statistics of a mesh. Edges are counted over the prepared faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct MeshReport {
@@ -24,7 +24,7 @@ pub struct MeshReport {
     pub vertices: usize,
     /// Number of vertices that no face of the mesh uses.
     pub unreferenced_vertices: usize,
-    /// Number of faces of the mesh, including degenerate ones.
+    /// Number of faces of the mesh, including degenerate faces.
     pub faces: usize,
     /// Number of triangles of the prepared faces, k − 2 per face of k corners.
     pub triangles: usize,

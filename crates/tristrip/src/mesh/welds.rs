@@ -37,8 +37,8 @@ pub struct VertexWelds {
 }
 
 impl VertexWelds {
-    /// Finds the vertices in use whose position and attributes have the same bits as those of an
-    /// earlier vertex in use.
+    /// Finds each vertex in use whose position and attributes have the same bits as an earlier
+    /// vertex in use.
     ///
     /// ```
     #[doc = include_str!("welded_example.txt")]

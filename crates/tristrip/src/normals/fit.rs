@@ -23,10 +23,10 @@ pub(super) fn fits(normal: Point, face: Point) -> bool {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct NormalFit {
-    /// The share of corners whose normal is at most 2 degrees off the face normal: flat faces.
+    /// The share of corners whose normal is within 2 degrees of the face normal, as on flat faces.
     pub flat: f64,
     /// The share of corners whose normal is more than 45 degrees off. If simplification increases
-    /// it, vertices were left with normals of removed faces.
+    /// this share, some vertices have kept normals of removed faces.
     pub unfit: f64,
 }
 

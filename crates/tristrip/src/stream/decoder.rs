@@ -50,8 +50,9 @@ pub struct ChunkView<'a> {
     pub error: f32,
 }
 
-/// Splits bytes that start with a chunk into chunks. Stops at the first incomplete chunk or invalid
-/// header. The contents are not checked; [`Decoder::update`] checks them.
+/// Splits bytes into chunks. The bytes must begin at the start of a chunk. Stops at the first
+/// incomplete chunk or invalid header. The contents are not checked; [`Decoder::update`] checks
+/// them.
 ///
 /// ```
 #[doc = include_str!("example.txt")]

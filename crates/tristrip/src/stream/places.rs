@@ -20,7 +20,7 @@
 //!    of batches.
 //! 2. The coordinates are coded one after the other. The axis along which the normal is longest
 //!    comes last. If the new point is in the plane of the polygon, the differences in the first
-//!    coordinates predict those in the later ones.
+//!    coordinates predict the differences in the later coordinates.
 //! 3. The level of a number is the expected size of a difference. Features are the size of the
 //!    polygon projected to the axis, the distance of the prediction from q, the width of the
 //!    polygon along the axis, and the difference in the previous coordinate.

@@ -8,9 +8,9 @@
 //! 2. Apply the collapses one after another. A collapse removes one fan or several for each vertex
 //!    that it renames: the corners between the dropped triangles move to the fan of the kept
 //!    vertex.
-//! 3. Leave out a collapse that is not of this kind, and later collapses of vertices around it,
-//!    because their triangles would differ from the expected ones. The remaining triangles are the
-//!    base mesh.
+//! 3. Leave out a collapse that is not of this kind. Leave out later collapses of the vertices
+//!    around it too, because their triangles would differ from the triangles of the simplification.
+//!    The remaining triangles are the base mesh.
 //!
 //! # Complexity
 //! O(n) time for fans of bounded size; 45 bytes per triangle.

@@ -1,8 +1,8 @@
 //! Which fans a batch splits, and which of their corners move.
 //!
 //! # Algorithm
-//! In each batch, triangles that a split has moved or added are *used*, others are *free*. No other
-//! split of the batch moves used triangles. For each fan, in the order of the batch:
+//! In each batch, triangles that a split has moved or added are *used*; the others are *free*. No
+//! other split of the batch moves used triangles. For each fan, in the order of the batch:
 //!
 //! 1. Is there another split? Features: the valence and the number of free corners, the age of the
 //!    fan, and its distance from the mean of its neighbours, since a split adds what a curved

@@ -26,8 +26,8 @@
 //! A strip turns toward the front as long as it can. This takes a swap at vertices with fewer than
 //! three remaining triangles, and leaves no isolated triangles.
 //!
-//! With the objective `indices`, the strips are those of `best`, and only their order and direction
-//! are chosen: the next strip is the one at the oldest edge of the front, in its cheaper direction.
+//! With the objective `indices`, the strips come from `best`, and only their order and direction
+//! are chosen. The next strip is the one at the oldest edge of the front, in its cheaper direction.
 //! From effort 3 on, further growth policies are tried. Some of them follow, cut and extend seed
 //! strips of another method. The cheapest result is used. Then order annealing moves triangles
 //! between strips, and cuts, reverses and reorders strips (module `anneal_order`), for FIFO caches

@@ -2,7 +2,7 @@
 //! identifiers rewritten node by node.
 //!
 //! # Algorithm
-//! The step numbers are those of section 4.1 of the paper. See [`tunnel`](super::tunnel) for the
+//! The steps are numbered as in section 4.1 of the paper. See [`tunnel`](super::tunnel) for the
 //! terms.
 //!
 //! 1. *The length k*: fixed; every tunnel up to it is accepted (depth first). The search may be

@@ -28,8 +28,8 @@
 //! 2. *Rotation walks* from random ends. In a triangle with three neighbours the next step is
 //!    usually forced. If it enters another path, the side of the cut is random. While there are
 //!    many ends, two of them soon meet.
-//! 3. *Close* paths while there are few of them. The two ends of one path meet as often as those of
-//!    different paths, and a closed path can be opened anywhere.
+//! 3. *Close* paths while there are few of them. The two ends of one path meet as often as the ends
+//!    of different paths, and a closed path can be opened anywhere.
 //! 4. *Guided walks* after some time without a join. The orbits of the last few ends are often
 //!    short and never meet. A cut creates two more ends, which soon join again, but in a different
 //!    way. This moves an end along the shortest way to another one. It takes a few dozen cuts, and

@@ -7,7 +7,7 @@
 //! faces in mesh order, which is part of their definition.
 //!
 //! # Algorithm
-//! 1. Sample faces at equal distances in the order and count those with a nearby neighbour. If
+//! 1. Sample faces at equal distances in the order, and count the faces with a nearby neighbour. If
 //!    there are few, the faces are scattered.
 //! 2. A breadth-first search over the dual graph from each face in turn gives the new order.
 //! 3. Copy the faces and the dual graph in that order. Half-edges keep their twins.

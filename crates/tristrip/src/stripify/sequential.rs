@@ -145,8 +145,8 @@ fn search_plateaus<T: MutableTriangulation>(stripped: &mut CoveredTriangulation<
     }
 }
 
-/// Returns the policy with the lowest price, the first one in a tie. `first` is the policy whose
-/// price is known. Policies after one with the lowest possible price are skipped.
+/// Returns the policy with the lowest price; ties go to the first one. `first` is the policy whose
+/// price is known. Once a policy has the lowest possible price, the remaining ones are skipped.
 #[cfg_attr(
     not(feature = "rayon"),
     expect(unused_variables, reason = "the triangle count decides whether to use threads")

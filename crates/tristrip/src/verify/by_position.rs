@@ -12,7 +12,7 @@
 //! 3. If the result has polygons, faces that occur in both models cancel one for one. The rest is
 //!    compared as if the result's triangles drew the source. If only the remaining source consists
 //!    of triangles, the rest is compared as if the source's triangles drew the result. Polygons
-//!    that remain on both sides differ; those of the result are then cut into fans.
+//!    that remain on both sides differ. The polygons of the result are then cut into fans.
 //!
 //! # Complexity
 //! O(n) time and 12 bytes per triangle if the vertices are in the same order. Otherwise O(n log n)
@@ -25,8 +25,8 @@ use super::by_id::{Proof, Unproven, verify_drawing};
 use crate::error::Error;
 use crate::mesh::{Faces, Mesh, PositionIds, canonical_triangles};
 
-/// A difference between what two models draw. Positions are in mesh units. Face indices are those
-/// of the source, counted over all its meshes.
+/// A difference between what two models draw. Positions are in mesh units. Face indices refer to
+/// the source, counted over all its meshes.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Difference {
@@ -63,7 +63,7 @@ pub enum Difference {
         /// Number of triangles that the face and the faces over the same corners need.
         expected: usize,
     },
-    /// The edges of a polygon's triangles do not add up to those of the polygon.
+    /// The edges of a polygon's triangles do not add up to the edges of the polygon.
     #[error(
         "face {face} of the source: its triangles do not match its boundary, first at the edge {}",
         at(edge)

@@ -1,5 +1,5 @@
-//! Compares two lists of triangles: each oriented triangle must occur equally often, in any order
-//! and from any corner.
+//! Compares two lists of triangles: each oriented triangle must occur equally often in both. Order
+//! and first corner do not matter.
 //!
 //! # Algorithm
 //! 1. A counting sort groups the triangles of one list by their lowest vertex, on average two per
@@ -7,8 +7,8 @@
 //!    triangles draw nothing and are ignored.
 //! 2. Each triangle of the other list removes its pair from the row of its lowest vertex. The lists
 //!    are equal if every triangle finds its pair and the counts match.
-//! 3. Long rows, at vertices with many triangles, are not searched: their pairs and those of the
-//!    other list are sorted and compared.
+//! 3. Long rows, at vertices with many triangles, are not searched: their pairs are sorted and
+//!    compared with the sorted pairs of the other list.
 //!
 //! The other list is read once, in order, and never stored. Large lists are divided by blocks of
 //! vertices, and the parts are compared in parallel.

@@ -13,8 +13,8 @@
 //!
 //! # The other interpretation
 //! The papers do not say whether a run may begin at any vertex. A scanner that advances by one
-//! vertex after each one that it sends finds more runs. It cannot reproduce table 2 of Kim et al.:
-//! it gives 66.4 and 63.0 % of single triangles on cow and bunny, where the table has 73.1 and
+//! vertex after each vertex that it sends finds more runs. It cannot reproduce table 2 of Kim et
+//! al.: it gives 66.4 and 63.0 % of single triangles on cow and bunny, where the table has 73.1 and
 //! 69.1. Scanning in pairs gives 71.4 and 68.3, with strips that match the printed results of the
 //! other filters within 2.4.
 //!

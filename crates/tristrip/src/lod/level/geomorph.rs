@@ -2,9 +2,9 @@
 //!
 //! Switching levels is visible because vertices jump. A geomorph draws the strips of the finer
 //! level and moves each vertex that the coarser level lacks toward the vertex it collapses to.
-//! Weight 0 draws the finer level. At weight 1 the triangles that the coarser level drops are
-//! degenerate and the surface is that of the coarser level, so the index buffer can be switched
-//! without a visible change.
+//! Weight 0 draws the finer level. At weight 1, the triangles that the coarser level drops are
+//! degenerate, and the surface is the same as at the coarser level. The index buffer can then be
+//! switched without a visible change.
 //!
 //! [`SkipView::geomorphs`](crate::lod::SkipView::geomorphs) computes geomorphs between two states
 //! of a view.

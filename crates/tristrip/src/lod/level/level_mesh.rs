@@ -8,9 +8,9 @@
 //!  kept──removed──         kept────────
 //! ```
 //! The corners around each vertex form a ring. A collapse removes the corners of the dropped
-//! triangles from their rings, and moves the ring of the removed vertex into that of the kept one.
-//! A corner removed from a linked ring keeps its neighbours. A split therefore restores it in O(1),
-//! provided that splits undo the last collapse first.
+//! triangles from their rings, and moves the ring of the removed vertex into the ring of the kept
+//! vertex. A corner removed from a linked ring keeps its neighbours. A split therefore restores it
+//! in O(1), provided that splits undo the last collapse first.
 //!
 //! `simplify` has its own structure (`simplify/topology.rs`): it never splits, needs no twins, and
 //! stores rings as arrays, which its searches read sequentially. Here splits must restore rings

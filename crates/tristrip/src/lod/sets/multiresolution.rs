@@ -44,7 +44,7 @@ pub trait SuccessorLists: Send + Sync + 'static {
     ) -> u32;
 }
 
-/// Counts the list entries that are read, or counts nothing.
+/// Counts list entries as they are read. An implementation may ignore them.
 pub trait Accesses {
     /// Adds one.
     fn add_one(&mut self);

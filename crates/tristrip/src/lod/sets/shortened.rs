@@ -13,9 +13,9 @@
 //! triangle). Pairs next to every renamed slot are tried, in the order of the strip, and again next
 //! to every removed pair. Longer subsequences are removed pair by pair.
 //!
-//! Nothing follows the end of a strip, so any number of vertices may be removed there: while the
-//! last three draw nothing, the last one is removed. Figure 1 of the paper does the same: its last
-//! step removes one vertex.
+//! Nothing follows the end of a strip, so any number of vertices may be removed there. The last
+//! vertex is removed while the last three draw nothing. Figure 1 of the paper does the same: its
+//! last step removes one vertex.
 //!
 //! # Complexity
 //! A constant number of steps per renamed slot, and temporarily 20 bytes per slot and 4 per vertex.

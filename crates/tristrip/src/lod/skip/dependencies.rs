@@ -13,8 +13,8 @@
 //!       n5 ── n4
 //! ```
 //! The collapse of c to p depends on the last earlier collapse into each of c, p and n0 … n5. Its
-//! triangles are then those of the simplification, whatever else is applied. A split, in turn,
-//! requires that no collapse that depends on it is applied.
+//! triangles are then the same as in the simplification, whatever else is applied. A split, in
+//! turn, requires that no collapse that depends on it is applied.
 //! # Algorithm
 //! The collapses are replayed from the full mesh. A collapse depends on the last collapse into each
 //! vertex of the triangles around its own vertices. A collapse that drops the last triangle between

@@ -2,7 +2,7 @@
 //! 4, 8 … steps up.
 //!
 //! Vertices are numbered depth-first as *nodes*. The vertices that a node replaces are then a
-//! contiguous range of nodes, and the children of a node are found without a list:
+//! contiguous range of nodes, and the children of a node can be found without a list:
 //!
 //! ```text
 //!        a               nodes      0 1 2 3 4

@@ -38,7 +38,8 @@ const MAX_SCALE: f64 = 1e12;
 pub struct ViewUpdate {
     /// The number of collapses applied.
     pub collapses: usize,
-    /// The number of collapses split, including those split because they depend on another one.
+    /// The number of collapses split, including collapses split because they depend on another
+    /// split collapse.
     pub splits: usize,
     /// The number of collapses evaluated.
     pub looked_at: usize,
@@ -356,7 +357,7 @@ impl SkipView {
         self.triangle_count
     }
 
-    /// Returns the number of active vertices, which are those that have not collapsed.
+    /// Returns the number of active vertices. A vertex is active unless it has collapsed.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

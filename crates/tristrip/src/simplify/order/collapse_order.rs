@@ -2,7 +2,7 @@
 //!
 //! Two collapses whose points have no common neighbour are independent: either order gives the same
 //! result. All others keep their order. Each collapse gets a key. It is the maximum of its price
-//! and the keys of the earlier collapses of the pass that had one of its neighbours. Collapses are
+//! and the keys of the earlier collapses of the pass that share a neighbour with it. Collapses are
 //! sorted by key; equal keys keep the order in which they were found. Each collapse then follows
 //! all collapses that it depends on.
 //!

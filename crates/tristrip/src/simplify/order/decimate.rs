@@ -9,8 +9,8 @@
 //! 2. All points are visited in their order. A point is priced if its cost is at most the limit and
 //!    nothing near it has changed in this pass. A valid price from an earlier pass is reused. If
 //!    its price is at most the limit, it collapses: its corners move to the kept point, its
-//!    triangles with that point are dropped, and its quadric is added to that of the kept point.
-//!    Otherwise the price becomes its cost.
+//!    triangles with that point are dropped, and its quadric is added to the quadric of the kept
+//!    point. Otherwise the price becomes its cost.
 //! 3. The neighbours of a removed point keep their costs and are skipped until the next pass. The
 //!    price is added to the cost of the kept point.
 //!
@@ -24,10 +24,11 @@
 //! A collapse is refused if it would
 //! - rotate a remaining triangle by more than about 75 degrees (`MIN_COSINE` of the module
 //!   `neighbourhood`);
-//! - change the topology (the link condition): the two points must have no common neighbours except
-//!   those of their common triangles, two or, on a border, one; a border point moves only along the
-//!   border. For points that are neither inner nor border points see the module `irregular`.
-//!   Permissive simplification allows topology changes: holes can close and handles can vanish;
+//! - change the topology (the link condition): all common neighbours of the two points must be
+//!   corners of their common triangles, two inside the surface or one on a border. A border point
+//!   moves only along the border. For points that are neither inner nor border points see the
+//!   module `irregular`. Permissive simplification allows topology changes: holes can close and
+//!   handles can vanish;
 //! - remove the last triangle or tetrahedron of a component, unless the caller has given the error
 //!   of its removal;
 //! - open a seam: each vertex at the point needs a triangle with the kept point, and these

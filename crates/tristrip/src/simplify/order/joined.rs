@@ -2,9 +2,9 @@
 //!
 //! A model with several materials has one mesh per material. Where two meshes meet, each has its
 //! own vertices at the same positions. If the meshes were simplified separately, they would have to
-//! keep all of these vertices, or gaps would open. Simplified as one surface, both sides of such a
-//! border collapse together, only along the border, and to the same points. The last triangle of a
-//! mesh is kept, so no material vanishes.
+//! keep all of these vertices, or gaps would open. When they are simplified as one surface, both
+//! sides of such a border collapse together, only along the border, and to the same points. The
+//! last triangle of a mesh is kept, so no material vanishes.
 //!
 //! # Algorithm
 //! The vertices of all meshes are concatenated into one mesh. Vertices of different meshes are

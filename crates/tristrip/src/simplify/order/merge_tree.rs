@@ -28,8 +28,8 @@
 //! The rules of the module `decimate` apply. In addition, no triangle may turn by more than 78
 //! degrees from the full mesh. A triangle that has already turned farther may not turn any farther.
 //! The reference direction is a sum of full-mesh normals, weighted by area, at the vertices that
-//! one corner of the triangle represents. This rule applies to the triangles of the removed vertex,
-//! and to those of the kept vertex, which represents more vertices afterwards. Without it,
+//! one corner of the triangle represents. This rule applies to the triangles of the removed vertex
+//! and of the kept vertex. The kept vertex represents more vertices afterwards. Without it,
 //! triangles fold over step by step. `decimate/merge_levels.rs` builds the levels.
 //!
 //! # Departures

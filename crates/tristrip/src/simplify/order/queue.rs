@@ -11,7 +11,8 @@
 //! 3. The cheapest collapse is taken from a queue. Ties go to the lowest removed point, then to the
 //!    lowest kept point. Points are numbered in the order in which the triangles use them;
 //!    triangles are sorted along a curve if neighbours are far apart in memory (module `curve`).
-//!    The quadric of `p` is added to that of `q`, and all pairs around are priced again.
+//!    The quadric of `p` is added to the quadric of `q`, and all surrounding pairs are priced
+//!    again.
 //!
 //! An entry of the queue becomes invalid when a collapse changes the triangles of one of its
 //! points. Whether a collapse is allowed depends only on these triangles. It is checked when the
@@ -37,7 +38,7 @@
 //! # Complexity
 //! O(d log n) time per collapse, where d is the number of triangles around its points and their
 //! neighbours, at most 256 counted for each. 24 bytes per entry of the queue. There are three valid
-//! entries per triangle; invalid ones are removed when they are as numerous as the valid ones.
+//! entries per triangle; invalid entries are removed when they are as numerous as the valid ones.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;

@@ -1,5 +1,5 @@
-//! Attribute quadrics: how far the values at a vertex are from those of the full mesh at the same
-//! position.
+//! Attribute quadrics: how far the values at a vertex are from the values of the full mesh at the
+//! same position.
 //!
 //! ```text
 //!         ╱ value of a triangle: gradient · p + offset

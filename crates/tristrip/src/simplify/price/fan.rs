@@ -1,5 +1,5 @@
-//! Distances between the triangles around a point and those that would replace them, four triangles
-//! at a time.
+//! Distances between the triangles around a point and the triangles that would replace them,
+//! computed for four triangles at a time.
 //!
 //! ```text
 //!        u ───── w

@@ -1,4 +1,4 @@
-//! The triangles around a point, and the distances to those that would replace them.
+//! The triangles around a point, and the distances to the triangles that would replace them.
 //!
 //! ```text
 //!         u ───── w                   u ───── w

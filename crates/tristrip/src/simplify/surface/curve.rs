@@ -1,9 +1,10 @@
 //! Triangles in the order of a space-filling curve, for memory locality.
 //!
 //! Points are numbered in the order in which the triangles use them. If the triangles of a file are
-//! in random order, or in one that jumps, the points around a triangle are scattered in memory, and
-//! every collapse causes cache misses. In this case the triangles are sorted by the cell that
-//! contains their first corner. There are 1024³ cells along a Morton curve: x, y and z bit by bit.
+//! in random order, or in an order with large jumps, the points around a triangle are scattered in
+//! memory. Every collapse then causes cache misses. In this case the triangles are sorted by the
+//! cell that contains their first corner. There are 1024³ cells along a Morton curve: x, y and z
+//! bit by bit.
 //!
 //! # References
 //! Morton: *A Computer Oriented Geodetic Data Base and a New Technique in File Sequencing*, IBM,

@@ -15,7 +15,7 @@
 //! Triangles of the same three points, such as the two sides of a doubled face, count once.
 //!
 //! A collapse is allowed if
-//! - the common neighbours of both points are those of their common triangles, and no edge is
+//! - all common neighbours of both points are corners of their common triangles, and no edge is
 //!   opposite to both (the link condition). Then no hole opens or closes and no parts join. A fin,
 //!   a triangle attached by only one edge, can vanish;
 //! - a point on singular edges moves along one of them;

@@ -4,8 +4,9 @@
 //! # Algorithm
 //! Triangles are added one by one. The order keeps the *frontier* short: the added triangles that
 //! still have neighbours to be added. The remaining problem depends on the paths so far only
-//! through the state of the frontier: whether each of its triangles can take another link, and the
-//! other end of the path that ends there. The minimum number of ends is stored per state.
+//! through the state of the frontier. For each triangle of the frontier, the state has the other
+//! end of the path that ends there, and whether the triangle can take another link. The minimum
+//! number of ends is stored per state.
 //!
 //! ```text
 //!   ● ━ ●│○           frontier: a, c, e; a and e are the two ends of one path and

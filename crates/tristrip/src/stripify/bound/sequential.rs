@@ -1,8 +1,8 @@
 //! Tests in linear time whether a triangulation is *sequential*: one strip visits all triangles
 //! without a swap.
 //!
-//! Without swaps the turns alternate, so an entry and the side of the next turn determine the whole
-//! strip before and after. These *states*, six per triangle, form open or closed chains:
+//! Without swaps the turns alternate, so an entry edge and the side of the next turn determine the
+//! whole strip in both directions. These *states*, six per triangle, form open or closed chains:
 //!
 //! ```text
 //!        ╱╲            h ──▶  a strip that enters across h leaves across the next edge of the

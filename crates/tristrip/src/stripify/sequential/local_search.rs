@@ -16,7 +16,8 @@
 //! mixed since. Otherwise the search walks to the end. Beyond a limit of steps, the end counts as
 //! unknown and the move is rejected.
 //!
-//! The tunnel is that of Stewart (2001); a rotation is that of Pósa (1976), extended to two paths.
+//! The tunnel is the operator of Stewart (2001). The rotation of Pósa (1976) is extended to two
+//! paths.
 //!
 //! # References
 //! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001;

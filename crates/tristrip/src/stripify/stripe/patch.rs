@@ -16,7 +16,7 @@
 //!    above it.
 //! 2. The grid heights along a line are a histogram. A patch with its south row on the line is as
 //!    high as the lowest grid height between its columns. A stack finds the largest patches.
-//! 3. All patches as large as the largest are taken, except those that meet a patch already taken.
+//! 3. All patches of the largest size are taken, except patches that overlap one already taken.
 //!    Steps 1 to 3 are repeated until the largest is below the cutoff.
 //!
 //! The paper traverses the faces once per patch. Here a round takes many patches. When the work

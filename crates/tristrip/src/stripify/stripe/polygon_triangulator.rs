@@ -3,15 +3,15 @@
 //!
 //! # Algorithm
 //! 1. The minimum number of swaps is computed from the strip's first face to its last, for either
-//!    last turn; see [`super::turn_sequence`]. The first face has no entry and the last no exit, so
-//!    these can be chosen.
+//!    last turn; see [`super::turn_sequence`]. The first face has no entry and the last face has no
+//!    exit, so these two can be chosen.
 //! 2. The winding determines on which side the first turn of a strip is free, seen from either end.
 //!    Step 1 is therefore run twice: for a free turn at the start, and for a free turn at the end.
 //! 3. Backward from the better end, each face gets its turns, and the turns determine its
 //!    triangles.
 //!
-//! With [`TurnDiagonals::Passing`] the turns are those that had the fewest swaps when the strip
-//! passed a face, starting at its first face.
+//! With [`TurnDiagonals::Passing`], the turns of a face are chosen when the strip passes it, for
+//! the fewest swaps from the first face on.
 //!
 //! # Complexity
 //! O(n) time. 4 bytes per triangle for the links, which are set when the triangulation is complete.

@@ -1,5 +1,5 @@
-//! Remaining faces: what strips have left of the faces, the number of neighbours of each, and the
-//! face with the fewest.
+//! Remaining faces: the parts of faces that no strip has taken yet, the number of neighbours of
+//! each, and the one with the fewest.
 //!
 //! Initially these are all faces. A strip takes a remaining face completely or, with partial
 //! triangulation, only the part between its entry and exit edges. The rest becomes one or two

@@ -1,4 +1,4 @@
-//! Path intervals: the cover as it would be after the steps of a tunnel, without modifying it.
+//! Path intervals: represent the cover after the steps of a tunnel, without modifying the cover.
 //!
 //! The cuts of a tunnel divide paths into a few dozen intervals of positions. Its links connect the
 //! ends of intervals.

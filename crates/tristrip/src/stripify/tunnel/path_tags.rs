@@ -4,7 +4,8 @@
 //! Porcu and Scateni tag every node with its strip, and rewrite the tags node by node whenever a
 //! search links or cuts. Here a tag is a path and a position on it, and a search writes no tags
 //! (see `path_intervals`). Only a complement that is kept writes tags. It divides the changed paths
-//! into intervals and links those to new paths. The longest interval of each path keeps its tags.
+//! into intervals and links the intervals to new paths. The longest interval of each path keeps its
+//! tags.
 //!
 //! ```text
 //!   path 4:  0 ━ 1 ━ 2 ━ 3 ┃ 4 ━ 5        cut between 3 and 4, 3 linked to the first of path 9:
