@@ -76,7 +76,8 @@ pub enum Unproven {
     /// A polygon has too few or too many triangles.
     #[error("face {face}: triangles found: {found}, expected: {expected}")]
     Count {
-        /// A face of the group; a group contains the polygons that share possible triangles.
+        /// A face of the group. A group contains the polygons to which the same triangle may
+        /// belong.
         face: u32,
         /// Number of triangles in the group.
         found: usize,
@@ -86,7 +87,8 @@ pub enum Unproven {
     /// The edges of a polygon's triangles do not add up to the edges of the polygon.
     #[error("face {face}: its triangles do not match its boundary at edge {edge:?}")]
     Boundary {
-        /// A face of the group; a group contains the polygons that share possible triangles.
+        /// A face of the group. A group contains the polygons to which the same triangle may
+        /// belong.
         face: u32,
         /// The vertices of the first edge that differs.
         edge: [u32; 2],

@@ -29,7 +29,7 @@
 //! degrees from the full mesh. A triangle that has already turned farther may not turn any farther.
 //! The reference direction is a sum of full-mesh normals, weighted by area, at the vertices that
 //! one corner of the triangle represents. This rule applies to the triangles of the removed vertex
-//! and of the kept vertex. The kept vertex represents more vertices afterwards. Without it,
+//! and of the kept vertex. The kept vertex represents more vertices afterwards. Without this rule,
 //! triangles fold over step by step. `decimate/merge_levels.rs` builds the levels.
 //!
 //! # Departures

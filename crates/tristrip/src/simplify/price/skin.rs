@@ -10,9 +10,9 @@
 //! 1. The extent of a joint's part is the weighted root mean square distance of its vertices from
 //!    their centre.
 //! 2. The weights of a vertex times the extents form a vector with one value per joint. Few values
-//!    are nonzero. With more than [`MAX_VALUES`] joints, it is projected onto that many values.
-//!    Each of them adds or subtracts every joint. Averaged over all choices of these signs, the
-//!    projection preserves the distances between vectors. The signs come from a fixed hash, so
+//!    are nonzero. With more than [`MAX_VALUES`] joints, the vector is projected onto that many
+//!    values. Each of them adds or subtracts every joint. Averaged over all choices of these signs,
+//!    the projection preserves the distances between vectors. The signs come from a fixed hash, so
 //!    results are reproducible.
 //!
 //! # References

@@ -8,8 +8,8 @@
 //! 1. The triangles that the failed searches reached form subproblems together with their
 //!    surroundings, with the largest radius that can be solved. If none can be solved, each
 //!    unmatched triangle, including its neighbours, still counts as one end. The even nodes of the
-//!    searches form components of odd size. The unmatched triangles are as many as these components
-//!    exceed the odd nodes that could be matched with them.
+//!    searches form components of odd size. The number of unmatched triangles is the number of
+//!    these components minus the number of odd nodes that could be matched with them.
 //! 2. The triangles with two neighbours form subproblems together with the surrounding triangles
 //!    that are not in a subproblem yet. A subproblem that is too wide is halved recursively.
 //!

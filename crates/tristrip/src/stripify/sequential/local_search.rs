@@ -11,10 +11,10 @@
 //! The ends w are processed in the order of their triangles. All joins, rotations and tunnels of
 //! length three that start at w are priced by the swaps on the surrounding links and the strips
 //! that they save. The cheapest move that leaves all paths open is applied if it lowers the cost.
-//! Then the new end is processed. A part of a path leads to an end. The path remains open if the
-//! part is linked to a different end. This is certain if the two were on strips that no move has
-//! mixed since. Otherwise the search walks to the end. Beyond a limit of steps, the end counts as
-//! unknown and the move is rejected.
+//! Then the new end is processed. The part that a move cuts off leads to an end of a path. The path
+//! remains open if the part is linked to a different end. This is certain if the two were on strips
+//! that no move has mixed since. Otherwise the search walks to the end. Beyond a limit of steps,
+//! the end counts as unknown and the move is rejected.
 //!
 //! The tunnel is the operator of Stewart (2001). The rotation of Pósa (1976) is extended to two
 //! paths.

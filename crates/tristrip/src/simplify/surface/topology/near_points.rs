@@ -20,7 +20,8 @@
 //! becomes degenerate.
 //!
 //! # Complexity
-//! O(n) time for n border points and their triangles. Inner points take no time.
+//! O(n) time for n points that are not inner points, with their triangles. Inner points take no
+//! time.
 
 use super::{PointKind, Topology};
 use crate::mesh::{NearPositions, Positions};
