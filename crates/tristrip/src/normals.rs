@@ -12,11 +12,12 @@
 //!    hard. Without the second condition, a plane would count as flat-shaded.
 //! 3. The crease angle is the threshold of the angle between faces that best separates hard edges
 //!    from the others. It leaves the fewest edges on the wrong side.
-//! 4. New normals: a corner looks at the mesh's normals at its point. It gets the one nearest to
-//!    its face normal, if that is within 45 degrees. All other corners at a point that are
-//!    connected by edges below the crease angle share one normal. This is the mesh normal at the
-//!    point that is nearest to the weighted mean of their face normals. If no mesh normal is near,
-//!    it is the mean itself. In a flat-shaded mesh, every corner gets its face normal.
+//! 4. New normals: the candidates of a corner are the mesh's normals at its point. The corner gets
+//!    the candidate nearest to its face normal, if it is within 45 degrees. All other corners at a
+//!    point that are connected by edges below the crease angle share one normal. This is the mesh
+//!    normal at the point that is nearest to the weighted mean of their face normals. If no mesh
+//!    normal is near, it is the mean itself. In a flat-shaded mesh, every corner gets its face
+//!    normal.
 //!
 //! # References
 //! N. Max: *Weights for Computing Vertex Normals from Facet Normals*, 1999: the weights, which need

@@ -20,7 +20,7 @@
 //! collapse are undone first, but other later collapses may remain applied. The stored neighbours
 //! of a corner may then have left the ring, and the corner is inserted at the front instead. A
 //! split takes corners from the ring of the kept vertex. It takes a corner if its vertex in the
-//! full mesh is a descendant of the removed vertex in the collapse tree.
+//! full mesh is the removed vertex or one of its descendants in the collapse tree.
 //!
 //! # References
 //! Knuth: *Dancing links*, 2000.

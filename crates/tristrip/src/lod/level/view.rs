@@ -27,8 +27,8 @@ impl View {
     /// Creates a perspective view.
     ///
     /// - `distance`: distance from the eye to the nearest point of the object, in mesh units.
-    /// - `vertical_scale`: the element in row 2, column 2 of the projection matrix, 1 / tan(field
-    ///   of view / 2) for the vertical field of view.
+    /// - `vertical_scale`: the element in row 2, column 2 of the projection matrix. It is 1 /
+    ///   tan(fov / 2), where fov is the vertical field of view.
     /// - `rows`: image height in pixels.
     ///
     /// # Errors
