@@ -199,12 +199,12 @@ fn vertices_stay_where_something_depends_on_their_numbers() {
         );
     }
     let (redrawn, _) = shrunk(&draft.glb(), |_, t| t == 0);
-    assert!(redrawn.kept_groups.iter().all(|group| group.why.contains("have the same indices")));
+    assert!(redrawn.kept_groups.iter().all(|group| group.why.contains("use the same index accessor")));
     assert_eq!(redrawn.kept_groups.len(), 2);
     let draft = changed(&|json| json["extensions"] = json!({ "EXT_unknown_thing": { "buffer": 0 } }));
     let (redrawn, after) = shrunk(&draft.glb(), |_, t| t == 0);
     assert!(
-        redrawn.kept_groups.iter().all(|group| group.why.contains("names bytes")) && redrawn.dropped == 0
+        redrawn.kept_groups.iter().all(|group| group.why.contains("refers to bytes")) && redrawn.dropped == 0
     );
     assert_eq!(count_of(&after, 11), 28);
 }
