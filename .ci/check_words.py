@@ -15,7 +15,10 @@ from pathlib import Path
 from rust_source import files
 
 SUFFIXES = {".rs", ".md", ".py", ".sh", ".toml", ".json", ".js", ".mjs", ".html", ".css", ".txt", ".svg"}
-SCRIPTS = {"test", "bindings/python/check", "bindings/python/test", "docs/manual/check", ".ci/run", ".ci/wasm32"}
+SCRIPTS = {
+    "test", "bindings/python/check", "bindings/python/test", "docs/manual/check", "tools/licences", "tools/publish-check",
+    ".ci/run", ".ci/wasm32",
+}
 WORDS = ".ci/words.txt"
 BEGIN, END = "<!-- renamed: begin -->", "<!-- renamed: end -->"
 
@@ -23,7 +26,7 @@ BEGIN, END = "<!-- renamed: begin -->", "<!-- renamed: end -->"
 def is_checked(path: str) -> bool:
     """Checks whether a file is text of the project."""
     name = Path(path).name
-    if path == WORDS or name.startswith("LICENSE") or name == "package-lock.json":
+    if path == WORDS or name.startswith(("LICENSE", "THIRD_PARTY_LICENSES")) or name == "package-lock.json":
         return False
     return path in SCRIPTS or Path(path).suffix in SUFFIXES
 
