@@ -48,6 +48,11 @@ class Crates(Folder):
         self.assertEqual(publish_check.metadata_problems(manifest | {"keywords": []}), ["a: no keywords in its manifest"])
 
 
+    def test_versions(self) -> None:
+        problems = publish_check.version_problems("0.0.1")
+        self.assertEqual([problem.split(":")[0] for problem in problems], list(publish_check.VERSIONS))
+
+
 class Wheels(Folder):
     def problems(self, platforms: str, *, without: str = "", added: str = "", tag: str = "cp310-abi3") -> list[str]:
         path = self.folder / f"tristrip-0.1.0-{tag}-{platforms}.whl"
