@@ -422,3 +422,13 @@ fn files_that_arrive_are_checked_and_limited() {
         assert!(error.starts_with(&format!("file: found the end of the file after {end} bytes")), "{error}");
     }
 }
+
+/// The stream of the dragon had 108 triangles fewer than the model, without a note.
+#[test]
+fn packing_notes_triangles_whose_corners_become_equal() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/issues/equal_corners.obj");
+    let model = tristrip_io::read_path(path).unwrap();
+    let packed = pack::run(&model, &pack::Options::default(), &()).unwrap();
+    let note = "1 triangle with two corners at one position dropped";
+    assert!(packed.notes.iter().any(|found| found == note), "{:?}", packed.notes);
+}
