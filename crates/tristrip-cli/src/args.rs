@@ -121,7 +121,7 @@ fn any_arguments() -> Arg {
 /// error with `-o -`. Stages and progress go to standard error.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
-  tristrip strip bunny.ply -o bunny.glb             strips that every glTF viewer draws
+  tristrip strip bunny.ply -o bunny.glb             strips, which most glTF viewers draw
   tristrip strip scene.glb -o out.glb --layout restart
   tristrip strip models/*.obj -o stripped/ --to ply
   tristrip strip bunny.ply --method best:effort=7 -o bunny.glb

@@ -53,7 +53,7 @@ pub(crate) fn layout_help(layout: Layout) -> &'static str {
         Layout::Restart => {
             "Strips separated by the restart index; in glTF a draft extension that three.js does not support"
         }
-        Layout::Degenerate => "One strip, joined by degenerate triangles; every glTF viewer draws it",
+        Layout::Degenerate => "One strip, joined by degenerate triangles; most glTF viewers draw it",
         Layout::Separate => "One primitive (glTF) or row (PLY) per strip",
         Layout::List => "A triangle list in strip order",
     }
