@@ -1,9 +1,9 @@
 //! The collapses of a simplification in order, with the triangles of the full mesh.
 //!
 //! A half-edge collapse renames one vertex, the *removed* one, to a neighbour, the *kept* one.
-//! Triangles that have both become degenerate and are dropped. A point on an attribute seam has
-//! several vertices at one position. They are renamed together in one collapse. Nothing else
-//! changes: every level of detail is the full mesh with some vertices renamed, so only the
+//! Triangles that contain both vertices become degenerate and are dropped. A point on an attribute
+//! seam has several vertices at one position. They are renamed together in one collapse. Nothing
+//! else changes: every level of detail is the full mesh with some vertices renamed, so only the
 //! collapses are stored.
 //!
 //! ```text
@@ -51,10 +51,11 @@ pub struct Collapse<'a> {
     /// The indices of the dropped triangles in the full mesh, ascending.
     pub dropped: &'a [u32],
     /// The local error relative to the full surface, in mesh units. It is the maximum of two
-    /// values: the distance of the removed vertex from the triangles that replace its own, and the
-    /// RMS distance of the kept vertex to the planes of the full mesh that the removed vertex
-    /// represents. With `simplify::Price::Quadric` it is the square root of the sum of the squared
-    /// distances to the planes of both vertices, with planes along borders weighted 1000 times.
+    /// values: the distance of the removed vertex from the triangles that replace its triangles,
+    /// and the RMS distance of the kept vertex to the planes of the full mesh that the removed
+    /// vertex represents. With `simplify::Price::Quadric` it is the square root of the sum of the
+    /// squared distances to the planes of both vertices, and the planes along borders have a weight
+    /// of 1000.
     pub error: f32,
 }
 
@@ -318,7 +319,7 @@ impl CollapseSequence {
         (0..self.len()).rev().map(|level| self.collapse_to(level))
     }
 
-    /// Returns the number of triangles drawn at a level.
+    /// Returns the number of triangles at a level.
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
@@ -377,7 +378,7 @@ impl CollapseSequence {
         self.len().saturating_sub(done)
     }
 
-    /// Returns the lowest level that is reached from the full mesh without exceeding this error.
+    /// Returns the coarsest level with at most this error in mesh units.
     ///
     /// ```
     #[doc = include_str!("lod/example.txt")]
@@ -443,8 +444,8 @@ impl CollapseSequence {
     }
 
     /// Returns the triangles at a level, in the order of the full mesh: vertices are renamed, and
-    /// degenerate triangles are left out. Tests use it as the oracle for everything that draws a
-    /// level of detail.
+    /// degenerate triangles are left out. This list is the oracle in the tests of all code that
+    /// draws levels of detail.
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].

@@ -3,7 +3,7 @@
 //!
 //! A *flat-shaded* mesh has the face normal at each corner, so every edge is hard: the normals on
 //! its two sides differ. A mesh with creases is smooth between hard edges. Simplification changes
-//! the faces, so the remaining vertices have normals of faces that no longer exist.
+//! the faces, so the normals of the remaining vertices belong to faces that no longer exist.
 //!
 //! # Algorithm
 //! 1. An edge shared by two triangles, matched by position, is *hard* if the normals on its two
@@ -16,8 +16,8 @@
 //!    the candidate nearest to its face normal, if it is within 45 degrees. All other corners at a
 //!    point that are connected by edges below the crease angle share one normal. This is the mesh
 //!    normal at the point that is nearest to the weighted mean of their face normals. If no mesh
-//!    normal is near, it is the mean itself. In a flat-shaded mesh, every corner gets its face
-//!    normal.
+//!    normal is near the mean, the corners get the mean itself. In a flat-shaded mesh, every corner
+//!    gets its face normal.
 //!
 //! # References
 //! N. Max: *Weights for Computing Vertex Normals from Facet Normals*, 1999: the weights, which need
@@ -140,7 +140,7 @@ impl Shading {
     }
 
     /// Returns normals like [`Shading::corner_normals`], but a corner keeps its vertex normal if
-    /// that fits the face. A corner whose candidates all fail to fit gets the face normal.
+    /// this normal fits the face. If none of the candidates fits, the corner gets the face normal.
     ///
     /// # Errors
     /// A number of indices is not a multiple of three, or an index is out of range.

@@ -7,16 +7,16 @@
 //! Vertices at the same position form one point. If their attributes differ, the point lies on a
 //! seam: its vertices collapse together along the seam or not at all. Holes are not closed and
 //! components are not merged. If no more collapses are allowed, simplification stops above the
-//! target triangle count, and [`Stopped`] gives the reasons. On non-manifold surfaces, points move
-//! along the edges of three or more triangles, and triangles attached only by such an edge can be
-//! removed. Components are removed only if the caller gives the error of their removal. Permissive
-//! simplification can close holes and move seams onto other seams.
+//! target triangle count, and [`Stopped`] gives the reasons. On non-manifold surfaces, points on
+//! edges with three or more triangles move along these edges. Triangles attached only by such an
+//! edge can be removed. Components are removed only if the caller gives the error of their removal.
+//! Permissive simplification can close holes and move seams onto other seams.
 //!
 //! # Algorithm
-//! By default, quadrics in a local frame give a first order of the collapses. Their price is then
-//! computed from the distances of all removed vertices to the triangles (`order/decimate`).
-//! [`Price::Quadric`] runs the published algorithm (`order/queue`). With the feature `rayon`,
-//! several threads compute prices; the result is the same.
+//! By default, quadrics in a local frame determine an initial order of the collapses. The price of
+//! a collapse is then computed from the distances of all removed vertices to the triangles
+//! (`order/decimate`). [`Price::Quadric`] runs the published algorithm (`order/queue`). With the
+//! feature `rayon`, several threads compute prices; the result is the same.
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Kim, Park, Yang,

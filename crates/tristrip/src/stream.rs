@@ -18,21 +18,21 @@
 //! # Algorithm
 //! Splits are grouped into batches. No two points that a batch removes share a triangle, so the
 //! splits of a batch can be written in any order. They are written fan by fan, with neighbouring
-//! fans close together. For each fan, the stream says whether it is split. For a split it says
+//! fans close together. For each fan, the stream stores whether it is split. For a split, it stores
 //! which corners move to the new vertex, the position of the new point, and the attributes of the
 //! new vertex. Positions and attributes are residuals against a prediction from the neighbouring
 //! mesh. All of these are coded as decisions by a range coder with adaptive models. Positions lie
-//! on a grid. Its step is halved as the error of the levels decreases. The encoder plans all splits
-//! and fits the weights of the predictions in rehearsal passes before it writes.
+//! on a grid. The grid step is halved as the error of the levels decreases. The encoder plans all
+//! splits and fits the weights of the predictions in rehearsal passes before it writes.
 //!
-//! On attribute seams and at non-manifold points, a point has several fans. They are split
-//! together.
+//! Points on attribute seams and non-manifold points have several fans, which are split together.
 //!
 //! All values that affect decoding are integers, so decoders in other languages produce the same
 //! result. `docs/formats/progressive-glb.md` defines the bytes.
 //!
 //! # Sizes
-//! Bits per vertex that a triangle uses, at 14 bits per coordinate, all chunks included:
+//! The table lists bits per vertex at 14 bits per coordinate, for all chunks. Only vertices used by
+//! triangles count.
 //!
 //! | model | vertices | connectivity | total |
 //! |---|---|---|---|

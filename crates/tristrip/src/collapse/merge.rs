@@ -1,4 +1,4 @@
-//! Vertices merged by collapses, and the triangles that become degenerate.
+//! Merges vertices as collapses rename them, and finds the triangles that become degenerate.
 //!
 //! # Algorithm
 //! Each drawn vertex has a *slot*, a list of corners. When one vertex is renamed to another, the

@@ -1,12 +1,12 @@
-//! Codes integers as decisions. The first is the bucket of the size, relative to the expected
-//! bucket, as one of sixteen symbols. The position within the bucket and the sign follow.
+//! Codes integers as decisions. One of sixteen symbols codes the bucket of the size, relative to
+//! the expected bucket. The position within the bucket and the sign are coded next.
 //!
 //! The buckets start at 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, …. The bucket of a size is the integer
 //! part of twice its binary logarithm.
 //!
 //! # Algorithm
-//! The *level*, the logarithm of the expected size, is a weighted sum of features. Its weights are
-//! updated by the gradient of the squared error.
+//! The *level*, the logarithm of the expected size, is a weighted sum of features. The weights are
+//! updated by gradient descent on the squared error.
 //!
 //! # References
 //! Widrow, Hoff: *Adaptive Switching Circuits*, 1960 (the weights).
@@ -24,9 +24,9 @@ const LAST: i32 = 15;
 /// The largest bucket.
 const MAX_BUCKET: i32 = 59;
 
-/// Returns the binary logarithm of a number from 1 to 2⁵³ − 1, in 1/8, linearly interpolated
-/// between powers of two. It is read from the exponent and the first mantissa bits of the number as
-/// a float.
+/// Returns the binary logarithm of a number from 1 to 2⁵³ − 1, in units of 1/8, linearly
+/// interpolated between powers of two. The result is read from the exponent and the first mantissa
+/// bits of the number as a float.
 #[inline]
 pub(crate) fn logarithm(x: u64) -> i32 {
     ((x.cast_signed() as f64).to_bits() >> 49) as i32 - 8 * 1023
@@ -38,8 +38,8 @@ fn bucket_of(x: u32) -> i32 {
     if x < 2 { x.cast_signed() } else { logarithm(x.into()) >> 2 }
 }
 
-/// Predicts the levels of one kind of number, in 1/16 of an octave, from `N` features of about the
-/// same unit.
+/// Predicts the levels of one kind of number, in 1/16 of an octave, from `N` features that have
+/// about the same unit.
 #[derive(Debug, Clone)]
 pub(crate) struct NumberLevel<const N: usize> {
     weights: [i32; N],
@@ -84,8 +84,8 @@ impl NumberModel {
         Self { symbols: Simple::new(16 * CONTEXTS as usize * sets), escapes: Simple::new(32) }
     }
 
-    /// Codes a number of a set. Returns the number and the difference of its level from the
-    /// expected one.
+    /// Codes a number with the statistics of a set. Returns the number, and the difference between
+    /// its level and the expected level.
     #[inline]
     pub(crate) fn code<C: BitCoder>(
         &mut self,

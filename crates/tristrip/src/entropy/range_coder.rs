@@ -1,8 +1,8 @@
 //! A range coder: converts decisions and choices with known probabilities to bytes, and back.
 //!
-//! A 32-bit range is split in proportion to the probability of each decision. When it has become
-//! small, its top bytes are written. The same coder is used throughout the project. All arithmetic
-//! is integer, so other implementations produce the same bytes.
+//! A 32-bit range is split in proportion to the probability of each decision. When the range
+//! becomes small, its top bytes are written. The same coder is used throughout the project. All
+//! arithmetic is integer, so other implementations produce the same bytes.
 //!
 //! # Complexity
 //! O(1) per decision; O(n) memory for n bytes.
@@ -168,7 +168,7 @@ impl BitCoder for RangeEncoder {
     }
 }
 
-/// Decodes decisions. Zeros follow the end of the bytes.
+/// Decodes decisions. Reads zeros after the end of the bytes.
 #[derive(Debug, Clone)]
 pub(crate) struct RangeDecoder<'a> {
     bytes: &'a [u8],

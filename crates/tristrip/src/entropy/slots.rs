@@ -2,8 +2,8 @@
 //!
 //! # Algorithm
 //! Each context has a slot with a probability and a count. After a decision, the probability moves
-//! towards it by 1 / (count + 1.5), and the count grows up to a limit. At first the probability is
-//! the mean of the past decisions; later it adapts to changes.
+//! toward the outcome by 1 / (count + 1.5) of the difference, and the count increases up to a
+//! limit. At first the probability is the mean of the past decisions; later it adapts to changes.
 //!
 //! All state is integer, at most 32 bits: probabilities have 24 bits in slots and 16 bits for the
 //! coder.

@@ -267,9 +267,9 @@ impl<I: Index> BlocksCursor<I> {
     }
 
     /// Returns the index ranges changed since the last call, sorted and non-empty. They are merged
-    /// to at most `most` ranges, but at least one range if anything changed. Ranges with the
-    /// smallest gaps between them are merged first. The first call returns the whole buffer. So
-    /// does the first call after a change to another key.
+    /// to at most `most` ranges, or to one range if `most` is 0. Ranges with the smallest gaps
+    /// between them are merged first. The first call returns the whole buffer, as does the first
+    /// call after a change to another key.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -3,8 +3,9 @@
 //!
 //! A collapse makes two vertices of a strip equal and the triangles between them degenerate. They
 //! draw nothing, but their vertices are still sent. Near the base mesh, most of a strip is
-//! degenerate. A filter reads a simplified strip once, front to back, and sends what is needed.
-//! With every filter, display strips draw exactly the oriented triangles of the simplified strip.
+//! degenerate. A filter reads a simplified strip once, front to back, and sends only the vertices
+//! that are needed. With every filter, display strips draw exactly the oriented triangles of the
+//! simplified strip.
 //!
 //! ```text
 //! the strip          0 1 2 3 4 5 6        draws 012 213 234 435 456
@@ -17,8 +18,8 @@
 //! [`stss`] is El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and
 //! Updating Triangle Strips for Real-Time Rendering*, 2000, section 5.4. [`dtfs`] is Kim, Park,
 //! Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005 (section
-//! 4). [`linked`] was developed for this library, as was [`repair`](super::repair). `repair` reads
-//! no strips: it follows the collapses and repairs the strips next to them.
+//! 4). [`linked`] was developed for this library, as was [`repair`](super::repair). `repair` does
+//! not read simplified strips: it follows the collapses and repairs its own strips next to them.
 //!
 //! # Complexity
 //! O(n) time. The only memory is the result, at most four vertices per triangle. On one core, for

@@ -1,10 +1,10 @@
-//! Progressive strips: strips that follow every collapse and every vertex split, by renaming a few
-//! slots.
+//! Progressive strips: strips that are updated at every collapse and every vertex split by renaming
+//! a few slots.
 //!
 //! The vertices of all strips are stored in one *index map*, with a restart between strips. A
 //! collapse overwrites the removed vertex with another entry in every slot that contains it. The
 //! vertex split that undoes the collapse writes the vertex back. The record of a split therefore
-//! consists of the vertex and its slots. No step reads anything else.
+//! consists of the vertex and its slots. Moving to the next level requires no other data.
 //!
 //! ```text
 //! level 8   0 1 2 3 4 R 3 2 5       4 collapses to 2, then 3 to 2
@@ -64,8 +64,8 @@ names! {
 }
 
 /// The strips of a mesh at all levels of a collapse sequence, stored as an index map and the slots
-/// that each collapse renames in it. The model is immutable; a [`ProgressiveStripsCursor`] has the
-/// map of one level.
+/// that each collapse renames in it. The model is immutable; a [`ProgressiveStripsCursor`] stores
+/// the map of one level.
 ///
 /// ```
 /// use std::sync::Arc;

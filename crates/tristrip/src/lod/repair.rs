@@ -1,10 +1,10 @@
-//! `repair`: a filter developed for this library. Its display strips cost, at every level, about as
+//! `repair`: a filter developed for this library. At every level, its display strips cost about as
 //! much as strips computed from scratch for that level.
 //!
 //! The other filters read the full mesh's strips with renamed vertices and remove degenerate
 //! triangles. Their strips break up as the mesh gets coarser, because the ends of a cut strip are
-//! never reconnected. This filter stores the strips as paths over the triangles that a level draws.
-//! It follows each collapse and each split, and repairs the paths next to it.
+//! never reconnected. This filter stores the strips as paths over the triangles of the current
+//! level. At each collapse and each split, it repairs the paths next to the change.
 //!
 //! ```text
 //!          x                    x
@@ -14,7 +14,8 @@
 //! ```
 //! # Algorithm
 //! *Coarsen*:
-//! 1. Cut the links of the dropped triangles, rename, drop, and pair the half-edges that changed.
+//! 1. Cut the links of the dropped triangles, apply the collapse, and pair the half-edges that
+//!    changed.
 //! 2. If a dropped triangle was linked to two neighbours, link these two if they now share an edge.
 //!    A path across the edge between the kept and the removed vertex remains cut; the local search
 //!    reconnects its ends.
@@ -23,13 +24,14 @@
 //!    changes a few links, and is undone if the strips then cost more (see
 //!    `cover/local_search.rs`).
 //!
-//! *Refine*: the reverse, around both vertices. A restored triangle is linked to the two triangles
-//! on its sides, if these were linked to each other.
+//! *Refine*: apply these steps in reverse, around both vertices. A restored triangle is linked to
+//! the two triangles on its sides, if these were linked to each other.
 //!
-//! *Directly at a level*: drop everything that the level does not draw. Link consecutive remaining
-//! triangles of a strip that share an edge, as the filters do. Then search from all triangles.
+//! *Directly at a level*: drop all triangles that the level does not have. Link consecutive
+//! remaining triangles of a strip that share an edge, as the filters do. Then search from all
+//! triangles.
 //!
-//! The module `pairing` defines the twins at edges of more than two triangles.
+//! The module `pairing` defines the twins at edges with more than two triangles.
 //!
 //! # Determinism
 //! The strips of a level depend only on the sequence of levels before it: the same steps give the
@@ -38,11 +40,11 @@
 //!
 //! # Effort
 //! Measured on the bunny with 69,451 triangles, simplified to a twentieth in 33,042 collapses. The
-//! strips of the full mesh are by `best` and send 36.7 % of three vertices per triangle. The table
-//! lists the vertices sent, summed over all levels and at the base mesh, in percent of three
-//! vertices per triangle, and the time per collapse on one core. Strips computed from scratch for
-//! each level by `best` at its default effort send 39.2 %. At the base mesh, `Dtfs` sends 99.6 %
-//! and `Linked` 82.5 %.
+//! strips of the full mesh are built by `best`. The vertices sent are in percent of a triangle
+//! list, which sends three vertices per triangle; the full mesh sends 36.7 %. The table lists the
+//! vertices sent, summed over all levels and at the base mesh, and the time per collapse on one
+//! core. Strips computed from scratch for each level by `best` at its default effort send 39.2 %.
+//! At the base mesh, `Dtfs` sends 99.6 % and `Linked` 82.5 %.
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
 //! |---|---|---|---|---|---|---|---|---|
@@ -50,7 +52,7 @@
 //! | base mesh, % | 45.6 | 44.0 | 43.3 | 42.1 | 41.6 | 41.2 | 41.1 | 40.9 |
 //! | microseconds | 2 | 3 | 5 | 12 | 21 | 42 | 70 | 150 |
 //!
-//! Efforts 8 and 9 take about two and five times as long as 7. When a level with 40 % of the
+//! Efforts 8 and 9 take about two and five times as long as effort 7. When a level with 40 % of the
 //! triangles is computed directly, it sends 44.2, 40.9 and 40.5 % at efforts 1, 3 and 5, in 0.03,
 //! 0.1 and 0.5 s. Effort 0 does not search in that case, and sends as much as `Linked`, 55.0 %.
 //!
@@ -58,14 +60,14 @@
 //! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001; Porcu,
 //! Sanna, Scateni: *Efficiently Keeping an Optimal Stripification over a CLOD Mesh*, 2005 (repair
 //! next to each change, by tunnels); Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
-//! Progressive Transmission of 3D Meshes*, 2005 (the filter that it starts from); Lin, Kernighan:
-//! *An Effective Heuristic Algorithm for the Traveling-Salesman Problem*, 1973 (chains of changes
-//! that are undone if they do not reduce the cost).
+//! Progressive Transmission of 3D Meshes*, 2005 (the filter on which this one is based); Lin,
+//! Kernighan: *An Effective Heuristic Algorithm for the Traveling-Salesman Problem*, 1973 (chains
+//! of changes that are undone if they do not reduce the cost).
 //!
 //! # Complexity
 //! The time of a step depends on the effort and on the valence of the removed vertices, not on the
 //! size of the mesh. Cuts are an exception: they walk to the nearer end of their path. Memory: 56
-//! bytes per triangle of the full mesh, 8 per vertex and 24 per edge of one triangle.
+//! bytes per triangle of the full mesh, 8 per vertex and 24 per half-edge without a twin.
 
 mod model;
 mod nearby;
@@ -98,7 +100,7 @@ use strip_order::{StripTriangle, check_size, order_of};
 /// million triangles takes the maximum.
 const AVERAGE_SHARE: u64 = 16;
 
-/// The strips of a level of detail. They follow collapses and splits.
+/// The strips of a level of detail, updated by collapses and splits.
 ///
 /// ```
 /// use tristrip::{CollapseSequence, Rename, Strips};

@@ -1,4 +1,4 @@
-//! SETS, sorted-edge triangle strips. Each vertex of a strip stores its successors, sorted by the
+//! Sorted-edge triangle strips (SETS). Each vertex of a strip stores its successors, sorted by the
 //! level up to which they are valid. A single walk recovers any level of a strip.
 //!
 //! ```text
@@ -13,8 +13,8 @@
 //! # Algorithm
 //! *Build*: the strips follow the collapses, and superfluous vertices are removed (see
 //! `shortened.rs`). At each state of a strip, a vertex whose successors changed gets a new arc. The
-//! arc lists all its successors at this state in the order of the visits. The label of an arc is
-//! the last state at which it is valid. Only the vertices next to a change are examined.
+//! arc lists all successors of the vertex at this state, in the order of the visits. The label of
+//! an arc is the last state at which it is valid. Only the vertices next to a change are examined.
 //!
 //! *Recover*: find the beginning by binary search. At the first visit of a vertex, find its arc by
 //! binary search; at each visit, take the next successor of the arc, until the end is reached.
@@ -23,7 +23,7 @@
 //! is walked only when the level leaves this interval.
 //!
 //! # Departures
-//! - The paper counts levels from the full mesh, this crate from the base mesh.
+//! - The paper counts levels from the full mesh; this crate counts them from the base mesh.
 //! - Labels are indices of the strip's states, not levels. The levels of the states are stored once
 //!   per strip, as the paper does for coherence.
 //! - The arrays of each strip are packed one after the other, with as many bits per number as the
@@ -37,7 +37,7 @@
 //! section 3.
 //!
 //! # Complexity
-//! Building takes time proportional to the number of stored successors times a logarithm. A level
+//! Building takes time proportional to the number of stored successors times its logarithm. A level
 //! change takes one step per strip, one step per vertex of the changed strips, and a binary search
 //! at the first visit of each vertex. The bunny's 69,451 triangles take 24 bytes each.
 

@@ -37,8 +37,8 @@
 //!   evaluated again only after the camera has moved far enough.
 //! - The paper rebuilds whole strips; this implementation rebuilds segments of 64 entries.
 //! - Vertices at the same position on a seam collapse together, which prevents cracks.
-//! - The search for the first active ancestor starts with the skip pointer used last. Here it can
-//!   also move up to a farther ancestor; the paper only moves it down.
+//! - The search for the first active ancestor starts with the skip pointer used last. In the paper,
+//!   the search can only choose a shorter pointer; here it can also choose a longer one.
 //! - A view stores the name of each node: the vertex of its first active ancestor. The descendants
 //!   of a node are a contiguous range, so a collapse or split fills a range of names.
 //!   [`SkipView::simplified_strips`] finds the same names with the skip pointers, as published.
@@ -137,7 +137,8 @@ impl SkipStrips {
         Self::build(strips, sequence, Some(positions))
     }
 
-    /// Builds a model without positions. It has levels, but its views cannot follow a camera.
+    /// Builds a model without positions. The model supports levels, but its views cannot follow a
+    /// camera.
     ///
     /// # Errors
     /// The strips do not draw exactly the triangles of the sequence.

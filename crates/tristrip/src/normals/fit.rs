@@ -25,8 +25,8 @@ pub(super) fn fits(normal: Point, face: Point) -> bool {
 pub struct NormalFit {
     /// The share of corners whose normal is within 2 degrees of the face normal, as on flat faces.
     pub flat: f64,
-    /// The share of corners whose normal is more than 45 degrees off. If simplification increases
-    /// this share, some vertices have kept normals of removed faces.
+    /// The share of corners whose normal is more than 45 degrees from the face normal. If
+    /// simplification increases this share, some vertices have kept normals of removed faces.
     pub unfit: f64,
 }
 

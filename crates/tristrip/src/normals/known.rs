@@ -1,4 +1,4 @@
-//! The normals that a mesh has at each point.
+//! Collects the normals of a mesh at each point.
 
 use super::fit::fits;
 use super::surface::{normals_of, scaled_to_one, vector};

@@ -1,4 +1,4 @@
-//! The faces of a surface, the edges that two faces share by position, and the vertex normals.
+//! The faces of a surface, the edges between faces matched by position, and the vertex normals.
 
 use crate::error::Error;
 use crate::mesh::{Attribute, Mesh, PositionIds, check_corners, check_triangles, triangles_of};

@@ -11,13 +11,13 @@ use crate::text::counted;
 /// ignores the attribute.
 ///
 /// At a weight of 1:
-/// - a normal (`NORMAL`) that deviates by one radian counts like a distance of 0.042 of the longest
-///   side of the bounding box, and a tangent (`TANGENT`) like 0.03 of it;
-/// - a colour (`COLOR_n`) that deviates by 1 counts like a distance of 0.1 of that side;
-/// - texture coordinates (`TEXCOORD_n`) count like 1.5 times the distance by which the texture
-///   shifts on the surface;
-/// - a skin (`JOINTS_n`, `WEIGHTS_n`) counts like the distance by which a vertex moves differently
-///   when a joint turns by a tenth of a radian.
+/// - a normal (`NORMAL`) that deviates by one radian counts as much as a distance of 0.042 times
+///   the longest side of the bounding box; for a tangent (`TANGENT`), the factor is 0.03;
+/// - a colour (`COLOR_n`) that deviates by 1 counts as much as a distance of 0.1 times that side;
+/// - texture coordinates (`TEXCOORD_n`) count as much as 1.5 times the distance by which the
+///   texture shifts on the surface;
+/// - a skin (`JOINTS_n`, `WEIGHTS_n`) counts as much as the difference in the displacement of a
+///   vertex when a joint turns by a tenth of a radian.
 ///
 /// ```
 /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
@@ -40,7 +40,7 @@ pub struct AttributeWeights {
 }
 
 impl AttributeWeights {
-    /// Ignores all attributes; only the shape counts.
+    /// Ignores all attributes; only the distance between the surfaces counts.
     ///
     /// ```
     /// use tristrip::simplify::AttributeWeights;
@@ -221,8 +221,8 @@ impl SimplifyOptions {
         /// ```
         with_error_factors(error_factors: Vec<f32>);
 
-        /// Locks the vertices at the borders of the surface. Simplified tiles of a terrain then
-        /// still match along their borders.
+        /// Locks the vertices at the borders of the surface. For example, terrain tiles then still
+        /// match along their borders after simplification.
         ///
         /// ```
         #[doc = include_str!("example.txt")]

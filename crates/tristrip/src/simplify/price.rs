@@ -1,5 +1,5 @@
-//! The cost of a collapse: the distance of the surface from the full mesh, by quadrics or by all
-//! removed points, and the deviation of the attributes.
+//! Computes the cost of a collapse. It includes the distance of the surface from the full mesh,
+//! measured with quadrics or at all removed points, and the deviation of the attributes.
 
 pub(crate) mod attribute_quadrics;
 pub(crate) mod attributes;

@@ -62,7 +62,7 @@ impl BaseModel {
     }
 }
 
-/// Why bytes are not a base mesh.
+/// The reason why bytes cannot be decoded as a base mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum BaseFault {
     /// Two triangles should share an edge that one of them does not have or already shares.

@@ -5,9 +5,9 @@
 //!    that no collapse removes.
 //! 2. Rehearsals: all decisions are made without writing them, in order to fit the weights of the
 //!    predictions (module `fit`).
-//! 3. Batches, starting from the base mesh. Within a batch, groups of splits are sorted by the fans
-//!    that they split. Before each batch, positions gain as many bits as the error of the level
-//!    justifies; the last batches have all bits.
+//! 3. Batches are written, starting from the base mesh. Within a batch, groups of splits are sorted
+//!    by the fans that they split. Before each batch, positions gain as many bits as the error of
+//!    the level justifies; the last batches have all bits.
 //! 4. Chunks: the coder is closed at the end of a batch if the chunk is large enough, and within a
 //!    batch before a chunk becomes too large.
 //!

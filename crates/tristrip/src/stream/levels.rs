@@ -32,7 +32,7 @@ impl StreamPart {
     }
 }
 
-/// The levels decoded so far. Each chunk adds levels. Existing cursors do not see them.
+/// The levels decoded so far. Each chunk adds levels. Existing cursors do not include these levels.
 ///
 /// ```
 #[doc = include_str!("example.txt")]

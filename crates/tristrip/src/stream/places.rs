@@ -1,5 +1,5 @@
-//! The position of the new point of a split: predicted from the polygon around it, and coded as the
-//! difference.
+//! Codes the position of the new point of a split as a residual against a prediction from the
+//! polygon around it.
 //!
 //! ```text
 //!       a₂ ──── a₁
@@ -9,15 +9,15 @@
 //!       k ──────
 //! ```
 //! The polygon of the new point v consists of the kept point k and the points aₛ … aₑ around the
-//! corners that move. The prediction is the mean q of its points, plus a weighted sum of the
-//! differences of other estimates from q.
+//! corners that move. The prediction is the mean q of the polygon's points, plus a weighted sum of
+//! the differences of other estimates from q.
 //!
 //! # Algorithm
 //! 1. The other estimates are the kept point, the midpoint of aₛ and aₑ, q plus the mean of the
 //!    Laplacians of the polygon's points, and the centroid of the polygon. They have separate
-//!    weights along the polygon's normal and perpendicular to it. The encoder fits the weights to
-//!    the model and sends them, for each number of points in the polygon and each of three regimes
-//!    of batches.
+//!    weights along the polygon's normal and perpendicular to it. There is a set of weights for
+//!    each number of points in the polygon and each of three regimes of batches. The encoder fits
+//!    the weights to the model and writes them to the stream.
 //! 2. The coordinates are coded one after the other. The axis along which the normal is longest
 //!    comes last. If the new point is in the plane of the polygon, the differences in the first
 //!    coordinates predict the differences in the later coordinates.

@@ -5,10 +5,10 @@
 //! 1. Build a corner table of the triangles of the full mesh: an edge is shared if it has exactly
 //!    two triangles, one in each direction. On non-manifold surfaces and attribute seams, vertices
 //!    have several fans.
-//! 2. Apply the collapses one after another. A collapse removes one fan or several for each vertex
-//!    that it renames: the corners between the dropped triangles move to the fan of the kept
+//! 2. Apply the collapses one after another. For each vertex that it renames, a collapse removes
+//!    one or more fans: the corners between the dropped triangles move to the fan of the kept
 //!    vertex.
-//! 3. Leave out a collapse that is not of this kind. Leave out later collapses of the vertices
+//! 3. Leave out collapses that do not have this form. Leave out later collapses of the vertices
 //!    around it too, because their triangles would differ from the triangles of the simplification.
 //!    The remaining triangles are the base mesh.
 //!

@@ -2,7 +2,7 @@
 //!
 //! Both walk through the same fans and make the same decisions. The encoder takes each decision
 //! from its plan and writes it; the decoder reads it. [`BitCoder`] hides this difference. Every
-//! decision is valid, so any bytes build some mesh.
+//! decision is valid, so any byte sequence decodes to some mesh.
 
 use super::channels::ChannelModel;
 use super::costs::StreamCosts;

@@ -1,5 +1,5 @@
-//! A pass over the batches of a stream: makes every decision, starting from the base mesh, as a
-//! rehearsal or to write it.
+//! A pass of the encoder over the base mesh and the batches. It makes every decision, either as a
+//! rehearsal or to write the stream.
 
 use super::base::{BaseToEncode, code_triangles};
 use super::channels::ChannelModel;

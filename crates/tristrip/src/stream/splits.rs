@@ -1,19 +1,20 @@
-//! Which fans a batch splits, and which of their corners move.
+//! Codes which fans a batch splits, and which of their corners move.
 //!
 //! # Algorithm
 //! In each batch, triangles that a split has moved or added are *used*; the others are *free*. No
 //! other split of the batch moves used triangles. For each fan, in the order of the batch:
 //!
 //! 1. Is there another split? Features: the valence and the number of free corners, the age of the
-//!    fan, and its distance from the mean of its neighbours, since a split adds what a curved
-//!    surface lacks. None of these features reads the surrounding fans.
+//!    fan, and its distance from the mean of its neighbours. The distance is a measure of
+//!    curvature, and curved regions are split more often. None of these features reads the
+//!    surrounding fans.
 //! 2. For an open fan: is a triangle only added at an end, and at which one?
 //! 3. The number of corners that move, given the valence and the longest run of free corners. The
 //!    shape of the fan hardly predicts this number.
 //! 4. The first corner that moves, as one choice among all corners that start a long enough free
-//!    run. An edge of the fan is the first of the run, the last, within, or outside. Its features
-//!    are its length relative to the other edges, and the valence at its other end: edges that are
-//!    not in the finer mesh are long.
+//!    run. Each edge of the fan is the first or the last edge of the run, within it, or outside.
+//!    The features of an edge are its length relative to the other edges and the valence at its
+//!    other end. The length matters because edges that are not in the finer mesh are long.
 //! 5. For corners at the end of an open fan: is there a triangle beyond the end?
 //!
 //! # Complexity
@@ -164,7 +165,7 @@ impl SplitModel {
         [self.code_start(coder, fans, (fan, ring), (starts[count], count), start_to_encode), count]
     }
 
-    /// Codes the first corner of a run, one of several given as bits.
+    /// Codes the first corner of a run. The bits of `starts` are the possible first corners.
     #[inline]
     fn code_start<C: BitCoder>(
         &mut self,

@@ -11,12 +11,13 @@
 //! A strip that crosses the edge passes through S afterwards. No other link changes.
 //!
 //! # Algorithm
-//! 1. *Split*: each new triangle on a link is inserted into it; others become strips of their own.
+//! 1. *Split*: each new triangle on a link is inserted into the link; the other new triangles
+//!    become strips of their own.
 //! 2. After a *chunk*, its new triangles are joined in order to the ends of neighbouring strips:
 //!    across the edge that reduces the vertices sent most, as long as an edge reduces them.
 //! 3. *Search*: take the triangles nearest to the new ones, four per new triangle. A local search
-//!    (see `cover/local_search.rs`) starts four times from each of them that is the end of a strip,
-//!    and then once from each.
+//!    (see `cover/local_search.rs`) starts four times from each of these triangles that is at the
+//!    end of a strip, and then once from each of them.
 //!
 //! The base mesh is the first chunk: all its triangles are new, and it gets more search.
 //!
@@ -29,11 +30,12 @@
 //! one bit per triangle.
 //!
 //! # Vertices sent
-//! The table lists the vertices sent in percent of three per triangle, as the mean over all chunks
-//! and for the full mesh, with the default options. Values in parentheses include an index between
-//! strips. Times are for all chunks. For the bunny, the levels of Kim et al. 2005 with their filter
-//! send 54.4 %, and need the strips of the full mesh in the stream. These take an estimated 1.2
-//! bits per vertex (`strip_links` of the benchmarks), which is 5 % more bytes.
+//! The table lists the vertices sent in percent of a triangle list, which sends three vertices per
+//! triangle, as the mean over all chunks and for the full mesh, with the default options. Values in
+//! parentheses include an index between strips. Times are for all chunks. For the bunny, the levels
+//! of Kim et al. 2005 with their filter send 54.4 %, and require the strips of the full mesh in the
+//! stream. These take an estimated 1.2 bits per vertex (`strip_links` of the benchmarks), which is
+//! 5 % more bytes.
 //!
 //! | model | chunks | mean | full mesh | decoding, ms | with strips, ms |
 //! |---|---|---|---|---|---|

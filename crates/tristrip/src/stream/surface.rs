@@ -1,6 +1,6 @@
 //! The triangles decoded so far, with adjacency: a corner table whose vertices are fans.
 //!
-//! A *fan* is a run of triangles around a point in which each shares an edge with the next. It is
+//! A *fan* is a run of triangles around a point, each of which shares an edge with the next. It is
 //! closed around an inner point and open at a border. A point where a surface touches itself, or
 //! where attributes differ, has several fans. Edges are shared only within fans, so a corner table
 //! exists for any set of triangles.
@@ -202,7 +202,7 @@ impl StreamSurface {
         self.set_opposite(b, a);
     }
 
-    /// Sets the opposite corner of a corner. Does nothing if the corner is [`NONE`].
+    /// Sets the opposite corner of a corner. Has no effect if the corner is [`NONE`].
     #[inline]
     fn set_opposite(&mut self, corner: u32, opposite: u32) {
         if corner != NONE {

@@ -1,11 +1,11 @@
-//! The ranges of a buffer to upload to the GPU, merged to at most a given number.
+//! Finds the ranges of a buffer to upload to the GPU, and merges them to a maximum number.
 
 use std::ops::Range;
 
 /// Slots that are uploaded together: 32 or 64 bytes, about the granularity of a memory transfer.
 const BLOCK: usize = 16;
 
-/// The blocks of a buffer with changed slots.
+/// Tracks the blocks of a buffer that contain changed slots.
 #[derive(Debug)]
 pub(super) struct ChangedRanges {
     slot_count: usize,

@@ -1,4 +1,4 @@
-//! The strips of the keys: the strips of the full mesh, repaired for each coarser key.
+//! Builds the strips of the keys by repairing the strips of the full mesh for each coarser key.
 
 use std::sync::Arc;
 

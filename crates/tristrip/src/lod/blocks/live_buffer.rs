@@ -1,5 +1,5 @@
-//! The index buffer of a key while the collapses below the key are applied. It finds the slots that
-//! each collapse writes.
+//! Applies the collapses below a key to the index buffer of the key, and finds the slots that each
+//! collapse writes.
 //!
 //! ```text
 //! strip         a b c d e f g h
@@ -22,7 +22,7 @@ use crate::lod::level::index_map::RESTART;
 use crate::lod::level::replay::VertexSlots;
 use crate::mesh::is_degenerate;
 
-/// What a collapse writes into a slot, ordered by the overwritten entry.
+/// A write of a collapse into a slot, ordered by the overwritten entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Change {
     pub(super) fine: u32,
@@ -30,7 +30,7 @@ pub(super) struct Change {
     pub(super) slot: u32,
 }
 
-/// The entries at the level of the last collapse.
+/// The entries of the buffer after the last applied collapse.
 #[derive(Debug)]
 pub(super) struct LiveBuffer {
     entries: Vec<u32>,

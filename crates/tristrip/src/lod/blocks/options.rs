@@ -25,7 +25,7 @@ const VERTICES_PER_COLLAPSE: f64 = 2.8;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct BlockOptions {
-    /// How the strips of the keys are repaired.
+    /// The options for repairing the strips of the keys.
     pub repair: RepairOptions,
     /// The approximate size of the model in bytes per triangle of the full mesh, up to 256.
     pub memory: u32,

@@ -1,12 +1,13 @@
-//! What collapses write into the slots of the index buffers, in the order of the levels. The
-//! records are read in both directions.
+//! Records of the writes of collapses into the slots of the index buffers, in the order of the
+//! levels. The records can be read in both directions.
 //!
 //! ```text
 //! words      [slot 17] [slot 90 *] [slot 18 r**]    * last word of a rename  ** also of a collapse
 //! vertices   5 → 4                 4                r a restart
 //! ```
-//! A rename stores the vertex before the collapse and, unless it is a restart, the vertex after it.
-//! A word contains a slot and three flags. The loop over words branches only at its end.
+//! A rename stores the vertex before the collapse. It also stores the vertex after the collapse,
+//! unless the slot becomes a restart. A word contains a slot and three flags. The loop over words
+//! branches only at its end.
 
 use std::ops::Range;
 

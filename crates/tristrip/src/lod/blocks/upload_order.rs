@@ -1,4 +1,4 @@
-//! The order of the triangles in a buffer with small uploads: triangles that change together are
+//! Orders the triangles in a buffer to keep uploads small: triangles that change together are
 //! stored together.
 //!
 //! ```text
@@ -7,15 +7,15 @@
 //!                     ├───┼───┼───┼───┤          within one quarter
 //! ```
 //! A collapse changes a few triangles anywhere in the strips, so without this order a level change
-//! would write slots in all parts of the buffer. Here the levels of a key are halved several times.
-//! A triangle belongs to the smallest of these intervals that contains all its changes, or to none.
-//! The buffer stores the triangles of each interval together. A level change uploads the intervals
-//! that contain it.
+//! would write slots in all parts of the buffer. Here the levels of a key are divided into
+//! intervals by repeated halving. A triangle belongs to the smallest interval that contains all its
+//! changes, or to no interval if it never changes. The buffer stores the triangles of each interval
+//! together. A level change uploads the intervals that contain it.
 //!
 //! # Algorithm
 //! Strips are split into pieces of one interval each. A triangle may also be put into a larger
 //! interval, which is uploaded more often. A triangle that never changes may be put into any
-//! interval. The chosen pieces minimize the vertices of the cuts plus the uploaded slots times a
+//! interval. The chosen pieces minimize the vertices added by cuts plus the uploaded slots times a
 //! price. They are found by dynamic programming over the triangles of a strip and the intervals
 //! that contain them.
 //!

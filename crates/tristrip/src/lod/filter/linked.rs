@@ -12,8 +12,8 @@
 //!   ╱   ╲         across z x   only if it is the first triangle: rotate it; all its links are free
 //!  z─────x        otherwise    a new strip; rotate its first triangle to begin at an even position
 //! ```
-//! If the second triangle of a strip took a swap, the strip is reversed without the swap, provided
-//! its length allows it: the parities of all its triangles then change with the direction.
+//! If the second triangle of a strip took a swap, the strip is reversed and the swap is omitted,
+//! provided that reversing a strip of this length changes the parities of all its triangles.
 //!
 //! Strips are not joined by degenerate triangles: a join would send two degenerate triangles in a
 //! row. Joining is part of the [layout](crate::strip::layout).

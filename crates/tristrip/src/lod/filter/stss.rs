@@ -14,17 +14,18 @@
 //! # The other interpretation
 //! The papers do not say whether a run may begin at any vertex. A scanner that advances by one
 //! vertex after each vertex that it sends finds more runs. It cannot reproduce table 2 of Kim et
-//! al.: it gives 66.4 and 63.0 % of single triangles on cow and bunny, where the table has 73.1 and
-//! 69.1. Scanning in pairs gives 71.4 and 68.3, with strips that match the printed results of the
-//! other filters within 2.4.
+//! al.: on cow and bunny it sends 66.4 and 63.0 % of the vertices of single triangles, but the
+//! table lists 73.1 and 69.1 %. Scanning in pairs sends 71.4 and 68.3 %. On the same strips, the
+//! results of the other filters are within 2.4 percentage points of the printed ones.
 //!
 //! # The published example
 //! Figure 8 of Kim et al. prints 11 vertices that the scanner sends for a strip of 26 vertices:
-//! `615 615 502 615 206 620 620 580 66 761 258`. The rules give 14 in both interpretations: pairs
-//! leave three of five equal vertices, and `761 761 258 761` at the end. A pass that first shortens
-//! runs of equal vertices to two would give the printed list up to `66`. No interpretation of the
-//! rules gives the end of the list. Moreover, two triangles of the printed strip have the wrong
-//! winding, since a run of five lost three vertices, and a third, `66 761 258`, is not in the mesh.
+//! `615 615 502 615 206 620 620 580 66 761 258`. With either interpretation, a scanner sends 14
+//! vertices: it keeps three of five equal vertices, and `761 761 258 761` at the end. A pass that
+//! first shortens runs of equal vertices to two would produce the printed list up to `66`. No
+//! interpretation of the rules produces the end of the list. Moreover, the printed strip is
+//! invalid. Two of its triangles have the wrong winding, because a run of five lost three vertices.
+//! A third triangle, `66 761 258`, is not in the mesh.
 //!
 //! # References
 //! El-Sana et al. 2000, section 5.4; Kim et al. 2005, section 2.3, and section 5, where the scanner

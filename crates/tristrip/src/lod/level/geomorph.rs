@@ -23,9 +23,9 @@ use crate::text::counted;
 /// A vertex that moves between two levels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Transit {
-    /// The vertex. It exists in the finer level only.
+    /// The vertex that moves, which exists only at the finer level.
     pub vertex: u32,
-    /// The vertex of the coarser level that it collapses to.
+    /// The vertex of the coarser level to which `vertex` collapses.
     pub target: u32,
 }
 
@@ -149,8 +149,8 @@ mod tests {
     use crate::lod::samples::{samples, sorted};
 
     proptest! {
-        /// At weight 1 the non-degenerate triangles of the finer level are those of the coarser
-        /// level.
+        /// At weight 1 the non-degenerate triangles of the finer level equal the triangles of the
+        /// coarser level.
         #[test]
         #[allow(clippy::cast_sign_loss, reason = "numbers of vertices")]
         fn both_ends_are_those_of_the_levels(sample in samples(), levels in any::<[usize; 2]>()) {

@@ -28,7 +28,7 @@
 //! # Complexity
 //! A collapse or split takes O(k) time, where k is the number of triangles around the removed
 //! vertices, or around the kept vertices in arbitrary order. The structure takes 36 bytes per
-//! triangle and 8 per vertex, and 8 more per vertex for arbitrary order.
+//! triangle and 8 bytes per vertex. Arbitrary order takes another 8 bytes per vertex.
 
 use std::sync::Arc;
 

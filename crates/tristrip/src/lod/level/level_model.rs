@@ -10,7 +10,7 @@
 //!            └─▶ cursor of another instance
 //! ```
 //! All models of one [`CollapseSequence`](crate::CollapseSequence) have the same levels. The
-//! [`LevelTable`] lists the triangle count and the error of each.
+//! [`LevelTable`] lists the triangle count and the error of each level.
 
 use std::sync::Arc;
 
@@ -164,8 +164,8 @@ pub trait LevelCursor: Send {
         Ok(level)
     }
 
-    /// Moves to the finest level with at most this many triangles and returns it. If even the base
-    /// mesh has more, moves to the base mesh.
+    /// Moves to the finest level with at most this many triangles, and returns that level. If even
+    /// the base mesh has more triangles, moves to the base mesh.
     ///
     /// # Errors
     /// [`LevelCursor::set_level`] fails, which cannot happen for a level of
@@ -205,8 +205,8 @@ pub trait LevelCursor: Send {
     /// Moves only if the current level is too coarse or too fine for an error in mesh units, and
     /// returns the resulting level. If the level is too fine, moves to the level that
     /// [`LevelCursor::set_error`] chooses for this error. If it is too coarse, moves to the level
-    /// for the hysteresis share of this error. Small camera movements therefore do not switch
-    /// levels back and forth.
+    /// that [`LevelCursor::set_error`] chooses for the hysteresis share of this error. Small camera
+    /// movements therefore do not switch levels back and forth.
     ///
     /// # Errors
     /// The error is negative or NaN.

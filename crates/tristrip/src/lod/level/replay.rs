@@ -13,11 +13,11 @@ pub(crate) const MAX_SLOTS_PER_ENTRY: usize = 256;
 pub struct SlotUpdate<'a> {
     /// The restored vertex.
     pub vertex: u32,
-    /// Its slots in the index map, counted from 0, in ascending order.
+    /// The slots of the vertex in the index map, counted from 0, in ascending order.
     pub slots: &'a [u32],
 }
 
-/// The entries of a map at a level. Records move it to other levels.
+/// The entries of a map at a level, which records update for other levels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Replay {
     pub(crate) entries: Vec<u32>,

@@ -35,8 +35,8 @@
 //! Kim et al. 2005, sections 3.3 and 3.4.
 //!
 //! # Complexity
-//! Decoding is O(n). Recording takes one step per slot renamed naively, and temporarily 12 bytes
-//! per entry.
+//! Decoding is O(n). Recording takes one step per slot that the naive encoding renames, and
+//! temporarily 12 bytes per entry.
 
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;

@@ -6,7 +6,7 @@
 //! level are a prefix of the list. A split adds the next triangles and renames corners of earlier
 //! ones. The published record describes these corners by its two *wing* vertices: the triangles
 //! around the split vertex from one wing to the other. This works on manifold surfaces. This module
-//! supports any mesh, with seams and with edges of three triangles, so the corners are listed
+//! supports any mesh, including seams and edges with three triangles, so the corners are listed
 //! explicitly, like the slots of strips. The wings are stored in addition.
 //!
 //! ```text
@@ -35,7 +35,7 @@ use crate::mesh::{is_degenerate, triangles_of};
 use crate::strip::Strips;
 
 /// The triangles of a mesh at all levels of a collapse sequence, stored as a list and the corners
-/// that each collapse renames in it. The model is immutable; a [`ProgressiveMeshCursor`] has the
+/// that each collapse renames in it. The model is immutable; a [`ProgressiveMeshCursor`] stores the
 /// list of one level.
 ///
 /// ```

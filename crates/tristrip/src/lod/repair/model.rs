@@ -10,8 +10,8 @@ use crate::lod::level::level_model::{LevelCursor, LevelModel};
 use crate::lod::level::level_table::LevelTable;
 use crate::strip::Strips;
 
-/// The strips of a mesh at all levels: the full strips and the collapses. Each cursor repairs its
-/// strips as it moves.
+/// The strips of a mesh at all levels, stored as the strips of the full mesh and the collapses.
+/// Each cursor repairs its strips as it moves.
 ///
 /// ```
 /// use std::sync::Arc;

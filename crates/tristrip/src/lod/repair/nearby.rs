@@ -1,8 +1,8 @@
-//! The triangles near a change, the start points of the search of `repair`.
+//! Finds the triangles near a change, where `repair` starts its local searches.
 
 use crate::cover::priced::PricedPaths;
 
-/// The triangles near a change, in breadth-first order.
+/// Collects the triangles near a change in breadth-first order.
 #[derive(Debug, Clone, Default)]
 pub(super) struct NearbyTriangles {
     pub(super) triangles: Vec<u32>,

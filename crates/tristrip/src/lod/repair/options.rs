@@ -3,7 +3,7 @@
 use crate::effort::Effort;
 use crate::strip::Cost;
 
-/// The amount of search next to a change, and for a level that is computed directly.
+/// How much to search next to a change, and at a level that is computed directly.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SearchAmount {
     /// The number of triangles next to a change to search from.

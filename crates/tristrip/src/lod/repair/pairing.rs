@@ -1,5 +1,5 @@
-//! The twins of half-edges under collapses and splits. Half-edges of triangles are called *sides*
-//! here.
+//! Updates the twins of half-edges at collapses and splits. Half-edges of triangles are called
+//! *sides* here.
 //!
 //! ```text
 //!          x
@@ -8,20 +8,21 @@
 //! ```
 //! A collapse of r to k renames the edges r–x, and drops the triangles at the edge r–k. Only the
 //! edges k–x change. Their sides are *released* if they came from r or if their twin was dropped.
-//! All other twins remain, no matter how many triangles surround k or share an edge.
+//! All other twins remain, no matter how many triangles surround k or share the edge.
 //!
 //! If an edge has two sides, they are twins if they have opposite directions. If it has more, the
 //! sides that were twins remain twins. The others have no twin. After each change they are paired
-//! like brackets. In the order of the triangles, each one takes the last side of the other
-//! direction that has no twin yet. All sides of an edge that remain without a twin therefore have
-//! the same direction.
+//! like brackets. In the order of the triangles, each side is paired with the last side of the
+//! opposite direction that has no twin yet. All sides of an edge that remain without a twin
+//! therefore have the same direction.
 //!
 //! # Algorithm
 //! The sides without a twin are kept in a set ordered by edge. To pair the released sides of an
 //! edge:
-//! 1. Those with the direction of the sides without a twin join the set.
-//! 2. Each of the others, in order, takes the last side of the set before it. If there is none, it
-//!    is *pending*. The next sides of the set take pending sides, last one first.
+//! 1. Released sides with the same direction as the sides of the set are added to the set.
+//! 2. Each of the others, in order, is paired with the last side of the set before it. If there is
+//!    no such side, it is *pending*. The next sides of the set are paired with the pending sides,
+//!    starting with the last one.
 //! 3. Sides that remain pending form the new set.
 //!
 //! # Complexity
@@ -36,7 +37,7 @@ use crate::lod::level::level_mesh::LevelMesh;
 /// A side without a twin: the lower and the higher vertex of its edge, and its half-edge.
 type UnpairedSide = [u32; 3];
 
-/// The sides of a level without a twin, and those released by a change.
+/// The sides of a level that have no twin, and the sides released by a change.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pairing {
     unpaired: BTreeSet<UnpairedSide>,

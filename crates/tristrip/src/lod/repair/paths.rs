@@ -1,4 +1,4 @@
-//! The paths of a changing mesh, repaired next to each change.
+//! Maintains the paths of a mesh by repairing them next to each change.
 
 use super::nearby::NearbyTriangles;
 use crate::cover::PathCover;

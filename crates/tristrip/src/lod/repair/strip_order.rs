@@ -1,4 +1,4 @@
-//! The triangles of the full mesh in the order of its strips: the input of `repair`.
+//! Lists the triangles of the full mesh in the order of its strips, as input for `repair`.
 
 use crate::collapse::CollapseSequence;
 use crate::cover::priced::TRIANGLE_LIMIT;

@@ -87,8 +87,8 @@ pub trait ListBuilder: Default {
     fn push(&self, graph: &Graph, packed: &mut Packed);
 }
 
-/// The packed graph of one strip. It has the beginnings of the strip, each with its node and its
-/// last valid state, the vertex of each node, and the lists of successors.
+/// The packed graph of one strip. It stores the beginnings of the strip, the vertex of each node,
+/// and the lists of successors. A beginning consists of its node and its last valid state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Graph {
     start: usize,
@@ -98,7 +98,7 @@ pub struct Graph {
     pub node_count: u32,
     /// The number of arcs or edges.
     pub arc_count: u32,
-    /// The number of successors that the arcs list.
+    /// The number of successors in the lists of all arcs.
     pub successor_count: u32,
 }
 

@@ -13,9 +13,9 @@
 //! triangle). Pairs next to every renamed slot are tried, in the order of the strip, and again next
 //! to every removed pair. Longer subsequences are removed pair by pair.
 //!
-//! Nothing follows the end of a strip, so any number of vertices may be removed there. The last
-//! vertex is removed while the last three draw nothing. Figure 1 of the paper does the same: its
-//! last step removes one vertex.
+//! Nothing follows the end of a strip, so any number of vertices may be removed there. As long as
+//! the last three vertices draw nothing, the last one is removed. In figure 1 of the paper, the
+//! last step also removes a single vertex.
 //!
 //! # Complexity
 //! A constant number of steps per renamed slot, and temporarily 20 bytes per slot and 4 per vertex.
@@ -61,8 +61,8 @@ pub fn edits_of(strips: &Strips, sequence: &CollapseSequence) -> Result<Csr<Slot
     Ok(Csr::group_items(edits.iter().copied(), strips.len()))
 }
 
-/// The strips while they follow the collapses. The slots are those of the full mesh, counted over
-/// all strips; removed slots remain empty.
+/// The strips while collapses are applied to them. Slots are numbered as in the full mesh, over all
+/// strips; removed slots remain empty.
 #[derive(Debug)]
 pub(crate) struct ShortenedStrips {
     vertices: Vec<u32>,

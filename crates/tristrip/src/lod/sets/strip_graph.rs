@@ -25,9 +25,9 @@ pub struct StripGraph {
     slots: Vec<Vec<u32>>,
     /// The index of each slot in the list of its node.
     place_of_slot: Vec<u32>,
-    /// The nodes whose visits or successors the last step changed; sorted, without repeats.
+    /// The nodes whose visits or successors the last step changed, sorted and without duplicates.
     pub changed: Vec<u32>,
-    /// The slots whose vertex or successor the last step changed; sorted, without repeats.
+    /// The slots whose vertex or successor the last step changed, sorted and without duplicates.
     pub changed_slots: Vec<u32>,
 }
 

@@ -1,9 +1,10 @@
 //! The criteria by which a view chooses its detail, and how far the camera may move before a choice
 //! can change.
 //!
-//! The projected error of a collapse is `e s / d` pixels: the error e in mesh units, s pixels per
-//! slope, and the distance d from the eye to the nearest point of the sphere of the collapse. The
-//! allowed error is the `pixels` of the criteria times a *tolerance*:
+//! The projected error of a collapse is `e s / d` pixels. Here e is the error in mesh units, s is
+//! the size in pixels of a unit length at unit distance, and d is the distance from the eye to the
+//! nearest point of the sphere of the collapse. The allowed error is the `pixels` of the criteria
+//! times a *tolerance*:
 //!
 //! | where | tolerance |
 //! |---|---|
@@ -22,9 +23,10 @@
 //! lengths: the distance that the eye moved, and the largest change of the distance between a
 //! frustum plane and a point of the model. A turn of the gaze adds the distance by which it moves
 //! the farthest point of the model. A choice depends on the distance of the sphere from the eye and
-//! from the frustum planes, on the angle between its normals and the view direction, and on its
-//! angle to the gaze direction. The travel bounds the change of each of them. If a collapse does
-//! not change, [`Criteria::choose`] returns the travel for which this choice remains valid.
+//! from the frustum planes, on the angle between its normals and the view direction, and on the
+//! angle between the sphere and the gaze direction. The travel bounds the change of each of these
+//! values. If a collapse does not change, [`Criteria::choose`] returns the travel for which this
+//! choice remains valid.
 //!
 //! # References
 //! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli 2000, section 5.2.1; Xia, El-Sana, Varshney

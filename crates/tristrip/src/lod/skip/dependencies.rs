@@ -1,5 +1,5 @@
-//! Dependencies: the collapses that must be applied before another one. They ensure that no view
-//! has a foldover that the simplification does not have.
+//! Dependencies: the collapses that must be applied before another one. They ensure that a view
+//! contains no foldovers that the simplification does not contain.
 //!
 //! The simplification checked each collapse only in the neighbourhood that it had then. A collapse
 //! is valid whenever its neighbourhood is the same again: all vertices around it have the same
@@ -24,8 +24,8 @@
 //! reduction omits nodes with an ancestor in the list. This reduction also omits nodes that another
 //! collapse in the list depends on.
 //!
-//! Every triangle of a view then also exists at some level of the simplification. Its corners were
-//! last changed by a collapse of the view that had the neighbourhood of the simplification.
+//! Every triangle of a view then also exists at some level of the simplification. The collapse that
+//! last changed its corners had the same neighbourhood in the view as in the simplification.
 //!
 //! # Departures
 //! - The neighbours of a kept vertex with more than [`MAX_TRIANGLES`] triangles are ignored. The

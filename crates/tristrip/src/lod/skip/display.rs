@@ -8,9 +8,9 @@
 //!    before it. A scan reads the name of each vertex, which is its first active ancestor, and
 //!    emits the display strips.
 //! 2. If the state at the end of a segment differs from before, the next segment is scanned, too.
-//! 3. The output of the remaining segments of the chunk moves. The part of the region that differs
-//!    is reported as a changed range. A region that has become too short moves to the end of the
-//!    buffer.
+//! 3. The output of the remaining segments of the chunk is moved. The part of the region that
+//!    differs is reported as a changed range. If a region has become too short, a longer one is
+//!    allocated at the end of the buffer.
 //!
 //! Unused entries of a region are filled with [`RESTART`], so the whole buffer can be drawn at
 //! once.

@@ -123,7 +123,8 @@ impl OriginalStrips {
         &self.entries
     }
 
-    /// Iterates over the segments affected by the names of a range of nodes, with repetitions.
+    /// Iterates over the segments affected by the names of a range of nodes. A segment can occur
+    /// several times.
     #[inline]
     pub(super) fn segments_of(&self, nodes: std::ops::Range<u32>) -> impl Iterator<Item = u32> {
         self.segments_of.rows(nodes)

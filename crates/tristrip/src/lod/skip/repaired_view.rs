@@ -9,7 +9,7 @@
 //!
 //! # Complexity
 //! Each collapse and split takes the time of [`Repair`](crate::lod::Repair). Each update takes O(t)
-//! time for t drawn triangles. 64 bytes per triangle of the full mesh and view.
+//! time for t drawn triangles. A view takes 64 bytes per triangle of the full mesh.
 
 use std::sync::Arc;
 

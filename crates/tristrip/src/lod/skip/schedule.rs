@@ -92,7 +92,7 @@ impl Schedule {
         travel >= self.width * BUCKETS as f64 || self.travel >= self.width * LONGEST
     }
 
-    /// Returns the number of the bucket at a travel of at least 0.
+    /// Returns the index of the bucket for a travel of at least 0.
     #[allow(clippy::cast_sign_loss, reason = "not negative")]
     fn bucket_at(&self, travel: f64) -> u64 {
         (travel / self.width) as u64

@@ -171,7 +171,7 @@ impl VertexTree {
         if node + 1 < self.end(node) { OptionalId::some(node + 1) } else { OptionalId::NONE }
     }
 
-    /// Returns the number of ancestor pointers of a node: those 1, 2, 4 … steps up.
+    /// Returns the number of ancestor pointers of a node, which lead 1, 2, 4 … steps up.
     #[inline]
     pub(super) fn pointer_count(&self, node: u32) -> u32 {
         let skips = self.ancestors.range(node..node + 1);

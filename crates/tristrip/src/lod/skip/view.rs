@@ -322,7 +322,7 @@ impl SkipView {
     }
 
     /// Iterates over the ranges of [`SkipView::indices`] that contain strips, in the order of the
-    /// strips. Each range holds many strips. All entries between ranges are [`RESTART`].
+    /// strips. Each range contains many strips. All entries between ranges are [`RESTART`].
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -35,7 +35,7 @@ use crate::simplify::surface::outcome::{CollapseOutcome, Outcomes};
 
 /// Prices are computed ahead of a pass while at least this many points are undecided.
 const MIN_POINTS: usize = 1024;
-/// The number of points that a thread takes at a time.
+/// The number of points that a thread processes at a time.
 #[cfg(feature = "rayon")]
 const CHUNK: usize = 128;
 /// The maximum number of rounds: the last ones decide few points.

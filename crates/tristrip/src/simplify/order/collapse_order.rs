@@ -1,4 +1,4 @@
-//! The order of the collapses of a pass, which differs from the order in which they are found.
+//! Sorts the collapses of a pass, which are not found in the order of their prices.
 //!
 //! Two collapses whose points have no common neighbour are independent: either order gives the same
 //! result. All others keep their order. Each collapse gets a key. It is the maximum of its price
@@ -6,8 +6,8 @@
 //! sorted by key; equal keys keep the order in which they were found. Each collapse then follows
 //! all collapses that it depends on.
 //!
-//! The passes are concatenated. The collapses to a number of triangles are therefore a prefix of
-//! the collapses to any smaller number, no matter when a simplification stops.
+//! The passes are concatenated. The collapses that lead to a triangle count are therefore a prefix
+//! of the collapses that lead to any smaller count, no matter when a simplification stops.
 
 use crate::collapse::CollapseSequence;
 

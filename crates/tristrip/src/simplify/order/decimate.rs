@@ -1,16 +1,16 @@
-//! Simplification in passes: selects the next point, the neighbour that it collapses to, and
-//! applies the changes.
+//! Simplifies a mesh in passes: selects the next point and the neighbour that it collapses to, and
+//! applies the collapse.
 //!
 //! # Algorithm
 //! Every removable point has a cost: the cost of its best known collapse (module `price`). Points
 //! are removed in passes:
 //!
 //! 1. The limit of a pass is the cost of the cheapest twelfth of the candidate points.
-//! 2. All points are visited in their order. A point is priced if its cost is at most the limit and
-//!    nothing near it has changed in this pass. A valid price from an earlier pass is reused. If
-//!    its price is at most the limit, it collapses: its corners move to the kept point, its
-//!    triangles with that point are dropped, and its quadric is added to the quadric of the kept
-//!    point. Otherwise the price becomes its cost.
+//! 2. All points are visited in the order of their indices. A point is priced if its cost is at
+//!    most the limit and nothing near it has changed in this pass. A valid price from an earlier
+//!    pass is reused. If the price is at most the limit, the point collapses: its corners move to
+//!    the kept point, its triangles with that point are dropped, and its quadric is added to the
+//!    quadric of the kept point. Otherwise the price becomes the cost of the point.
 //! 3. The neighbours of a removed point keep their costs and are skipped until the next pass. The
 //!    price is added to the cost of the kept point.
 //!
@@ -26,21 +26,21 @@
 //!   `neighbourhood`);
 //! - change the topology (the link condition): all common neighbours of the two points must be
 //!   corners of their common triangles, two inside the surface or one on a border. A border point
-//!   moves only along the border. For points that are neither inner nor border points see the
-//!   module `irregular`. Permissive simplification allows topology changes: holes can close and
-//!   handles can vanish;
+//!   moves only along the border. The module `irregular` handles points that are neither inner nor
+//!   border points. Permissive simplification allows topology changes: holes can close and handles
+//!   can vanish;
 //! - remove the last triangle or tetrahedron of a component, unless the caller has given the error
 //!   of its removal;
-//! - open a seam: each vertex at the point needs a triangle with the kept point, and these
-//!   triangles must agree;
+//! - open a seam: each vertex at the point needs a triangle with a vertex of the kept point, and
+//!   all triangles of a vertex must lead to the same kept vertex;
 //! - exceed the error limit, if there is one.
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Dey,
 //! Edelsbrunner, Guha, Nekhayev: *Topology Preserving Edge Contraction*, 1999 (the link condition).
 //! Passes over independent collapses are known from parallel simplification. The price, and sorting
-//! by price after a pass, were developed for this library. The module `queue` is the published
-//! algorithm, without passes.
+//! by price after a pass, were developed for this library. The module `queue` implements the
+//! published algorithm, which has no passes.
 
 mod merge_levels;
 

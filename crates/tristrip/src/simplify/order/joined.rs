@@ -1,4 +1,4 @@
-//! Several meshes simplified as one surface, with seams where they touch.
+//! Simplifies several meshes as one surface, with seams where they touch.
 //!
 //! A model with several materials has one mesh per material. Where two meshes meet, each has its
 //! own vertices at the same positions. If the meshes were simplified separately, they would have to
@@ -10,7 +10,7 @@
 //! The vertices of all meshes are concatenated into one mesh. Vertices of different meshes are
 //! assumed to differ in their attributes, which makes the borders between meshes seams. These seams
 //! cost as much as borders of a mesh, since materials meet there. Every rename stays within one
-//! mesh, so the collapses can be split among the meshes at the end.
+//! mesh, so the collapses can be assigned to their meshes at the end.
 //!
 //! # Complexity
 //! Time and memory are the same as for one mesh with all triangles, plus 12 bytes per vertex.

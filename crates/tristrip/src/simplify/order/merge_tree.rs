@@ -18,19 +18,20 @@
 //!    last priced.
 //! 2. Take collapses in the order of their prices: the edge length, as published, or the quadric at
 //!    the kept vertex. A collapse is taken if neither of its vertices shares a triangle with a
-//!    vertex of an edge taken at this level. The neighbourhoods of taken collapses then have no
-//!    triangle in common. A vertex whose best target is blocked takes the best of its other
-//!    targets, which makes the set maximal.
+//!    vertex of an edge that has been taken at this level. The neighbourhoods of taken collapses
+//!    then have no triangle in common. A vertex whose best target is blocked collapses to the best
+//!    of its other targets, which makes the set maximal.
 //! 3. In the quadric order, only collapses up to a limit are taken. The limit is chosen so that a
 //!    quarter of the vertices are below it. A maximal set without a limit would remove feature
 //!    vertices early, and every refinement that depends on them would have a large error.
 //!
 //! The rules of the module `decimate` apply. In addition, no triangle may turn by more than 78
-//! degrees from the full mesh. A triangle that has already turned farther may not turn any farther.
-//! The reference direction is a sum of full-mesh normals, weighted by area, at the vertices that
-//! one corner of the triangle represents. This rule applies to the triangles of the removed vertex
-//! and of the kept vertex. The kept vertex represents more vertices afterwards. Without this rule,
-//! triangles fold over step by step. `decimate/merge_levels.rs` builds the levels.
+//! degrees from its direction in the full mesh. A triangle that already exceeds this angle may not
+//! turn any farther. The reference direction is a sum of full-mesh normals, weighted by area, at
+//! the vertices that one corner of the triangle represents. This rule applies to the triangles of
+//! the removed vertex. It also applies to the triangles of the kept vertex, because that vertex
+//! represents more vertices afterwards. Without this rule, triangles fold over step by step.
+//! `decimate/merge_levels.rs` builds the levels.
 //!
 //! # Departures
 //! Collapses are half-edge collapses. The quadric order is not published.

@@ -6,8 +6,8 @@
 //!    count once each, unweighted (1997, section 5). Each border edge adds a plane through the
 //!    edge, perpendicular to its triangle (section 6).
 //! 2. The cost of a collapse of `p` to `q` is `(Qp + Qq)` at the position of `q`. Every pair of
-//!    neighbours is queued in both directions, so the better end point is kept. Kim et al. 2005
-//!    collapse half-edges, and no vertex moves.
+//!    neighbours is queued in both directions, so the better end point is kept. As in Kim et al.
+//!    2005, all collapses are half-edge collapses, so no vertex moves.
 //! 3. The cheapest collapse is taken from a queue. Ties go to the lowest removed point, then to the
 //!    lowest kept point. Points are numbered in the order in which the triangles use them;
 //!    triangles are sorted along a curve if neighbours are far apart in memory (module `curve`).

@@ -3,7 +3,7 @@
 use crate::text::counted;
 use std::fmt;
 
-/// Why a simplification could not continue, as numbers of remaining points per reason. A point is
+/// Why a simplification could not continue, as counts of remaining points per reason. A point is
 /// counted under the first reason that applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]

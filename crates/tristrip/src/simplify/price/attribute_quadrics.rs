@@ -13,7 +13,7 @@
 //! collapses are included.
 //!
 //! Each vertex of a seam has its own quadric for the triangles on its side. Vertices with the same
-//! attributes share one.
+//! attributes share a quadric.
 //!
 //! # References
 //! Hoppe: *New Quadric Metric for Simplifying Meshes with Appearance Attributes*, 1999, section 3.
@@ -166,7 +166,7 @@ mod tests {
     }
 
     proptest! {
-        /// Inside a triangle, the deviation is that from the interpolated values, times the double
+        /// Inside a triangle, the deviation from the interpolated values is multiplied by twice the
         /// area.
         #[test]
         fn is_the_deviation_from_interpolated_values(

@@ -1,18 +1,18 @@
 //! The priced vertex attributes, converted to lengths on the surface.
 //!
 //! Positions, normals, texture coordinates and colours have different units. Each is converted to a
-//! length on the surface, so its deviation can be added to the distance between the surfaces:
+//! length on the surface, so the deviations can be added to the distance between the surfaces:
 //! - *texture coordinates*: the distance by which the texture shifts on the surface, computed from
-//!   the mean size of the texture on it. A model with a repeated texture is thus treated like one
-//!   with an atlas;
+//!   the mean size of the texture on the surface. A model with a repeated texture is thus treated
+//!   like a model with an atlas;
 //! - *normals*, *tangents* and *colours*: the difference times a fixed length in the local frame
 //!   ([`NORMAL_LENGTH`], [`TANGENT_LENGTH`], [`COLOUR_LENGTH`]). A surface that moves by that
 //!   length counts as much as a normal that turns by a radian, or a colour that changes from black
 //!   to full intensity;
-//! - *joints and weights*: the distance by which a vertex moves differently when a joint turns
+//! - *joints and weights*: the difference in the displacement of a vertex when a joint turns
 //!   (module `skin`).
 //!
-//! The module `attribute_quadrics` compares them.
+//! The module `attribute_quadrics` computes the deviations of these lengths.
 
 use super::skin::SkinValues;
 use crate::mesh::{Attribute, Mesh, triangles_of};

@@ -9,8 +9,8 @@
 //!   level 1   [───────────────────────]
 //!   level 0   [────][────][────][─────]
 //! ```
-//! A search descends into the boxes within the distance, nearest first, and ends at the first
-//! triangle within the distance. Where the boxes of very many triangles overlap, the search stops
+//! A search descends into the boxes within the query distance, nearest first, and ends at the first
+//! triangle within this distance. Where the boxes of very many triangles overlap, the search stops
 //! without a result.
 //!
 //! # Complexity

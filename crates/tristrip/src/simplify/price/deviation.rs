@@ -1,10 +1,10 @@
-//! The deviation of new triangles from the full mesh, which makes an error limit hold for the whole
-//! surface.
+//! Measures the deviation of new triangles from the full mesh, to enforce an error limit on the
+//! whole surface.
 //!
-//! Removed points measure how far the full mesh is from the surface. Where triangles bridge a
-//! valley, the full mesh has no points, so the distance from the surface to the full mesh matters
-//! too. The module `neighbourhood` compares new edges with the triangles that they replace, but
-//! these can already deviate from the full mesh:
+//! The distances of removed points measure how far the full mesh is from the surface. They can miss
+//! triangles that bridge a valley without points, so the distance from the surface to the full mesh
+//! is measured, too. The module `neighbourhood` compares new edges with the triangles that they
+//! replace, but these can already deviate from the full mesh:
 //!
 //! ```text
 //!   ·───────────·  now
@@ -14,10 +14,10 @@
 //!       ╲___╱      full mesh
 //! ```
 //! The deviation of a triangle is an upper estimate of its distance from the full mesh: the maximum
-//! deviation of the triangles that it replaces, plus its distance from them. If it is within the
-//! error limit, nothing else is needed. Otherwise the full mesh is searched for sample positions on
-//! the new triangles, and the deviation is the maximum distance found. Searches are therefore
-//! needed only near the limit.
+//! deviation of the triangles that it replaces, plus its distance from them. If the estimate is
+//! within the error limit, no search is needed. Otherwise the distances from sample positions on
+//! the new triangles to the full mesh are searched, and the deviation is the maximum of these
+//! distances. Searches are therefore needed only near the limit.
 //!
 //! # Complexity
 //! 16 bytes per triangle, and 14 more for the tree of the module `box_tree` once it is needed.

@@ -1,5 +1,5 @@
-//! The removed points that each triangle represents. They tell the price of a collapse how far the
-//! surface already is from the full mesh.
+//! The removed points that each triangle represents. The price of a collapse uses them to measure
+//! how far the surface already is from the full mesh.
 //!
 //! ```text
 //!         u ───── w                   u ───── w
@@ -17,9 +17,9 @@
 //! one, measured at the vertices. A quadric only approximates it, because its planes are unbounded.
 //!
 //! # Complexity
-//! 32 bytes per point, four per triangle. At a level where one point in k remains, about 3 (k − 1)
-//! removed points are assigned to the triangles around a point. Averaged over all collapses down to
-//! one point in k, that is 3 (ln k − 1).
+//! 32 bytes per point and 4 bytes per triangle. At a level where one point in k remains, about 3 (k
+//! − 1) removed points are assigned to the triangles around a point. The mean over all collapses
+//! down to one point in k is 3 (ln k − 1).
 //!
 //! # References
 //! Ciampalini, Cignoni, Montani, Scopigno: *Multiresolution Decimation Based on Global Error*,
@@ -219,8 +219,8 @@ mod tests {
         assert_eq!(points_of(SimplifyOptions::default().with_error(0.25)), 10, "twice the error limit apart");
     }
 
-    /// Collapses of a bowl. Each removed point is in one list, that of the nearest triangle around
-    /// the kept point, and the sum of distances matches a search.
+    /// Collapses of a bowl. Each removed point is in exactly one list: the list of the nearest
+    /// triangle around the kept point. The sum of distances matches a search.
     #[test]
     fn removed_points_belong_to_the_nearest_triangle() {
         let (positions, triangles) = bowl(6);

@@ -1,19 +1,19 @@
 //! The joints that move each vertex of a skin, converted to lengths.
 //!
-//! A skin moves a vertex by the weighted mean of its joints (`JOINTS_n`, `WEIGHTS_n`). A vertex
-//! with other weights moves differently. If a joint turns by a radian, the displacement differs by
-//! the difference of the weights times the distance from the joint. This module uses that product
-//! as the length of a weight. It replaces the distance by the extent of the part that the joint
-//! moves.
+//! A skin moves a vertex by the weighted mean of its joints (`JOINTS_n`, `WEIGHTS_n`). Vertices
+//! with different weights move differently. If a joint turns by a radian, the displacement differs
+//! by the difference of the weights times the distance from the joint. This module uses that
+//! product as the length of a weight. It replaces the distance by the extent of the part that the
+//! joint moves.
 //!
 //! # Algorithm
 //! 1. The extent of a joint's part is the weighted root mean square distance of its vertices from
 //!    their centre.
 //! 2. The weights of a vertex times the extents form a vector with one value per joint. Few values
 //!    are nonzero. With more than [`MAX_VALUES`] joints, the vector is projected onto that many
-//!    values. Each of them adds or subtracts every joint. Averaged over all choices of these signs,
-//!    the projection preserves the distances between vectors. The signs come from a fixed hash, so
-//!    results are reproducible.
+//!    values. Each of these values is a sum over all joints with fixed signs. Averaged over all
+//!    choices of these signs, the projection preserves the distances between vectors. The signs
+//!    come from a fixed hash, so results are reproducible.
 //!
 //! # References
 //! Achlioptas: *Database-friendly Random Projections*, 2001.

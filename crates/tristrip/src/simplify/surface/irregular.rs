@@ -6,18 +6,19 @@
 //!      ╱   ╲   ╱   ╲
 //!     ·────── b ──────·
 //! ```
-//! The link of the point b has its neighbours as nodes and the edges opposite to b, such as u–w, as
-//! arcs. It is a circle around an inner point, and a path at a border. An edge from b to a node
-//! that does not have two arcs is *singular*: a border, or an edge where three or more sheets meet.
-//! A point with two singular edges of equally many sheets is on a line. Lines meet or end at a
-//! point with any other singular edges.
+//! The link of the point b is a graph: its nodes are the neighbours of b, and its arcs are the
+//! edges opposite to b, such as u–w. The link of an inner point is a circle, and the link of a
+//! border point is a path. An edge from b to a node that does not have two arcs is *singular*: a
+//! border, or an edge where three or more sheets meet. A point is on a line if it has two singular
+//! edges with the same number of sheets. Lines meet or end at a point with any other singular
+//! edges.
 //!
 //! Triangles of the same three points, such as the two sides of a doubled face, count once.
 //!
 //! A collapse is allowed if
 //! - all common neighbours of both points are corners of their common triangles, and no edge is
-//!   opposite to both (the link condition). Then no hole opens or closes and no parts join. A fin,
-//!   a triangle attached by only one edge, can vanish;
+//!   opposite to both (the link condition). Then no hole opens or closes, and no components are
+//!   merged. A fin, a triangle attached by only one edge, can vanish;
 //! - a point on singular edges moves along one of them;
 //! - a triangle remains at each edge that two edges are merged into. The last triangle of an edge
 //!   is therefore kept, and so is a triangle that is the only connection between two others.

@@ -1,5 +1,5 @@
-//! How a collapse changes the arrangement of the surface: preserves it, ends a component, or breaks
-//! it.
+//! Determines how a collapse changes the arrangement of the surface: the collapse preserves the
+//! surface, removes the last triangles of a component, or breaks the surface.
 //!
 //! ```text
 //!         u ───── w

@@ -1,9 +1,9 @@
 //! Triangles over points, and the triangles around each point, under half-edge collapses.
 //!
-//! A *point* is a position: vertices at the same position are one point, so a mesh with attribute
-//! seams has the connectivity that it appears to have. At open borders, nearly equal positions can
-//! be one point too (module `near_points`). If points have several vertices, the vertex of each
-//! corner is stored separately.
+//! A *point* is a position: vertices at the same position are one point, so attribute seams do not
+//! interrupt the connectivity of a mesh. At open borders, nearly equal positions can be one point
+//! too (module `near_points`). If points have several vertices, the vertex of each corner is stored
+//! separately.
 //!
 //! ```text
 //!        u ───── w

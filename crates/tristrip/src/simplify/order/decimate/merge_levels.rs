@@ -1,4 +1,4 @@
-//! The levels of a merge tree; see the module `merge_tree`.
+//! Builds the levels of a merge tree; see the module `merge_tree`.
 
 use super::Decimation;
 use crate::collapse::CollapseSequence;

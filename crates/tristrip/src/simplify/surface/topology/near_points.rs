@@ -6,18 +6,18 @@
 //!    ·───a2 │ │ b2───·
 //!      ╲  │ │ │ │  ╱
 //! ```
-//! Two sheets whose borders should be one. If they are kept apart, each border is simplified by
-//! itself, and a crack opens between them. If they are joined, a1 and b1 are one point with a
-//! vertex on each side, as on a seam, and both sides collapse in the same way.
+//! The figure shows two sheets whose borders should be one. If the borders are kept apart, each is
+//! simplified separately, and a crack opens between them. If they are joined, a1 and b1 are one
+//! point with a vertex on each side, as on a seam, and both sides collapse in the same way.
 //!
 //! Positions are not changed, so a gap keeps its width. Points inside a surface are not joined: two
 //! sheets near each other remain separate.
 //!
 //! # Algorithm
-//! The points are processed in the order of their indices. Each joins the nearest point within the
-//! distance that has not joined another one. Ties go to the lowest index. A point does not join if
-//! a triangle contains both it and a point that is joined to the same target, so no triangle
-//! becomes degenerate.
+//! The points are processed in the order of their indices. Each point joins the nearest point
+//! within the distance that has not joined another one. Ties go to the lowest index. A point does
+//! not join if a triangle contains both it and a point that is joined to the same target, so no
+//! triangle becomes degenerate.
 //!
 //! # Complexity
 //! O(n) time for n points that are not inner points, with their triangles. Inner points take no

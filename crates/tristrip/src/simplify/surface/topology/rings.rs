@@ -1,4 +1,4 @@
-//! The corners around each point, under removal and moves to other points.
+//! Maintains the corners around each point while corners are removed or moved to other points.
 //!
 //! # Complexity
 //! Constant time to remove a corner. Moving corners takes time proportional to their number, and
@@ -10,8 +10,8 @@ use super::corner::CornerId;
 use crate::csr::Csr;
 use crate::mesh::{is_degenerate, triangle_at};
 
-/// The corners around each point, all in one array. A ring that outgrows its range moves to the
-/// end.
+/// The corners around each point, all in one array. A ring that outgrows its range is moved to the
+/// end of the array.
 #[derive(Debug)]
 pub(super) struct CornerRings {
     corners: Vec<CornerId>,
