@@ -46,7 +46,8 @@ pub struct Rename {
 /// One collapse of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Collapse<'a> {
-    /// The renamed vertices: one, or all vertices at one position if their attributes differ.
+    /// The renamed vertices: a single vertex, or all vertices at a position if their attributes
+    /// differ.
     pub renames: &'a [Rename],
     /// The indices of the dropped triangles in the full mesh, ascending.
     pub dropped: &'a [u32],
@@ -106,8 +107,8 @@ impl CollapseSequence {
     }
 
     /// Builds a sequence from the triangles of the full mesh and the collapses with their errors,
-    /// in order from the full mesh. Memory is proportional to the number of triangles, plus the
-    /// number of vertices unless the triangles use only a few of them.
+    /// in order and starting at the full mesh. Memory is proportional to the number of triangles,
+    /// plus the number of vertices unless the triangles use only a few of them.
     ///
     /// # Errors
     /// The number of corners is not a multiple of three; a vertex index is out of range; there are
@@ -246,7 +247,7 @@ impl CollapseSequence {
         self.errors.is_empty()
     }
 
-    /// Returns the number of vertices of the mesh, used or not.
+    /// Returns the number of vertices of the mesh, including unused vertices.
     ///
     /// ```
     /// let sequence = tristrip::CollapseSequence::from_collapses(100, vec![97, 98, 99], [])?;
@@ -341,8 +342,8 @@ impl CollapseSequence {
         self.triangles.len() / 3 - self.degenerate_count - dropped
     }
 
-    /// Returns the largest error of the collapses from the full mesh to a level, in mesh units; 0
-    /// for the full mesh.
+    /// Returns the error of a level in mesh units: the largest error of the collapses that lead to
+    /// it, or 0 for the full mesh.
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].

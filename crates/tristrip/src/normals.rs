@@ -1,5 +1,5 @@
-//! Normals from the faces of a surface: detects how a mesh is shaded, and computes normals with the
-//! same shading for other triangles over its vertices.
+//! Detects how a mesh is shaded, and computes normals with the same shading for other triangles
+//! over its vertices.
 //!
 //! A *flat-shaded* mesh has the face normal at each corner, so every edge is hard: the normals on
 //! its two sides differ. A mesh with creases is smooth between hard edges. Simplification changes
@@ -13,11 +13,11 @@
 //! 3. The crease angle is the threshold of the angle between faces that best separates hard edges
 //!    from the others. It leaves the fewest edges on the wrong side.
 //! 4. New normals: the candidates of a corner are the mesh's normals at its point. The corner gets
-//!    the candidate nearest to its face normal, if it is within 45 degrees. All other corners at a
-//!    point that are connected by edges below the crease angle share one normal. This is the mesh
-//!    normal at the point that is nearest to the weighted mean of their face normals. If no mesh
-//!    normal is near the mean, the corners get the mean itself. In a flat-shaded mesh, every corner
-//!    gets its face normal.
+//!    the candidate nearest to its face normal, if this candidate is within 45 degrees of it. All
+//!    other corners at a point that are connected by edges below the crease angle share one normal.
+//!    They get the mesh normal that is nearest to the weighted mean of their face normals, among
+//!    those at the point. If no mesh normal is near the mean, the corners get the mean itself. In a
+//!    flat-shaded mesh, every corner gets its face normal.
 //!
 //! # References
 //! N. Max: *Weights for Computing Vertex Normals from Facet Normals*, 1999: the weights, which need
@@ -82,8 +82,8 @@ impl Shading {
         Ok(Some(Self { is_flat, crease: separating(angles.collect()) }))
     }
 
-    /// Returns the shading of flat-shaded triangles, or `None` for any other shading. Faster than
-    /// [`Shading::of`] for most triangles that are not flat-shaded.
+    /// Returns the shading of flat-shaded triangles, or `None` for any other shading. This function
+    /// is faster than [`Shading::of`] for most triangles that are not flat-shaded.
     ///
     /// # Errors
     /// The number of indices is not a multiple of three, or an index is out of range.

@@ -66,7 +66,7 @@ pub struct Simplified {
     pub mesh: Mesh,
     /// For each vertex of `mesh`, its index in the input mesh; ascending.
     pub vertices: Vec<u32>,
-    /// The collapses, over the vertices of the input mesh, and why they stopped early.
+    /// The collapses over the vertices of the input mesh, and the reasons if they stopped early.
     pub simplification: Simplification,
 }
 

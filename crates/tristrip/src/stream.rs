@@ -31,8 +31,8 @@
 //! result. `docs/formats/progressive-glb.md` defines the bytes.
 //!
 //! # Sizes
-//! The table lists bits per vertex at 14 bits per coordinate, for all chunks. Only vertices used by
-//! triangles count.
+//! The table lists bits per vertex at 14 bits per coordinate, for all chunks. Vertices that no
+//! triangle uses are not counted.
 //!
 //! | model | vertices | connectivity | total |
 //! |---|---|---|---|

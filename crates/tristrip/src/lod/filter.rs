@@ -15,11 +15,12 @@
 //! Linked             0 1 2 │ 2 5 4 6      rotates the first triangle instead, without a repeat
 //! ```
 //! # References
-//! [`stss`] is El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and
-//! Updating Triangle Strips for Real-Time Rendering*, 2000, section 5.4. [`dtfs`] is Kim, Park,
-//! Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005 (section
-//! 4). [`linked`] was developed for this library, as was [`repair`](super::repair). `repair` does
-//! not read simplified strips: it follows the collapses and repairs its own strips next to them.
+//! [`stss`] implements El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing
+//! and Updating Triangle Strips for Real-Time Rendering*, 2000, section 5.4. [`dtfs`] implements
+//! Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*,
+//! 2005 (section 4). [`linked`] was developed for this library, as was [`repair`](super::repair).
+//! `repair` does not read simplified strips: it follows the collapses and repairs its own strips
+//! next to them.
 //!
 //! # Complexity
 //! O(n) time. The only memory is the result, at most four vertices per triangle. On one core, for
@@ -59,8 +60,8 @@ pub enum Filter {
     /// The degenerate triangle-free scanner: sends only valid triangles, and starts a new strip
     /// where two of them are not consecutive.
     Dtfs,
-    /// Sends only valid triangles, in the same order, at the minimum cost for this order. Developed
-    /// for this library.
+    /// Sends only valid triangles, in the same order, at the minimum cost for this order. This
+    /// filter was developed for this library.
     #[default]
     Linked,
 }

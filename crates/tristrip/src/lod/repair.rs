@@ -20,8 +20,8 @@
 //!    A path across the edge between the kept and the removed vertex remains cut; the local search
 //!    reconnects its ends.
 //! 3. *Search*: take the triangles nearest to the kept vertex; the effort sets their number. Start
-//!    a local search from each in turn, with a number of rounds set by the effort. A local search
-//!    changes a few links, and is undone if the strips then cost more (see
+//!    a local search from each of them in turn; the effort also sets the number of rounds. A local
+//!    search changes a few links, and is undone if the strips then cost more (see
 //!    `cover/local_search.rs`).
 //!
 //! *Refine*: apply these steps in reverse, around both vertices. A restored triangle is linked to
@@ -40,11 +40,11 @@
 //!
 //! # Effort
 //! Measured on the bunny with 69,451 triangles, simplified to a twentieth in 33,042 collapses. The
-//! strips of the full mesh are built by `best`. The vertices sent are in percent of a triangle
-//! list, which sends three vertices per triangle; the full mesh sends 36.7 %. The table lists the
-//! vertices sent, summed over all levels and at the base mesh, and the time per collapse on one
-//! core. Strips computed from scratch for each level by `best` at its default effort send 39.2 %.
-//! At the base mesh, `Dtfs` sends 99.6 % and `Linked` 82.5 %.
+//! strips of the full mesh are built by `best`. Vertices sent are in percent of a triangle list,
+//! which sends three vertices per triangle. The strips of the full mesh send 36.7 %. The table
+//! lists the vertices sent, summed over all levels and at the base mesh, and the time per collapse
+//! on one core. Strips computed from scratch for each level by `best` at its default effort send
+//! 39.2 %. At the base mesh, `Dtfs` sends 99.6 % and `Linked` 82.5 %.
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
 //! |---|---|---|---|---|---|---|---|---|

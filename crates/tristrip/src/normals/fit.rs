@@ -18,7 +18,7 @@ pub(super) fn fits(normal: Point, face: Point) -> bool {
     dot(normal, face) >= FITS
 }
 
-/// How well vertex normals fit the faces, as shares of the area from 0 to 1. Each corner counts for
+/// How well vertex normals fit the faces, as shares of the area from 0 to 1. Each corner counts as
 /// a third of its triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]

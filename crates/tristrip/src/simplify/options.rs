@@ -16,8 +16,8 @@ use crate::text::counted;
 /// - a colour (`COLOR_n`) that deviates by 1 counts as much as a distance of 0.1 times that side;
 /// - texture coordinates (`TEXCOORD_n`) count as much as 1.5 times the distance by which the
 ///   texture shifts on the surface;
-/// - a skin (`JOINTS_n`, `WEIGHTS_n`) counts as much as the difference in the displacement of a
-///   vertex when a joint turns by a tenth of a radian.
+/// - a skin (`JOINTS_n`, `WEIGHTS_n`) counts as much as the resulting difference in the
+///   displacement of a vertex when a joint turns by a tenth of a radian.
 ///
 /// ```
 /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
@@ -98,17 +98,18 @@ impl FromStr for AttributeWeights {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Price {
-    /// Distances of all removed vertices from the triangles, and between old and new triangles.
+    /// Uses the distances of all removed vertices from the triangles, and the distances between old
+    /// and new triangles.
     #[default]
     Distance,
-    /// Distances from the planes of the full mesh only. Takes about a third of the time. The mean
-    /// distance between the surfaces is about a third larger. The maximum distance is unknown: it
-    /// exceeds the reported error where triangles bridge a valley.
+    /// Uses only the distances from the planes of the full mesh. This takes about a third of the
+    /// time. The mean distance between the surfaces is about a third larger. The maximum distance
+    /// is unknown: it exceeds the reported error where triangles bridge a valley.
     Planes,
-    /// The quadrics of Garland and Heckbert 1997, as used by Kim et al. 2005. The cost is the sum
-    /// of the squared distances from the planes of both points. The globally cheapest collapse is
-    /// always next. The error is the square root of that sum, with planes along borders weighted
-    /// 1000 times. Attributes are ignored. Runs on one thread.
+    /// Uses the quadrics of Garland and Heckbert 1997, as Kim et al. 2005 do. The cost is the sum
+    /// of the squared distances from the planes of both points, and planes along borders have a
+    /// weight of 1000. The error is the square root of this sum. The globally cheapest collapse is
+    /// applied next. Attributes are ignored. The simplification runs on one thread.
     Quadric,
 }
 
@@ -204,9 +205,9 @@ impl SimplifyOptions {
         with_locked(locked: Vec<bool>);
 
         /// Sets a factor per vertex that scales errors while the collapses of a
-        /// [batch](super::refinement_batches) are chosen. With a factor that falls with the
-        /// distance from the eye, for example, distant vertices are removed earlier. Vertices after
-        /// the last value have the factor 1. The reported errors of levels are not scaled. Other
+        /// [batch](super::refinement_batches) are chosen. For example, distant vertices are removed
+        /// earlier if the factors decrease with the distance from the eye. Vertices after the last
+        /// value have the factor 1. The reported errors of levels are not scaled. Other
         /// simplifications ignore the factors.
         ///
         /// ```

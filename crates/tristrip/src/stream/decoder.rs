@@ -22,7 +22,7 @@ pub struct StreamLimits {
     /// Maximum size of a chunk in bytes.
     pub chunk_bytes: usize,
     /// Work limit: vertices visited by batches plus corners around split vertices. Decoding time is
-    /// proportional to it. Typical models have about 12 per vertex, but a malicious stream can
+    /// proportional to it. Typical models require about 12 per vertex, but a malicious stream can
     /// request any amount in a few bytes.
     pub corners: u64,
 }

@@ -149,8 +149,8 @@ pub fn encode(
 }
 
 /// Returns the vertices that a stream cannot restore. Collapsing such a vertex moves corners of
-/// more than one fan, because the surface touches itself there or attributes differ all around.
-/// Lock them to make a simplification choose other collapses.
+/// more than one fan, because the surface touches itself there or the attributes differ all around
+/// the vertex. Lock them to make a simplification choose other collapses.
 ///
 /// ```
 #[doc = include_str!("example.txt")]

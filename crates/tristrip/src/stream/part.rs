@@ -421,7 +421,7 @@ impl StreamPart {
     ///
     /// # Errors
     /// The head of the stream has two attributes with the same name, or an attribute whose values
-    /// are invalid in a mesh. Streams written by the encoder have neither.
+    /// are invalid in a mesh. This does not happen for streams written by the encoder.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -443,8 +443,8 @@ impl StreamPart {
     /// Returns the collapses from the mesh decoded so far to its base mesh, over its vertices.
     ///
     /// # Errors
-    /// The splits are not the inverse of valid collapses, or an error is negative. Streams written
-    /// by the encoder have neither.
+    /// The splits are not the inverse of valid collapses, or an error is negative. This does not
+    /// happen for streams written by the encoder.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -13,8 +13,9 @@
 //! # Algorithm
 //! 1. *Split*: each new triangle on a link is inserted into the link; the other new triangles
 //!    become strips of their own.
-//! 2. After a *chunk*, its new triangles are joined in order to the ends of neighbouring strips:
-//!    across the edge that reduces the vertices sent most, as long as an edge reduces them.
+//! 2. After a *chunk*, its new triangles are joined in order to the ends of neighbouring strips. A
+//!    triangle is joined across the edge that reduces the number of vertices sent most, until no
+//!    edge reduces this number.
 //! 3. *Search*: take the triangles nearest to the new ones, four per new triangle. A local search
 //!    (see `cover/local_search.rs`) starts four times from each of these triangles that is at the
 //!    end of a strip, and then once from each of them.

@@ -1,9 +1,9 @@
 //! The triangles decoded so far, with adjacency: a corner table whose vertices are fans.
 //!
-//! A *fan* is a run of triangles around a point, each of which shares an edge with the next. It is
-//! closed around an inner point and open at a border. A point where a surface touches itself, or
-//! where attributes differ, has several fans. Edges are shared only within fans, so a corner table
-//! exists for any set of triangles.
+//! A *fan* is a run of triangles around a point. Each triangle shares an edge with the next one. A
+//! fan is closed around an inner point and open at a border. A point where a surface touches
+//! itself, or where attributes differ, has several fans. Edges are shared only within fans, so a
+//! corner table exists for any set of triangles.
 //!
 //! ```text
 //!        a₂ ───── a₁

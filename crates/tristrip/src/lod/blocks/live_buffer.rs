@@ -22,7 +22,7 @@ use crate::lod::level::index_map::RESTART;
 use crate::lod::level::replay::VertexSlots;
 use crate::mesh::is_degenerate;
 
-/// A write of a collapse into a slot, ordered by the overwritten entry.
+/// A write into a slot by a collapse, ordered by the overwritten entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Change {
     pub(super) fine: u32,

@@ -1,4 +1,4 @@
-//! Records of the writes of collapses into the slots of the index buffers, in the order of the
+//! Records what each collapse writes into the slots of the index buffers, in the order of the
 //! levels. The records can be read in both directions.
 //!
 //! ```text
@@ -6,8 +6,8 @@
 //! vertices   5 → 4                 4                r a restart
 //! ```
 //! A rename stores the vertex before the collapse. It also stores the vertex after the collapse,
-//! unless the slot becomes a restart. A word contains a slot and three flags. The loop over words
-//! branches only at its end.
+//! unless the slot becomes a restart. A word contains a slot and three flags. The loop that applies
+//! collapses has no branches other than its end condition.
 
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ pub(super) struct Position {
     vertex: usize,
 }
 
-/// The records of all collapses, from the full mesh on, during construction.
+/// The records of all collapses in order, starting at the full mesh, during construction.
 #[derive(Debug)]
 pub(super) struct RecordList {
     words: Vec<u32>,
@@ -97,7 +97,7 @@ impl RecordList {
     }
 }
 
-/// The records of all collapses, from the full mesh on.
+/// The records of all collapses in order, starting at the full mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct BlockRecords {
     words: Packed,
@@ -170,7 +170,8 @@ fn vertices_behind(word: u32) -> usize {
     (word & END_OF_RENAME) as usize * (2 - usize::from(word & RESTART_AFTER != 0))
 }
 
-/// Converts an entry of a packed buffer or record to an index. All vertices fit into its type.
+/// Converts an entry of a packed buffer or record to an index. All vertices fit into the index
+/// type.
 #[inline]
 pub(super) fn index_of<I: Index>(entry: u32, restart: u32) -> I {
     let index = I::from_vertex(entry).unwrap_or(I::RESTART);

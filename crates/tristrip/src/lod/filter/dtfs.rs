@@ -11,12 +11,12 @@
 //! split     otherwise, at an even position                      a new strip    a b c │ d e f
 //! split     otherwise, at an odd position                       a new strip    a b c │ d d e f
 //! ```
-//! The paper does not require the parities, because they follow from the vertices on an oriented
-//! surface. Where more than two triangles share an edge, the parities may not match; the scanner
+//! The paper has no conditions on the parities, because on an oriented surface they follow from the
+//! vertices. Where more than two triangles share an edge, the parities may not match; the scanner
 //! then starts a new strip. A strip that begins at an odd position repeats its first vertex. The
 //! paper says that this vertex is overridden for a consistent orientation. The paper counts it in
 //! its results but not in its figure 8 (`502 615 206 620 │ 620 580 66 761`, where the second strip
-//! begins at an odd position). [`DrawCost`](super::DrawCost) has both counts.
+//! begins at an odd position). [`DrawCost`](super::DrawCost) contains both counts.
 //!
 //! A straightforward scanner spends most of its time on mispredicted branches. Here, valid
 //! triangles are gathered without branches. Each of them sends a suffix of the word d d e f. Only

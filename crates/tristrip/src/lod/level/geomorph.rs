@@ -89,12 +89,13 @@ impl Geomorph {
     /// Writes the interpolated values of the moving vertices; all other values in `drawn` are left
     /// unchanged. The weight runs from 0 (the finer level) to 1 (the coarser level).
     ///
-    /// `values` and `drawn` have `components` numbers per vertex: positions, texture coordinates,
-    /// or normals, which must be normalized afterwards. At weights 0 and 1 the results are exactly
-    /// the values of the vertex and of its target.
+    /// `values` and `drawn` contain `components` numbers per vertex: positions, texture
+    /// coordinates, or normals, which must be normalized afterwards. At weights 0 and 1 the results
+    /// are exactly the values of the vertex and of its target.
     ///
     /// # Errors
-    /// The weight is not between 0 and 1, or a slice does not have `components` numbers per vertex.
+    /// The weight is not between 0 and 1, or a slice does not contain `components` numbers per
+    /// vertex.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

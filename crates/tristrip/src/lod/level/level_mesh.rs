@@ -12,9 +12,9 @@
 //! vertex. A corner removed from a linked ring keeps its neighbours. A split therefore restores it
 //! in O(1), provided that splits undo the last collapse first.
 //!
-//! `simplify` has its own structure (`simplify/topology.rs`): it never splits, needs no twins, and
-//! stores rings as arrays, which its searches read sequentially. Here splits must restore rings
-//! exactly. Linked rings do that in O(1) per corner.
+//! `simplify` has its own structure (`simplify/surface/topology.rs`): it never splits, needs no
+//! twins, and stores rings as arrays, which its searches read sequentially. Here splits must
+//! restore rings exactly. Linked rings do that in O(1) per corner.
 //!
 //! A view of Skip Strips undoes collapses in a different order. The collapses that depend on a
 //! collapse are undone first, but other later collapses may remain applied. The stored neighbours

@@ -40,8 +40,8 @@ impl LevelTable {
         }
     }
 
-    /// Returns the number of collapses, which is also the level of the full mesh. There is one more
-    /// level than collapses.
+    /// Returns the number of collapses, which is also the level of the full mesh. The number of
+    /// levels is greater by one.
     ///
     /// ```
     /// # use tristrip::{CollapseSequence, lod::LevelTable};

@@ -17,7 +17,7 @@ pub struct SlotUpdate<'a> {
     pub slots: &'a [u32],
 }
 
-/// The entries of a map at a level, which records update for other levels.
+/// The entries of a map at one level. Applying records moves the map to other levels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Replay {
     pub(crate) entries: Vec<u32>,

@@ -23,7 +23,7 @@ use crate::lod::level::replay::MAX_SLOTS_PER_ENTRY;
 use crate::packed::{Packed, PackedRow, bits_for};
 use crate::strip::Strips;
 
-/// How the successors of nodes are stored and found.
+/// Defines how the successors of nodes are stored and found.
 pub trait SuccessorLists: Send + Sync + 'static {
     /// Collects the lists of a strip.
     type Builder: ListBuilder;

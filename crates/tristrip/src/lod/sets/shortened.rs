@@ -8,10 +8,10 @@
 //! ```
 //! # Algorithm
 //! A pair of consecutive vertices is removed if the strip draws the same triangles without it.
-//! Removing an even number preserves the winding of all triangles after it (Belmonte et al. 2006,
-//! section 3.2: the number of removed vertices is even, and the remaining ones describe no new
-//! triangle). Pairs next to every renamed slot are tried, in the order of the strip, and again next
-//! to every removed pair. Longer subsequences are removed pair by pair.
+//! Removing an even number of vertices preserves the winding of all triangles after it (Belmonte et
+//! al. 2006, section 3.2: the number of removed vertices is even, and the remaining ones describe
+//! no new triangle). Pairs next to every renamed slot are tried, in the order of the strip, and
+//! again next to every removed pair. Longer subsequences are removed pair by pair.
 //!
 //! Nothing follows the end of a strip, so any number of vertices may be removed there. As long as
 //! the last three vertices draw nothing, the last one is removed. In figure 1 of the paper, the

@@ -1,4 +1,4 @@
-//! Cones of normals: all directions within an angle of an axis.
+//! Cones of normals: all directions within a given angle of an axis.
 //!
 //! Angles are stored as cosines and sines. Adding two angles then needs only products and square
 //! roots, which give the same bits on every machine.

@@ -1,8 +1,8 @@
 //! Dependencies: the collapses that must be applied before another one. They ensure that a view
 //! contains no foldovers that the simplification does not contain.
 //!
-//! The simplification checked each collapse only in the neighbourhood that it had then. A collapse
-//! is valid whenever its neighbourhood is the same again: all vertices around it have the same
+//! The simplification checked each collapse only in its neighbourhood at that time. A collapse is
+//! valid whenever its neighbourhood is the same as then: all vertices around it have the same
 //! children as in the simplification.
 //!
 //! ```text
@@ -13,8 +13,8 @@
 //!       n5 ── n4
 //! ```
 //! The collapse of c to p depends on the last earlier collapse into each of c, p and n0 … n5. Its
-//! triangles are then the same as in the simplification, whatever else is applied. A split, in
-//! turn, requires that no collapse that depends on it is applied.
+//! triangles are then the same as in the simplification, whatever else is applied. In turn, a
+//! collapse can be split only if no applied collapse depends on it.
 //! # Algorithm
 //! The collapses are replayed from the full mesh. A collapse depends on the last collapse into each
 //! vertex of the triangles around its own vertices. A collapse that drops the last triangle between

@@ -38,8 +38,7 @@ const MAX_SCALE: f64 = 1e12;
 pub struct ViewUpdate {
     /// The number of collapses applied.
     pub collapses: usize,
-    /// The number of collapses split, including collapses split because they depend on another
-    /// split collapse.
+    /// The number of collapses split, including the dependents of other split collapses.
     pub splits: usize,
     /// The number of collapses evaluated.
     pub looked_at: usize,

@@ -186,9 +186,9 @@ impl<'a> SurfaceSimplifier<'a> {
 
     /// Returns the maximum cost of the collapses so far, in cubic mesh units: squared deviations of
     /// the surface and its attributes, times the square root of the affected area. With
-    /// [`Price::Quadric`](crate::simplify::Price::Quadric) the area does not count, and the unit is
-    /// square mesh units. The cheapest collapse is always next. The surface with the lowest cost
-    /// therefore loses least with its next collapse.
+    /// [`Price::Quadric`](crate::simplify::Price::Quadric) the cost does not include the area, and
+    /// its unit is square mesh units. The cheapest collapse is always next. The surface with the
+    /// lowest cost therefore loses least with its next collapse.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]

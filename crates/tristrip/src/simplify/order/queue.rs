@@ -23,7 +23,7 @@
 //! # Departures
 //! - The paper only says that the weight of border planes is large. Here it is 1000, the default of
 //!   its authors' program `QSlim`. `QSlim` and the later papers also weight each plane by the area
-//!   of its triangle. The 1997 paper and this module do not.
+//!   of its triangle. The 1997 paper and this module use unweighted planes.
 //! - All collapses refused by `decimate` are refused here. The paper allows any topology and only
 //!   requires that no normal flips. Here no triangle rotates by more than about 75 degrees, the
 //!   link condition holds, the last triangle of a component is kept, and attribute seams stay

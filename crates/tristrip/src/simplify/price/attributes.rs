@@ -9,8 +9,8 @@
 //!   ([`NORMAL_LENGTH`], [`TANGENT_LENGTH`], [`COLOUR_LENGTH`]). A surface that moves by that
 //!   length counts as much as a normal that turns by a radian, or a colour that changes from black
 //!   to full intensity;
-//! - *joints and weights*: the difference in the displacement of a vertex when a joint turns
-//!   (module `skin`).
+//! - *joints and weights*: the resulting difference in the displacement of a vertex when a joint
+//!   turns (module `skin`).
 //!
 //! The module `attribute_quadrics` computes the deviations of these lengths.
 

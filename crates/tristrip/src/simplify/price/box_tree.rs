@@ -1,5 +1,5 @@
-//! A tree of boxes around the triangles of the full mesh, for queries whether a position is near
-//! any triangle.
+//! A tree of boxes around the triangles of the full mesh, for testing whether a position is near a
+//! triangle.
 //!
 //! The triangles are sorted along a Morton curve. Every four consecutive triangles have a box,
 //! every four of these boxes have a box, and so on. The tree consists only of its boxes, in one

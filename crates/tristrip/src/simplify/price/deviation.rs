@@ -15,8 +15,8 @@
 //! ```
 //! The deviation of a triangle is an upper estimate of its distance from the full mesh: the maximum
 //! deviation of the triangles that it replaces, plus its distance from them. If the estimate is
-//! within the error limit, no search is needed. Otherwise the distances from sample positions on
-//! the new triangles to the full mesh are searched, and the deviation is the maximum of these
+//! within the error limit, no search is needed. Otherwise a search finds the distances of sample
+//! positions on the new triangles from the full mesh, and the deviation is the maximum of these
 //! distances. Searches are therefore needed only near the limit.
 //!
 //! # Complexity

@@ -12,7 +12,7 @@
 //! - from b to the new triangles;
 //! - from the midpoints of the new edges, such as a–u, to the old triangles.
 //!
-//! The second detects new triangles that bridge a valley next to b.
+//! The second distance detects new triangles that bridge a valley next to b.
 
 use super::fan::TriangleFan;
 use super::removed_points::{RemovedPoint, RemovedPoints};

@@ -8,10 +8,10 @@
 //!   of the removed points that its triangles represent (module `removed_points`), weighted by the
 //!   areas that they represent. The second is the maximum squared distance of the midpoints of the
 //!   new edges from the old triangles. The third is a small share of the estimate. A quadric
-//!   represents only unbounded planes, and it counts them repeatedly. The first term of the price
-//!   is the mean squared distance itself. The midpoints show whether a new edge would cut a ridge
-//!   or bridge a valley. The quadrics of the attributes are added, if there are any (module
-//!   `attribute_quadrics`).
+//!   represents only unbounded planes, and it counts them repeatedly. The first term of the price,
+//!   in contrast, is the actual mean squared distance. The midpoints show whether a new edge would
+//!   cut a ridge or bridge a valley. The quadrics of the attributes are added, if there are any
+//!   (module `attribute_quadrics`).
 //!
 //! Both costs are divided by the square root of the weight of the point. The weight is the area
 //! that the point represents. Weighting by area alone would remove thin parts first. Weighting by
@@ -23,8 +23,8 @@
 //! its estimate times a typical ratio of price to estimate, so few prices are wasted. A neighbour
 //! whose estimate exceeds the best price is skipped, because its price is rarely better.
 //!
-//! For [`Price::Planes`], the price is the estimate plus the attributes. [`Price::Quadric`] uses
-//! none of this; see the module `queue`.
+//! For [`Price::Planes`], the price is the estimate plus the attributes. [`Price::Quadric`] does
+//! not use these costs; see the module `queue`.
 
 use super::neighbourhood::Neighbourhood;
 use super::quadric::Quadric;

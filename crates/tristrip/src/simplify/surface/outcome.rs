@@ -8,9 +8,9 @@
 //!      a ──── b ─────·
 //! ```
 //! A collapse of the inner point b to a preserves a surface if a and b have exactly two common
-//! neighbours, the third corners of their two common triangles. Another common neighbour is the
-//! third corner of a triangle that does not exist. The collapse would close a tube there: the tube
-//! through a, b and that corner would become two cones that touch.
+//! neighbours, the third corners of their two common triangles. If there is another common
+//! neighbour, the three edges between a, b and this neighbour bound no triangle. The collapse would
+//! close a tube there: the tube through a, b and the neighbour would become two cones that touch.
 //!
 //! On a border, the points have one common triangle and one common neighbour. The module
 //! `irregular` handles all other points.

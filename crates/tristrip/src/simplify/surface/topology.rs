@@ -14,7 +14,7 @@
 //! ```
 //! The triangle (b, u, w) has a corner of the point b. The ring of b contains its corners, in any
 //! order. Around an inner point, every neighbour is the u of one corner and the w of another.
-//! Around a border point, each of the two neighbours along the border is only one of these.
+//! Around a border point, each of the two neighbours along the border is only a u or only a w.
 //!
 //! A ring is a range of one array: pricing reads the whole ring of a point several times per
 //! collapse, and a range is read sequentially. Levels of detail have the opposite access pattern:
