@@ -68,8 +68,8 @@ impl Default for AttributeWeights {
 impl FromStr for AttributeWeights {
     type Err = Error;
 
-    /// Parses weights such as `normal=2,uv=0.5`. Attributes that are not named get the weight 1, so
-    /// an empty string gives the default.
+    /// Parses weights such as `normal=2,uv=0.5`. Attributes that are not named have a weight of 1,
+    /// so an empty string means the default weights.
     ///
     /// # Errors
     /// A name is unknown, or a weight is negative, infinite or not a number.
@@ -253,8 +253,8 @@ impl SimplifyOptions {
         with_vanishing(vanishing: Vec<f32>);
 
         /// Allows collapses that change the topology or move a seam onto another seam. Holes can
-        /// close, handles can vanish, and textures can shift at seams. Use it to reduce clutter to
-        /// very few triangles.
+        /// close, handles can vanish, and textures can shift at seams. Use this option to reduce
+        /// cluttered models to very few triangles.
         ///
         /// ```
         /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};

@@ -28,7 +28,7 @@ pub struct StreamLimits {
 }
 
 impl Default for StreamLimits {
-    /// 256 meshes, 2²⁶ triangles, 2²⁸ bytes per chunk, and 2³⁰ corners.
+    /// Returns limits of 256 meshes, 2²⁶ triangles, 2²⁸ bytes per chunk, and 2³⁰ corners.
     fn default() -> Self {
         Self { meshes: 256, triangles: 1 << 26, chunk_bytes: 1 << 28, corners: 1 << 30 }
     }

@@ -21,9 +21,10 @@ pub struct StreamOptions {
 }
 
 impl Default for StreamOptions {
-    /// 14 bits per position coordinate, 10 per normal component, 14 per texture coordinate for each
-    /// repeat of the texture, and 10 per component of other attributes. Integers below 2²⁴ are
-    /// exact, also when they are stored as floats. Chunks have 1 to 4 KiB.
+    /// Returns options for 14 bits per position coordinate, 10 per normal component, 14 per texture
+    /// coordinate for each repeat of the texture, and 10 per component of other attributes.
+    /// Integers below 2²⁴ are exact, also when they are stored as floats. Chunks have a size of 1
+    /// to 4 KiB.
     fn default() -> Self {
         Self {
             position_bits: 14,

@@ -34,7 +34,7 @@ pub struct BlockOptions {
 }
 
 impl Default for BlockOptions {
-    /// 18 bytes per triangle, and keys repaired at effort 1.
+    /// Returns options for 18 bytes per triangle and keys repaired at effort 1.
     fn default() -> Self {
         Self {
             repair: RepairOptions::default().with_effort(Effort::new(1).unwrap_or_default()),
@@ -55,9 +55,9 @@ impl BlockOptions {
         /// ```
         with_repair(repair: RepairOptions);
 
-        /// Sets the approximate size of the model, up to 256 bytes per triangle of the full mesh.
-        /// With more bytes there are more keys, so fewer vertices are sent. The collapses alone
-        /// take about 12 bytes per triangle. Sizes near or below that leave few keys.
+        /// Sets the approximate size of the model, up to 256 bytes per triangle of the full mesh. A
+        /// larger model has more keys and sends fewer vertices. The collapses alone take about 12
+        /// bytes per triangle. If the size is near or below this value, the model has few keys.
         ///
         /// ```
         /// # use tristrip::lod::BlockOptions;

@@ -32,7 +32,7 @@ pub struct Hysteresis {
 }
 
 impl Default for Hysteresis {
-    /// A share of 4/5.
+    /// Returns a share of 4/5.
     fn default() -> Self {
         Self { share: 0.8 }
     }

@@ -42,7 +42,7 @@ pub struct RepairOptions {
     pub cost: Cost,
 }
 
-/// Default effort, seed 0, and [`Cost::OpenGl`] as the cost.
+/// The default effort, seed 0, and the cost [`Cost::OpenGl`].
 impl Default for RepairOptions {
     fn default() -> Self {
         Self { effort: Effort::default(), seed: 0, cost: Cost::OpenGl }

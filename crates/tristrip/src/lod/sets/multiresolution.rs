@@ -75,7 +75,7 @@ pub trait ListBuilder: Default {
     /// Returns the number of arcs or edges, in linear time.
     fn arc_count(&self) -> usize;
 
-    /// Returns the number of successors that the arcs list.
+    /// Returns the number of successors in the lists of all arcs.
     fn successor_count(&self) -> usize;
 
     /// Returns the cost to compare with the number of slots of the full mesh. It grows with each

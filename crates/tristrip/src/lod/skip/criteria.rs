@@ -81,8 +81,8 @@ pub struct ViewCriteria {
 }
 
 impl Default for ViewCriteria {
-    /// Allows an error of one pixel. The frustum, back faces and silhouettes are taken into
-    /// account. There is no light, foveation, budget or step limit.
+    /// Returns criteria that allow an error of one pixel. They take the frustum, back faces and
+    /// silhouettes into account. There is no light, foveation, budget or step limit.
     fn default() -> Self {
         Self {
             pixels: 1.0,
@@ -168,9 +168,9 @@ impl ViewCriteria {
         /// ```
         with_foveation(foveation: Foveation) as Some;
 
-        /// Sets the maximum number of triangles of a view. If the allowed error needs more, the
-        /// collapses with the largest errors in pixels are split first. The base mesh may exceed
-        /// the budget.
+        /// Sets the maximum number of triangles of a view. If the allowed error requires more
+        /// triangles, the collapses with the largest errors in pixels are split first. The base
+        /// mesh may exceed the budget.
         ///
         /// ```
         /// use tristrip::lod::ViewCriteria;
@@ -179,7 +179,7 @@ impl ViewCriteria {
         with_budget(budget: usize) as Some;
 
         /// Sets the maximum number of collapses and splits per update. The next update continues
-        /// with the remaining ones. The mesh in between is valid.
+        /// with the remaining ones. The mesh between two updates is valid.
         ///
         /// ```
         /// use tristrip::lod::ViewCriteria;
