@@ -34,7 +34,7 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
     }
 }
 
-/// Reads a model like [`read`], without copying the file: a glTF model shares the bytes.
+/// Reads a model like [`read`], but does not copy the bytes of a glTF file: the model shares them.
 ///
 /// # Errors
 /// The bytes are not a valid file of this format ([`Error::Format`]), or a count or size exceeds a
@@ -84,20 +84,22 @@ fn read_other(bytes: &[u8], format: Format) -> Result<Model, Error> {
     }
 }
 
-/// Writes a model: for each part its faces, or strips of its vertices in the given layout.
+/// Writes a model. Each part is written as its faces, or as strips of its vertices in the given
+/// layout.
 ///
-/// - OBJ has no strips: the triangles of strips are written in strip order, whatever the layout.
-/// - PLY has the `tristrips` element. [`Layout::Restart`] writes one row with −1 between strips,
-///   [`Layout::Separate`] one row per strip, [`Layout::Degenerate`] one row per part;
-///   [`Layout::List`] writes triangles as faces. The file is little-endian binary.
+/// - OBJ has no strips. In every layout, the triangles of strips are written in strip order.
+/// - PLY has the `tristrips` element. [`Layout::Restart`] writes all strips to one row, with −1
+///   between them. [`Layout::Separate`] writes one row per strip, and [`Layout::Degenerate`] writes
+///   one row per part. [`Layout::List`] writes the triangles as faces. The file is little-endian
+///   binary.
 /// - GLB keeps the scene that the model was read with: only indices and modes of its triangle
-///   primitives change, and [`Drawing::Faces`] leaves a triangle list unchanged. A model without a
-///   scene gets a minimal document: one mesh and node per run of parts with the same name, one
-///   primitive per part, one material per name.
+///   primitives change, and [`Drawing::Faces`] leaves a triangle list unchanged. For a model
+///   without a scene, the writer builds a minimal document. It contains one mesh and one node per
+///   run of parts with the same name, one primitive per part, and one material per material name.
 ///
 /// # Errors
 /// The format cannot be written, the number of drawings differs from the number of parts, a strip
-/// uses a vertex that its part does not have, or the number of vertices exceeds 32-bit ids.
+/// uses a vertex that its part does not have, or there are too many vertices for 32-bit ids.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read, write};
@@ -119,7 +121,7 @@ pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout
     }
 }
 
-/// Lists the differences in material appearance when a model is written in a format. Load the
+/// Lists how the appearance of materials changes when a model is written in a format. Load the
 /// materials first with [`load_materials`](crate::load_materials) if the model was read from OBJ,
 /// or if a glTF model is written as OBJ.
 ///
@@ -200,9 +202,8 @@ pub fn plain_materials(model: &Model) -> Result<(Vec<Option<PlainMaterial>>, Vec
     Ok((materials, notes))
 }
 
-/// Lists the data of a model that a format cannot store, including the scene, with counts.
-/// `drawings` has one entry per part. The writers of OBJ and PLY add the same lines to the file as
-/// comments.
+/// Lists the data of a model and its scene that a format cannot store, with counts. `drawings` has
+/// one entry per part. The writers of OBJ and PLY add the same lines to the file as comments.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, losses, read};

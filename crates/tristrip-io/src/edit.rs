@@ -1,5 +1,5 @@
-//! Changes the vertices of a whole model: new triangles, another order, new vertices, and levels of
-//! detail with a common vertex array.
+//! Edits the vertices of a whole model: replaces its triangles, reorders or adds vertices, and
+//! builds levels of detail over one vertex array.
 //!
 //! Parts that share vertices in a file change together; `gltf::edit` updates the scene.
 

@@ -22,12 +22,13 @@ pub enum Error {
         /// What the format requires.
         expected: String,
     },
-    /// A count or size exceeds a limit. In the input: vertices or faces beyond 32-bit ids; values
-    /// of the JSON; decoded bytes or triangles beyond what the file size allows; sizes beyond
-    /// [`TlodLimits`](crate::tlod::TlodLimits), [`ArrivalLimits`](crate::gltf::ArrivalLimits) or
-    /// the limits of a stream; referenced files beyond the limit of
-    /// [`read_beside`](crate::read_beside). In the output: a GLB beyond 4 GiB, or more levels than
-    /// the limit of JSON values allows.
+    /// A count or size exceeds a limit. Readers limit the numbers of vertices and faces to 32-bit
+    /// ids. They also limit the number of JSON values, and the number of decoded bytes and
+    /// triangles relative to the file size. Further limits are
+    /// [`TlodLimits`](crate::tlod::TlodLimits), [`ArrivalLimits`](crate::gltf::ArrivalLimits), the
+    /// limits of a stream, and the total file size of [`read_beside`](crate::read_beside). Writers
+    /// limit a GLB to 4 GiB, and limit the number of JSON values of a document with levels of
+    /// detail.
     #[error("{at}: found {found}, the limit is {limit}")]
     LimitExceeded {
         /// The position or the quantity: `line 12`, `accessors[3].count`, `vertices of all parts`.
@@ -56,7 +57,7 @@ impl Error {
     }
 }
 
-/// Returns the message of a system error without its code.
+/// Returns the message of a system error without the error code.
 ///
 /// ```
 /// let error = std::io::Error::from(std::io::ErrorKind::NotFound);

@@ -38,22 +38,22 @@
 //! <https://github.com/KhronosGroup/glTF/pull/2569> as of 2026. The highest value of the index type
 //! restarts line loops, line strips, triangle strips and triangle fans. The name is listed in
 //! `extensionsUsed` and `extensionsRequired`; meshes and primitives get no extension object. The
-//! older, merged `EXT_mesh_primitive_restart` describes groups of primitives in an object of the
-//! mesh; its primitives are read one by one.
+//! older extension `EXT_mesh_primitive_restart` describes groups of primitives in an object of the
+//! mesh. The reader reads these primitives one by one.
 //!
 //! # References
 //! The Khronos Group: *glTF 2.0 Specification*, 2021. P. Connelly, D. `McCurdy`:
 //! *`KHR_mesh_primitive_restart`*, draft, 2026.
 //!
 //! # Complexity
-//! Linear time. Memory: the file's bytes once, 12 bytes per vertex for each `POSITION` accessor, 12
-//! bytes per triangle, and the other attributes in their stored width. Primitives with the same
-//! indices are decoded once.
+//! Linear time. Memory: one copy of the file's bytes, 12 bytes per vertex for each `POSITION`
+//! accessor, 12 bytes per triangle, and the other attributes in their stored width. Primitives with
+//! the same indices are decoded once.
 //!
 //! Memory and time are bounded by the file size. Compressed buffer views decompress to at most 8
 //! MiB plus 32 times the size of the buffers. Positions and indices decode to at most 1 MiB plus 16
-//! times that size, other attributes to at most 64 MiB plus 4 times that size. On average,
-//! primitives may draw each index array 16 times; 2^18 further triangles are allowed.
+//! times that size, other attributes to at most 64 MiB plus 4 times that size. Each index array may
+//! be drawn 16 times on average, plus 2^18 triangles in total.
 
 pub(crate) mod document;
 pub(crate) mod edit;
@@ -85,9 +85,9 @@ pub use stream::refine::{StreamMeshes, StreamedPart};
 pub(crate) use write::build::losses;
 pub use write::separate::{SeparateFiles, separate};
 
-/// Checks whether a model's document has vertex data that is not in the meshes of its parts: morph
-/// targets and attributes that were not decoded. Vertices that are equal in the meshes may differ
-/// in this data.
+/// Returns whether a model's document contains vertex data that is not in the meshes of its parts:
+/// morph targets and attributes that were not decoded. Vertices that are equal in the meshes may
+/// differ in this data.
 /// ```
 /// let json = br#"{"asset":{"version":"2.0"}}"#;
 /// let model = tristrip_io::gltf::read(json.to_vec(), None)?;
@@ -98,7 +98,7 @@ pub fn has_unread_vertex_values(model: &Model) -> bool {
     unread_vertex_values(model).contains(&true)
 }
 
-/// Checks for each part whether the document has vertex data that is not in its mesh. See
+/// Returns, for each part, whether the document contains vertex data that is not in its mesh. See
 /// [`has_unread_vertex_values`].
 ///
 /// ```

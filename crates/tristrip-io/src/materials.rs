@@ -178,8 +178,9 @@ impl Materials {
     }
 
     /// Parses a library and returns the names of its images, relative to the directory of the OBJ
-    /// file. Programs without file access load these and append them to [`Materials::files`];
-    /// [`load_materials`](crate::load_materials) does this for files.
+    /// file. A program without file access loads these images itself and appends them to
+    /// [`Materials::files`]. For a model read from a file,
+    /// [`load_materials`](crate::load_materials) loads them.
     ///
     /// ```
     /// use std::sync::Arc;

@@ -9,15 +9,14 @@ use crate::materials::Materials;
 /// The geometry of a file, in file order. Clones share positions, attributes, buffers and images.
 #[derive(Debug, Clone, Default)]
 pub struct Model {
-    /// The meshes. Each is stripified and drawn separately.
+    /// The meshes. Each part is stripified and drawn separately.
     pub parts: Vec<Part>,
     /// Data that was dropped or changed while reading, as text with counts.
     pub notes: Vec<String>,
     /// The document of a glTF or GLB file.
     pub scene: Option<Scene>,
-    /// The materials from the libraries of an OBJ, or those that a program added; `None` for other
-    /// formats. For a model with a scene that is written as OBJ, these are the materials of the
-    /// OBJ.
+    /// The materials from the libraries of an OBJ, or materials that a program added; `None` for
+    /// other formats. If a model with a scene is written as OBJ, these materials are written.
     pub materials: Option<Materials>,
 }
 
@@ -122,7 +121,7 @@ impl StoredStrips {
     }
 }
 
-/// What to write for a part: faces or strips.
+/// The form in which a part is written: faces or strips.
 #[derive(Debug, Clone, Copy)]
 pub enum Drawing<'a> {
     /// The part's own faces. Polygons are preserved if the format supports them.

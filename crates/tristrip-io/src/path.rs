@@ -20,7 +20,7 @@ use crate::obj::scene_library::{library_of, library_of_added};
 
 /// Reads a model from a file. The format follows from the extension, or from the content if the
 /// extension is unknown. Separate buffers of a `.gltf` are looked up in the directory of the path.
-/// If the path is a symbolic link, they are then looked up in the directory of its target. Files
+/// If the path is a symbolic link, they are also looked up in the directory of its target. Files
 /// outside these directories are never read.
 ///
 /// # Errors
@@ -83,9 +83,9 @@ pub fn read_file(path: impl AsRef<Path>, format: Option<Format>) -> Result<ReadF
 /// others.
 ///
 /// Referenced files must be in the directory of `path` or below it. Hidden files and directories,
-/// whose names start with a dot, are not read. All files together may have at most `max_bytes`
-/// bytes. [`Model::notes`] and [`Model::materials`] list skipped images and libraries; a skipped
-/// buffer is an error.
+/// whose names start with a dot, are not read. The total size of all files may be at most
+/// `max_bytes`. [`Model::notes`] and [`Model::materials`] list skipped images and libraries; a
+/// skipped buffer is an error.
 ///
 /// # Errors
 /// A buffer cannot be read, or the content is rejected by [`read`](crate::read).
@@ -266,8 +266,8 @@ pub fn write_path(
 }
 
 /// Writes bytes to a temporary file in the same directory and renames it. Readers see either the
-/// old file or the complete new one. A failure leaves the old file unchanged and no temporary file.
-/// Symbolic links are followed; devices and pipes are written directly.
+/// old file or the complete new one. If the write fails, the old file is unchanged, and no
+/// temporary file remains. Symbolic links are followed; devices and pipes are written directly.
 ///
 /// # Errors
 /// The path cannot be written, or is a directory or a read-only file.

@@ -15,8 +15,8 @@
 //! ```
 //!
 //! No PLY crate is used. The available crates build a map per row, which is slow for binary files,
-//! and do not report the position of an error. Triangles of `tristrips` follow the faces, with
-//! their winding as drawn.
+//! and do not report the position of an error. The triangles of `tristrips` follow the faces, with
+//! the winding in which they are drawn.
 //!
 //! # References
 //! Greg Turk: *The PLY Polygon File Format*, 1994. The `tristrips` element: Stanford 3D Scanning

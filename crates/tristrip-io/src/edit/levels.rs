@@ -15,7 +15,7 @@
 //!    removed. In a scene written as a GLB, this includes all other vertex values: morph targets,
 //!    joints and weights, and attributes that were not decoded.
 //! 3. A group keeps its order or its vertices if other data in the scene depends on them;
-//!    [`VertexGroup::kept`] has the reason. All its levels then use all vertices.
+//!    [`VertexGroup::kept`] states the reason. All its levels then use all vertices.
 //!
 //! # Complexity
 //! Linear in the vertices, and in the triangles of all levels.
@@ -34,10 +34,10 @@ use crate::model::Model;
 /// A part at a level of detail.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct PartLevel {
-    /// The triangles: three vertex indices of the part each.
+    /// The triangles, as three indices of the part's vertices per triangle.
     pub triangles: Vec<u32>,
-    /// The vertices that this level adds to the next coarser one, in refinement order. Other
-    /// vertices of the triangles follow in their original order.
+    /// The vertices that this level adds to the next coarser one, in refinement order. The other
+    /// vertices that the triangles use follow in their original order.
     pub added: Vec<u32>,
 }
 
@@ -69,8 +69,8 @@ pub struct SceneLevels {
 }
 
 /// Orders the vertices of a model so that each level of detail uses a prefix, and removes vertices
-/// that no level uses if the file format allows it. `levels` goes from the finest to the coarsest;
-/// each has one entry per part.
+/// that no level uses if the file format allows it. `levels` is ordered from the finest level to
+/// the coarsest, and each level has one entry per part.
 ///
 /// # Errors
 /// `levels` is empty, the number of entries of a level differs from the number of parts, a vertex
@@ -225,10 +225,10 @@ impl LeveledModel {
         Error::Unsupported(format!("level: found {level}, expected less than {}", self.level_count()))
     }
 
-    /// Builds a scene with all levels, to be written as one GLB. Each node whose mesh has lower
-    /// levels gets a node per lower level. `coverage` receives the parts of a mesh and returns the
-    /// minimum screen coverage of each level. For a model without a scene, the scene of its GLB is
-    /// built; parts without vertices are omitted.
+    /// Builds a scene with all levels, to be written as one GLB. For each node whose mesh has lower
+    /// levels, one new node per lower level is added. `coverage` receives the parts of a mesh and
+    /// returns the minimum screen coverage of each level. For a model without a scene, the function
+    /// builds the scene that its GLB would have, without the parts that have no vertices.
     ///
     /// # Errors
     /// The scene already has levels of detail, or the document would be too large.

@@ -13,8 +13,8 @@ pub struct NewVertices {
     pub sources: Vec<u32>,
     /// The unit normals; empty to copy the normals of the old vertices.
     pub normals: Vec<[f32; 3]>,
-    /// The tangents in the form of glTF: a unit vector and the sign of the bitangent. Empty to copy
-    /// the tangents of the old vertices.
+    /// The tangents, as in glTF: a unit vector and the sign of the bitangent. Empty to copy the
+    /// tangents of the old vertices.
     pub tangents: Vec<[f32; 4]>,
     /// The positions; empty to copy the positions of the old vertices.
     pub positions: Vec<[f32; 3]>,

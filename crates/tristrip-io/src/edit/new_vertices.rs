@@ -1,10 +1,10 @@
-//! Adds vertices to parts: each is a copy of an old one with a new normal and tangent, a new
-//! position, or both.
+//! Adds vertices to parts. Each new vertex is a copy of an old vertex with a new normal and
+//! tangent, a new position, or both.
 //!
 //! # Algorithm
 //! In a scene written as a GLB, the new vertices follow the old ones of their group, because the
 //! parts of a group share accessors. `gltf/edit/extend.rs` writes all their values, including those
-//! that were not decoded. In other formats, the new vertices replace those of the part.
+//! that were not decoded. In other formats, the new vertices replace the old vertices of the part.
 //! [`with_triangles`](crate::with_triangles) can then remove unused vertices.
 //!
 //! # Complexity
@@ -23,18 +23,18 @@ use crate::model::Model;
 /// A model with new vertices.
 #[derive(Debug)]
 pub struct Extended {
-    /// The parts in their order. Except in a scene written as a GLB, parts with new vertices
-    /// have no faces.
+    /// The parts, in their original order. Parts with new vertices have no faces, except in a scene
+    /// written as a GLB.
     pub model: Model,
     /// The index of the first new vertex of each part; `None` for a part without new vertices.
     pub first: Vec<Option<u32>>,
 }
 
-/// Returns, for each part, why its vertices cannot have such new values in a file of `format`, or
-/// `None` if they can.
+/// Returns, for each part, the reason why its vertices cannot get such new values in a file of
+/// `format`, or `None` if they can.
 ///
 /// # Errors
-/// The number of parts differs from that of the scene.
+/// The number of parts differs from the number of parts in the scene.
 ///
 /// ```
 /// use tristrip_io::{Format, NewValues, fixed_vertices, read};

@@ -1,15 +1,15 @@
 //! Replaces the triangles of models and removes vertices that become unused.
 //!
 //! # Algorithm
-//! 1. A vertex is kept if a part of its group uses it, or if points or lines in the scene do.
+//! 1. A vertex is kept if a part of its group uses it, or if points or lines in the scene use it.
 //!    `renumber.rs` defines the groups.
 //! 2. Positions, attributes and triangles are renumbered; the vertices keep their order. If there
 //!    are no triangles at all, all vertices are kept, because not every format allows files without
 //!    vertices.
-//! 3. In a scene written as a GLB, all other values of the removed vertices are removed too, with
-//!    the bytes that become unused: morph targets, joints and weights, and attributes that were not
-//!    decoded. A group keeps its vertices if other data depends on them; [`Redrawn::kept_groups`]
-//!    has the reason.
+//! 3. In a scene written as a GLB, the other values of removed vertices are also removed: morph
+//!    targets, joints and weights, and attributes that were not decoded. Bytes that become unused
+//!    are deleted. A group keeps its vertices if other data depends on them;
+//!    [`Redrawn::kept_groups`] states the reason.
 //!
 //! # Complexity
 //! Linear time; 8 bytes per vertex in addition to the new model. For a scene, see
@@ -30,7 +30,7 @@ use crate::model::Model;
 /// A model with new triangles, and counts of its vertices.
 #[derive(Debug, Clone)]
 pub struct Redrawn {
-    /// The parts in their order, with their new triangles as faces.
+    /// The parts, in their original order, with their new triangles as faces.
     pub model: Model,
     /// The number of vertices used by triangles.
     pub used: usize,
@@ -54,7 +54,7 @@ pub struct KeptVertices {
     pub parts: Vec<usize>,
     /// The number of unused vertices.
     pub vertex_count: usize,
-    /// Why they were kept.
+    /// The reason for keeping them.
     pub why: String,
 }
 
@@ -83,8 +83,8 @@ impl Redrawn {
         })
     }
 
-    /// Converts strips of old vertices of a part to its new vertices. The strips must use only
-    /// vertices of the new triangles.
+    /// Renumbers strips of a part from its old vertices to its new vertices. The strips must use
+    /// only vertices of the new triangles.
     ///
     /// # Errors
     /// The part does not exist, or a strip uses a vertex that the part does not have.
@@ -109,12 +109,12 @@ impl Redrawn {
     }
 }
 
-/// Replaces the triangles of each part, three vertex indices each, and removes vertices that no
-/// part uses if the file format allows it.
+/// Replaces the triangles of each part, and removes vertices that no part uses if the file format
+/// allows it. `triangles` contains one list per part, with three vertex indices per triangle.
 ///
 /// # Errors
-/// The number of lists differs from the number of parts, a list uses a vertex that its part does
-/// not have, or the length of a list is not a multiple of three.
+/// The number of lists differs from the number of parts, a list contains a vertex that its part
+/// does not have, or the length of a list is not a multiple of three.
 ///
 /// ```
 /// use tristrip_io::{Format, read, with_triangles};
@@ -180,8 +180,9 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
     Ok(Redrawn { model, used, dropped, kept, kept_groups, orders, order_of })
 }
 
-/// Replaces vertices that are equal in every value by the first of them, in a scene that is written
-/// as a GLB. [`with_triangles`] can then remove the others.
+/// Replaces each vertex in `triangles` by the first vertex that is equal in every value, if a scene
+/// is written as a GLB. Otherwise the triangles do not change. [`with_triangles`] can then remove
+/// the unused vertices.
 ///
 /// # Errors
 /// The number of lists differs from the number of parts.

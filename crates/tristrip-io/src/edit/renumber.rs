@@ -1,5 +1,4 @@
-//! Renumbers the vertices of a model: the common part of redrawing, reordering and levels of
-//! detail.
+//! Renumbers the vertices of a model. Redrawing, reordering and levels of detail use this module.
 //!
 //! # Complexity
 //! Linear in the vertices and their values. For a scene, see `gltf/edit/renumber.rs`.

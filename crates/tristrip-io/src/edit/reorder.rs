@@ -1,4 +1,4 @@
-//! Orders the vertices of models by first use in their drawings, so drawing fetches vertices
+//! Orders the vertices of models by first use in their drawings, so vertices are fetched
 //! sequentially.
 //!
 //! ```text
@@ -7,8 +7,8 @@
 //! # Algorithm
 //! 1. Parts that share vertices in the file form one group (`renumber.rs`).
 //! 2. The vertices of a group are ordered by first use in the index buffers that the writer builds
-//!    from its drawings. In the degenerate layout, the strips are joined first, because the joins
-//!    depend on the vertex indices.
+//!    from the drawings of the group. In the degenerate layout, the strips are joined first,
+//!    because the joins depend on the vertex indices.
 //! 3. Positions, attributes, faces and strips are renumbered. In a scene, all other vertex data is
 //!    renumbered too. Parts that shared vertices still share them.
 //!
@@ -28,11 +28,11 @@ use crate::model::{Drawing, Model};
 /// A model with reordered vertices, and its drawings.
 #[derive(Debug)]
 pub struct Reordered {
-    /// The parts in their order, with reordered vertices.
+    /// The parts, in their original order, with reordered vertices.
     pub model: Model,
     /// The strips of each part with new vertex indices; `None` for a part that is drawn as faces.
     pub strips: Vec<Option<Strips>>,
-    /// The layout for writing: [`Layout::Separate`] for strips that are already joined.
+    /// The layout to write. It is [`Layout::Separate`] if the strips are already joined.
     pub layout: Layout,
     /// The groups in the order of their first parts. Every part is in exactly one group.
     pub groups: Vec<VertexGroup>,
@@ -62,11 +62,11 @@ impl Reordered {
 /// last, in their old order. The result must be written with its own drawings and layout.
 ///
 /// If other data in a scene depends on the vertex indices, or may depend on them, the vertices keep
-/// their order; [`VertexGroup::kept`] has the reason.
+/// their order; [`VertexGroup::kept`] states the reason.
 ///
 /// # Errors
-/// The number of drawings or of parts of the scene differs from the number of parts of the model,
-/// or a strip uses a vertex that its part does not have.
+/// The number of drawings differs from the number of parts, the scene has a different number of
+/// parts, or a strip uses a vertex that its part does not have.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read, reorder, write};

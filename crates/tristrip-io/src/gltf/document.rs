@@ -1,6 +1,7 @@
 //! A glTF document: its JSON and buffers, and the accessors and other references between them.
 //!
-//! These modules know only the document. [`super::read`] reads what its meshes draw.
+//! These modules process only the document. [`super::read`] converts its primitives to the parts of
+//! a model.
 
 pub(in crate::gltf) mod accessor;
 pub(in crate::gltf) mod bounds;

@@ -1,5 +1,5 @@
-//! Changes to the vertices of a scene: renumbering, removal, added vertices, and accessors over
-//! their first values for levels of detail.
+//! Edits the vertices of a scene: renumbers, removes and adds vertices, and builds accessors over
+//! the first values of other accessors for levels of detail.
 //!
 //! Each change returns a scene that can be read and written like any other.
 

@@ -21,8 +21,7 @@
 //!
 //! # Complexity
 //! Linear in the bytes, n log n in the number of accessors and views; each buffer is copied twice.
-//! Keyframes and joints are decoded within the limit for attributes; those beyond it are not
-//! changed.
+//! Keyframes and joints beyond the limit for decoded attributes are not changed.
 
 mod animation;
 mod layout;

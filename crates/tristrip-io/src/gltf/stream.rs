@@ -1,7 +1,8 @@
-//! Progressive GLB: a stream of chunks behind base meshes (`docs/formats/progressive-glb.md`).
+//! Progressive GLB: base meshes, followed by a stream of chunks that refines them
+//! (`docs/formats/progressive-glb.md`).
 //!
-//! `progressive` writes and opens files, `refine` replaces the base meshes of a document on
-//! reading, and `arriving` decodes a file while it downloads.
+//! `progressive` writes and opens files, `refine` replaces the base meshes of a document when it is
+//! read, and `arriving` decodes a file while it downloads.
 
 pub(in crate::gltf) mod arriving;
 pub(in crate::gltf) mod progressive;

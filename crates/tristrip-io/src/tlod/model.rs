@@ -15,7 +15,7 @@ pub struct TlodModel {
     pub mesh: Mesh,
     /// The strips of the full mesh.
     pub strips: Strips,
-    /// The collapses of the same triangles.
+    /// The collapses of the triangles of the strips.
     pub sequence: CollapseSequence,
 }
 

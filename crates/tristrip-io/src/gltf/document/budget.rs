@@ -1,10 +1,11 @@
 //! Limits on decoded values and on triangles drawn repeatedly from the same indices.
 //!
 //! Decoding time and memory must be bounded by the file size. Four features of glTF break this
-//! bound: compressed buffer views; accessors without a buffer view, which are zeros; several
-//! accessors over the same bytes; and several primitives with the same indices. The first three are
-//! counted as decoded bytes with a small allowance. The fourth is counted in triangles. Writing
-//! indices does not change these counts, so a file that was read can be read again after writing.
+//! bound: compressed buffer views; accessors without a buffer view, whose values are zeros; several
+//! accessors over the same bytes; and several primitives with the same indices. For the first
+//! three, a budget limits the decoded bytes, with a small allowance. For the fourth, a budget
+//! limits the triangles. Writing indices does not change these counts, so a file that was read can
+//! be read again after writing.
 
 use crate::error::Error;
 use crate::gltf::document::byte_ranges::SharedBytes;

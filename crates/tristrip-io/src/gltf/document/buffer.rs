@@ -108,7 +108,7 @@ pub(in crate::gltf) fn view_range(
     Err(Error::format(format!("bufferViews[{v}]"), "a range outside the buffer", "a range within the buffer"))
 }
 
-/// The files of a document in a build that cannot read files.
+/// Rejects references to files, in a build that cannot read files.
 #[cfg(not(feature = "fs"))]
 pub(crate) struct NoBufferFiles<'a>(std::marker::PhantomData<&'a Path>);
 

@@ -2,7 +2,7 @@
 //! below it.
 //!
 //! A document opened through a symbolic link has two directories: the link's and the target's. The
-//! file is taken from the first that contains it.
+//! file is opened in the first directory that contains it.
 
 use std::collections::HashMap;
 use std::fs::File;

@@ -1,5 +1,4 @@
-//! JSON values that remember their source text: unchanged values are written with the bytes that
-//! were read.
+//! JSON values with their source text. Unchanged values are written with the bytes that were read.
 //!
 //! Each value of a document stores the range of its text. Mutable access clears the range of the
 //! value and of all its parents, because values are reached through their parents. Writing copies
@@ -13,8 +12,8 @@
 //!
 //! # Algorithm
 //! `serde_json` checks the text, including the nesting depth, and reports errors. `jsonc_parser`
-//! then finds the range of each value: `serde_json` does not provide ranges, and its values give
-//! numbers and some object keys a special meaning.
+//! then finds the range of each value: `serde_json` does not provide ranges, and its values treat
+//! numbers and some object keys specially.
 //!
 //! # Complexity
 //! Linear in the text; 56 bytes per value, plus the characters of strings.

@@ -1,4 +1,4 @@
-//! References to accessors and buffer views in a document: known and possible ones.
+//! Known and possible references to accessors and buffer views in a document.
 
 use std::collections::HashSet;
 

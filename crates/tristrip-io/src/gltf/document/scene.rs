@@ -9,7 +9,7 @@ use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::spec::TRIANGLES;
 use crate::gltf::document::{Document, array, items, whole};
 
-/// A glTF document: everything other than the parts, kept as it was read.
+/// A glTF document: all data except the parts, as it was read.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
     /// The JSON, with the `uri` of each buffer removed.
@@ -34,7 +34,7 @@ pub(in crate::gltf) struct PrimitiveRef {
 }
 
 impl Scene {
-    /// Lists the contents of the document other than the parts, with counts. Formats without scenes
+    /// Lists the contents of the document, except the parts, with counts. Formats without scenes
     /// cannot store them.
     ///
     /// ```

@@ -1,5 +1,5 @@
-//! The JSON of a document: parsed with a limit, read with errors that give the JSON path, and
-//! written with the source text of everything unchanged.
+//! The JSON of a document. The number of parsed values is limited, errors contain the JSON path,
+//! and unchanged values are written with their source text.
 
 use crate::gltf::document::byte_ranges::SharedBytes;
 use crate::gltf::document::json::{self, JsonContent, Members, Value};

@@ -7,9 +7,9 @@
 //!    removed (`renumber.rs`).
 //! 2. The values of each accessor are written consecutively, in the order of `sources`, to a new
 //!    buffer. Sparse accessors become dense.
-//! 3. The accessor keeps its index, and gets new bounds if values are new. It keeps its view if
-//!    nothing else uses that view; otherwise it gets a new one.
-//! 4. The bytes of the old values are removed, as for removed vertices.
+//! 3. The accessor keeps its index. Its bounds are recomputed if it has new values. It keeps its
+//!    view if nothing else uses that view; otherwise it gets a new one.
+//! 4. The bytes of the old values are deleted in the same way as the bytes of removed vertices.
 //!
 //! # Complexity
 //! Linear in the bytes of the buffers and of the extended accessors.

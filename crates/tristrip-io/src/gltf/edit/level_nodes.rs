@@ -9,13 +9,13 @@
 //! ```
 //! # Where the levels are attached
 //! A level replaces the node that lists it. It has the same parent and its own transform, children
-//! and animations, because the extension has no transform of its own. If a node only places a mesh,
-//! its levels repeat its transform. Any other node keeps its transform, animations, children,
-//! camera and extensions, which would otherwise have to be copied per level. Its mesh moves to a
-//! new child without a transform, together with everything that belongs to the mesh: skin, morph
-//! weights, and extensions that instance it. An animation of the node then moves all its levels, a
-//! viewer that ignores the extension shows the finest level, and no node changes its index. The
-//! nodes of lower levels are not listed in any scene.
+//! and animations, because the extension has no transform of its own. If a node contains only a
+//! mesh and a transform, its levels have copies of the transform. Any other node keeps its
+//! transform, animations, children, camera and extensions, which would otherwise have to be copied
+//! per level. Its mesh moves to a new child without a transform, together with everything that
+//! belongs to the mesh: skin, morph weights, and extensions that instance it. An animation of the
+//! node then moves all its levels, a viewer that ignores the extension shows the finest level, and
+//! no node changes its index. The nodes of lower levels are not listed in any scene.
 //!
 //! Morph weights are on the node with the mesh. An animation of the weights gets a channel per
 //! level with the same sampler. Nodes whose weights are animated by `KHR_animation_pointer` get no

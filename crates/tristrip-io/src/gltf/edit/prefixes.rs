@@ -1,13 +1,14 @@
-//! Accessors over the first values of other accessors: the vertices of a lower level of detail.
+//! Builds accessors over the first values of other accessors, for the vertices of a lower level of
+//! detail.
 //!
 //! ```text
 //! view        ├ positions ───────────────┤├ normals ─────────────────┤
 //! full mesh   ├──────────────────────────┤├──────────────────────────┤
 //! a level     ├──────────┤                ├──────────┤           same views and offsets
 //! ```
-//! A view that several accessors use must declare its stride. A view without one gets the size of
-//! its values. This requires that the view holds only vertex data of this size; otherwise the level
-//! uses all vertices of the primitive.
+//! A view that several accessors use must declare its stride. If a view has no stride, the size of
+//! its values becomes its stride. This requires that the view holds only vertex data of this size;
+//! otherwise the level uses all vertices of the primitive.
 //!
 //! # Complexity
 //! Linear in the values of the new accessors. Their bounds are computed within the limit for

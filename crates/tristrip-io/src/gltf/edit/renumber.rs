@@ -12,18 +12,19 @@
 //!    common vertex order.
 //! 2. A group keeps its vertices if other data depends on their indices: another use of one of the
 //!    accessors, extensions or extras of the primitives, integers of unknown meaning on accessors
-//!    or views, or bytes shared with other data. It keeps their order if points or lines use them.
-//!    Removing vertices also renames the indices of points and lines. It requires that no extension
-//!    or extras in the document contains the index of one of the accessors or views.
+//!    or views, or bytes shared with other data. A group keeps the order of its vertices if points
+//!    or lines use them. Vertices can be removed only if no extension or extras in the document
+//!    contains the index of one of the accessors or views. The indices of points and lines are then
+//!    updated.
 //! 3. Every value moves to the slot of its new index within its accessor; views may be interleaved.
 //!    A sparse accessor lists the new indices in ascending order.
-//! 4. The moved values are compared with the old ones. If accessors overlap in any way other than
-//!    by the same vertices, the values differ, and the group is restored.
+//! 4. The moved values are compared with the old ones. If different vertices share bytes because
+//!    accessors overlap, the values differ, and the group is restored.
 //! 5. [`crate::gltf::edit::shrink`] removes the values of removed vertices and their bytes.
 //!
 //! # Complexity
-//! Linear in the bytes of the accessors, with the same limit as decoded values. Memory: two bytes
-//! per byte of the changed buffers.
+//! Linear in the bytes of the accessors, up to the limit for decoded values. Memory: two bytes per
+//! byte of the changed buffers.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 

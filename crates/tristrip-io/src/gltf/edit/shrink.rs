@@ -6,10 +6,10 @@
 //! written   ├ positions ─┤├ normals ───┤├ …
 //! ```
 //! # Algorithm
-//! 1. The accessors of a group get their new count, sparse accessors also their new number of
-//!    sparse values. The remaining values are already first.
-//! 2. Minimum and maximum are recomputed for positions, which must have them, and for accessors
-//!    that had them.
+//! 1. The count of each accessor of a group is updated. For sparse accessors, the number of sparse
+//!    values is also updated. The remaining values are already first.
+//! 2. Minimum and maximum are recomputed for positions, where glTF requires them, and for other
+//!    accessors that had them.
 //! 3. The bytes of removed values are deleted unless other data uses them: another accessor, an
 //!    image, a view without an accessor, or a view that an extension or extras may refer to. Bytes
 //!    are deleted in multiples of 8, so the remaining bytes keep their alignment. Interleaved

@@ -10,10 +10,10 @@
 //! # Algorithm
 //! 1. Each sampler of translations, rotations, scales or morph weights becomes a track of times and
 //!    values.
-//! 2. A track with equal values keeps its first keyframe if other tracks of the animation have its
-//!    first and its last time, so the animation keeps its start and end; otherwise it keeps the
-//!    first and the last. If the value also equals the node's own value, and no other animation
-//!    changes that property, the channel is removed.
+//! 2. If all values of a track are equal, it keeps its first keyframe. It also keeps its last
+//!    keyframe, unless other tracks of the animation contain its first and last times. The start
+//!    and end of the animation therefore do not change. If the value also equals the node's own
+//!    value, and no other animation changes that property, the channel is removed.
 //! 3. In other linear tracks, a keyframe is kept if the segment from the last kept keyframe to the
 //!    next one would deviate from a keyframe in between by more than the tolerance. Between
 //!    keyframes, both curves are line segments or arcs of the same circle, so the error is largest

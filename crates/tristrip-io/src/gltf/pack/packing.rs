@@ -12,7 +12,7 @@ use crate::gltf::document::{Document, array, entries_mut, list_mut};
 /// Members of accessors and views that must be preserved.
 pub(super) const OWN_MEMBERS: [&str; 3] = ["name", "extensions", "extras"];
 
-/// What [`pack`](super::pack()) may round.
+/// The values that [`pack`](super::pack()) may round.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Rounding {

@@ -1,14 +1,15 @@
-//! Stores arrays in smaller types: joints and indices if the type can represent every value,
-//! weights if it represents every value exactly or if rounding is requested.
+//! Stores arrays in smaller types. Joints and indices are converted if the type can represent every
+//! value. Weights are converted if the type represents every value exactly, or if rounding is
+//! requested.
 //!
 //! # Algorithm
-//! 1. Decode each accessor that has the same use everywhere and contiguous values.
+//! 1. Decode each accessor whose values are contiguous and have the same use everywhere.
 //! 2. Store joints in 8 bits if possible, and indices of points, lines and triangle lists in the
 //!    smallest type whose maximum value exceeds every index.
-//! 3. Store weights in 8 bits if each is exactly k/255, in 16 bits if each is exactly k/65535. With
-//!    rounding to h = 255 or 65535, each weight becomes ⌊h w⌋/h, and the weights with the largest
-//!    remainders get 1/h more until the four weights of a vertex sum to 1, if they did before. The
-//!    specification requires this sum.
+//! 3. Store weights in 8 bits if each is exactly k/255, and in 16 bits if each is exactly k/65535.
+//!    With rounding to h = 255 or 65535, each weight becomes ⌊h w⌋/h. If the four weights of a
+//!    vertex summed to 1 before, 1/h is then added to the weights with the largest remainders until
+//!    the sum is 1 again. The specification requires this sum.
 
 #![allow(clippy::cast_sign_loss, reason = "indices, joints and weights are not negative")]
 

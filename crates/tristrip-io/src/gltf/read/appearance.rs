@@ -69,8 +69,8 @@ pub struct Instance {
     pub skin: Option<usize>,
 }
 
-/// A material, without maps other than the base colour. The default is that of glTF: white metal
-/// without a texture.
+/// A material. Maps other than the base colour are omitted. The default is that of glTF: white
+/// metal without a texture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Red, green and blue in linear light, and alpha.
@@ -81,7 +81,7 @@ pub struct Material {
     pub metalness: f32,
     /// The roughness factor, from 0 to 1.
     pub roughness: f32,
-    /// Whether the alpha of the base colour blends it with the background.
+    /// Whether the material is blended with the background by the alpha of its base colour.
     pub is_blended: bool,
 }
 
@@ -102,7 +102,7 @@ pub struct Texture {
     pub wrap: [Wrap; 2],
 }
 
-/// The wrapping mode of a texture for coordinates outside 0 to 1.
+/// The wrapping mode of a texture for texture coordinates less than 0 or greater than 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wrap {
     /// The image repeats.
@@ -114,7 +114,7 @@ pub enum Wrap {
     Clamp,
 }
 
-/// An image in its encoded form: PNG or JPEG.
+/// An encoded image: PNG or JPEG.
 #[derive(Debug, Clone)]
 pub struct Image {
     /// Its location in the document, for messages: `images[3]`.
@@ -136,7 +136,7 @@ impl Image {
 }
 
 impl Scene {
-    /// Counts the materials with more than a base colour.
+    /// Counts the materials with other maps than the base colour, or with emission.
     #[cfg(feature = "fs")]
     pub(crate) fn shaded_material_count(&self) -> usize {
         const MORE: [&str; 4] = ["normalTexture", "occlusionTexture", "emissiveTexture", "emissiveFactor"];

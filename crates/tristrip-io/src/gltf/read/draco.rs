@@ -11,8 +11,8 @@
 //!
 //! # Algorithm
 //! 1. Before a stream is decoded, its size and the size declared by its accessors are charged to
-//!    the budget. The decoder must not produce more. Attributes of the stream that the primitive
-//!    does not use are skipped.
+//!    the budget. The decoder must not produce more bytes than this. Attributes of the stream that
+//!    the primitive does not use are skipped.
 //! 2. Each decoded attribute, and the indices, get their own buffer view. Accessors that several
 //!    primitives use are decoded once.
 //! 3. The buffers are merged into one without the streams. The extension is removed from primitives

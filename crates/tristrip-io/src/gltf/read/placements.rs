@@ -27,7 +27,7 @@ pub struct Placement {
 }
 
 impl Scene {
-    /// Returns the positions of all meshes in the default scene, in the order of its nodes. If the
+    /// Returns the placements of all meshes in the default scene, in the order of its nodes. If the
     /// scene has no meshes, the result is one placement of all parts.
     ///
     /// # Errors

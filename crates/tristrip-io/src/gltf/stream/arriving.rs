@@ -156,7 +156,7 @@ impl ArrivingGlb {
     ///
     /// # Errors
     /// The bytes are not a GLB, its document or a chunk is invalid, or the file exceeds a limit.
-    /// Chunks before the error stay decoded. All later calls return the same error.
+    /// Chunks before the error remain decoded. All later calls return the same error.
     pub fn update(&mut self, bytes: &[u8]) -> Result<usize, Error> {
         if let Some(fault) = &self.fault {
             return Err(fault.error());

@@ -47,8 +47,8 @@ pub struct WrittenGlb {
 }
 
 /// Writes a progressive GLB: the drawings of a model with a scene, packed without rounding (see
-/// [`pack`](crate::gltf::pack())), and the chunks of the stream that refines them. `parts` has the
-/// source of each refined part. Without chunks, the result is a plain GLB.
+/// [`pack`](crate::gltf::pack())), and the chunks of the stream that refines them. `parts` contains
+/// the source of each refined part. Without chunks, the result is a plain GLB.
 ///
 /// # Errors
 /// The model has no scene, the number of drawings or sources differs from the number of parts, a
@@ -174,7 +174,7 @@ fn stream_in_bin(root: &Members) -> Result<Option<(StreamInDocument, usize, usiz
     }
 }
 
-/// The range of the chunks of a progressive GLB in its file, according to its JSON.
+/// The byte range of the chunks in the file of a progressive GLB, as stated in its JSON.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChunkRange {
     bytes: Range<u64>,

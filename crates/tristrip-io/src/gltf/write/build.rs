@@ -2,10 +2,11 @@
 //!
 //! # Attributes
 //! `NORMAL`, `TANGENT`, `TEXCOORD_n` and `COLOR_n` are written under these names if their values
-//! meet the requirements of glTF: normals and tangents of unit length, colours from 0 to 1,
-//! consecutive numbers. All others become custom attributes with a leading underscore; their values
-//! do not change. Attributes without a glTF type (64-bit floats, 32-bit integers, more than four
-//! components, values that are not finite) are not written; [`losses`] lists them.
+//! meet the requirements of glTF: normals and tangents have unit length, colours are from 0 to 1,
+//! and the numbers n are consecutive. All others become custom attributes with a leading
+//! underscore; their values do not change. Attributes without a glTF type (64-bit floats, 32-bit
+//! integers, more than four components, values that are not finite) are not written; [`losses`]
+//! lists them.
 //!
 //! Texture coordinates have their origin at the bottom in OBJ and at the top in glTF, so `v`
 //! becomes 1 − v.

@@ -1,5 +1,5 @@
-//! The materials of a new document: their names, and the properties from the material libraries of
-//! an OBJ.
+//! Builds the materials of a new document, with their names and the properties from the material
+//! libraries of an OBJ.
 
 use std::collections::HashMap;
 

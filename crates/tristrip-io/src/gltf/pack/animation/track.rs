@@ -1,4 +1,4 @@
-//! A track of an animation, and which of its keyframes interpolation reproduces.
+//! Tracks of an animation. Finds the keyframes that interpolation reproduces.
 
 use crate::gltf::document::Located;
 use crate::gltf::document::accessor::{AccessorResolver, AccessorValues};

@@ -116,7 +116,7 @@ impl ViewArrays {
     }
 }
 
-/// The slots of the used accessors, and the views that must stay whole.
+/// The slots of the used accessors, and the views that must not be split.
 #[derive(Default)]
 struct FoundSlots {
     slots: Vec<Slots>,

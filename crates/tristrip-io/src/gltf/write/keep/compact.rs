@@ -1,4 +1,4 @@
-//! Compaction of the buffers: removed bytes, new offsets, and the update of buffer views.
+//! Compacts the buffers: removes bytes, computes new offsets, and updates buffer views.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
