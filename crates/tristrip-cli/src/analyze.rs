@@ -28,7 +28,7 @@ const MAX_BAR: usize = 40;
 /// The keys of `seconds`.
 pub(crate) const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("analyze", &[Stage::Analyze])];
 
-/// What was found in one input. The field names are the keys of the JSON output.
+/// The report on one input. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Analyzed {

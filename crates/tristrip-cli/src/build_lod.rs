@@ -23,7 +23,7 @@ pub(crate) const SECONDS: SecondsKeys = &[
     ("write", &[Stage::Write]),
 ];
 
-/// What was done with the input. The field names are the keys of the JSON output.
+/// The report on the input. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Built {

@@ -13,7 +13,7 @@ use crate::report::{self, Batch};
 use crate::stage::load_job;
 use crate::task::ConvertTask;
 
-/// What was done with one input. The field names are the keys of the JSON output.
+/// The report on one input. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Converted {

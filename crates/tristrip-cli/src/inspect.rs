@@ -22,7 +22,7 @@ const DECODING: &[Stage] = &[Stage::Load, Stage::Decode];
 /// The keys of `seconds`.
 pub(crate) const SECONDS: SecondsKeys = &[("decode", DECODING)];
 
-/// What was found in one input. The field names are the keys of the JSON output.
+/// The report on one input. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Inspected {

@@ -1,5 +1,5 @@
-//! The `tristrip` command as a library. [`run`] is its only function; the program passes its
-//! arguments to it.
+//! The `tristrip` command as a library. The program passes its arguments to [`run`].
+//! [`report_schemas`] returns the JSON Schemas of the reports.
 //!
 //! ```text
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-render, tristrip-serve ─▶ output ─▶ figures ─▶ console
@@ -8,8 +8,8 @@
 //! ```
 //! `serve` and `view` need the feature `serve`, and HTTPS the feature `tls`.
 //!
-//! Exit codes: 0: success, all results verified. 1: failed verification, input or output. 2: wrong
-//! usage.
+//! The exit code is 0 if all results are verified, 1 if a verification, an input or an output
+//! fails, and 2 for wrong usage.
 
 #![forbid(unsafe_code)]
 
@@ -72,8 +72,8 @@ const STACK_BYTES: usize = 8 << 20;
 
 /// Runs the command and returns its exit code. The first argument is the program name.
 ///
-/// - 0: success, all results verified; or help or version printed.
-/// - 1: a result fails verification, or an input or output error; a message gives the reason.
+/// - 0: all results are verified, or help or the version was printed.
+/// - 1: a result fails verification, or an input or output fails; a message states the reason.
 /// - 2: wrong usage; a message names the flag.
 ///
 /// The command reads and writes the standard streams of the process. Help and messages always call
@@ -81,9 +81,10 @@ const STACK_BYTES: usize = 8 << 20;
 ///
 /// # Signals
 /// The first search replaces the Ctrl-C handler of the process; the new handler stays installed. On
-/// Ctrl-C outside a search, or on a second Ctrl-C, it ends the process with exit code 130. Nothing
-/// else ends the process. The web server installs handlers for Ctrl-C and SIGTERM, which also stay
-/// installed. The interrupt state is global to the process: run one command at a time.
+/// Ctrl-C outside a search, or on a second Ctrl-C, this handler ends the process with exit code
+/// 130. Nothing else ends the process. The web server installs handlers for Ctrl-C and SIGTERM,
+/// which also stay installed. The interrupt state is global to the process: run one command at a
+/// time.
 ///
 /// ```
 /// assert_eq!(tristrip_cli::run(["tristrip", "--version"]), 0);

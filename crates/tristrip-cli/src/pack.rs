@@ -18,7 +18,7 @@ use crate::task::PackTask;
 pub(crate) const SECONDS: SecondsKeys =
     &[("load", &[Stage::Load]), ("pack", PACKING), ("write", &[Stage::Write])];
 
-/// What was done with one input. The field names are the keys of the JSON output.
+/// The report on one input. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Packed {

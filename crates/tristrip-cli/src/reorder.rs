@@ -1,11 +1,12 @@
-//! The report of reordered vertices: the new order and the number of moved vertices.
+//! The report on reordered vertices: the new order and the number of moved vertices.
 
 use serde::Serialize;
 use serde_json::value::{RawValue, to_raw_value};
 use tristrip_io::VertexGroup;
 use tristrip_pipeline::text::{count, counted};
 
-/// The vertices of parts that share them. The field names are the keys of the JSON report.
+/// The vertices of a group of parts that share vertices. The field names are the keys of the JSON
+/// report.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct GroupOrder {
@@ -15,8 +16,8 @@ pub(crate) struct GroupOrder {
     vertices: usize,
     /// The number of vertices with a new index.
     moved: usize,
-    /// The index in the input of each vertex of the file; every index occurs once. The JSON output
-    /// has them on one line.
+    /// For each vertex of the file, its index in the input; every index occurs once. The JSON
+    /// output has them on one line.
     #[cfg_attr(feature = "schema", schemars(with = "Vec<u32>"))]
     new_to_old: Option<Box<RawValue>>,
     /// Why the vertices kept their order; `null` if they were reordered.

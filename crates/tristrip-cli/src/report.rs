@@ -12,8 +12,8 @@ use crate::clock::{Seconds, SecondsKeys, StageClock};
 use crate::console::Console;
 use crate::failure::Failure;
 
-/// The report of one input. The field names are the keys of the JSON output. One that failed has an
-/// error instead of the outcome.
+/// The report on one input. The field names are the keys of the JSON output. If the input failed,
+/// the report contains an error instead of the outcome.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Report<O> {
@@ -32,7 +32,7 @@ pub(crate) struct Report<O> {
     pub(crate) error: Option<String>,
 }
 
-/// What is known of a result that fails verification.
+/// The known data of a result that fails verification.
 #[derive(Debug, Serialize)]
 struct Unproven {
     proven: bool,

@@ -10,7 +10,7 @@ use crate::logs::Log;
 use crate::report::{self, Report};
 use crate::task::ServeTask;
 
-/// A server that listens. The field names are the keys of the JSON output.
+/// A listening server. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Listening {

@@ -33,7 +33,7 @@ pub(crate) const SECONDS: SecondsKeys = &[
     ("write", &[Stage::Encode, Stage::Write]),
 ];
 
-/// What was done with one input. The field names are the keys of the JSON output.
+/// The report on one input. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Simplified {

@@ -23,7 +23,7 @@ use crate::search::check_interrupt;
 use crate::stage::{load_job, show_mesh, show_proof, timed};
 use crate::task::StripTask;
 
-/// What was done with one input. The field names are the keys of the JSON output.
+/// The report on one input. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Stripped {

@@ -1,5 +1,5 @@
-//! Validated tasks. Only this module checks combinations of flags; it builds a task from valid
-//! flags and rejects others with a message.
+//! Validated tasks. Only this module checks combinations of flags; it builds a task from a valid
+//! combination, and rejects other combinations with a message.
 
 mod checks;
 mod levels;

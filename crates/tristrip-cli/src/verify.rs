@@ -15,7 +15,7 @@ use crate::task::VerifyTask;
 /// The keys of `seconds`.
 pub(crate) const SECONDS: SecondsKeys = &[("load", &[Stage::Load]), ("verify", &[Stage::Prove])];
 
-/// The report of both files. The field names are the keys of the JSON output.
+/// The report on both files. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Verified {

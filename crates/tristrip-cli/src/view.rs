@@ -21,7 +21,7 @@ use crate::serve::until_signal;
 use crate::stage::load_job;
 use crate::task::ViewTask;
 
-/// A model that is shown. The field names are the keys of the JSON output.
+/// A model that the viewer shows. The field names are the keys of the JSON output.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Shown {

@@ -1,4 +1,4 @@
-//! Index and vertex-cache statistics of a model as its file stores it. No strips are built.
+//! Index and vertex-cache statistics of a model, as stored in its file. No strips are built.
 
 mod stored;
 mod vertex_caches;

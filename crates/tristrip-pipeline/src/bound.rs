@@ -48,7 +48,7 @@ pub struct Outcome {
     pub notes: Vec<String>,
 }
 
-/// The bound of a component of a part. The field names are the keys of the JSON report.
+/// The lower bounds of a component of a part. The field names are the keys of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

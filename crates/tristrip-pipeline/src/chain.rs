@@ -129,8 +129,8 @@ pub struct ChainLevel {
     pub screen_coverage: f64,
     /// Whether there are at most `target_triangles` triangles.
     pub reached: bool,
-    /// The size of the level's file. In a file with all levels, the size of the indices and
-    /// vertices that the level uses. `None` if no file was written.
+    /// The size of the level's file in bytes. In a file with all levels, the size of the indices
+    /// and vertices that the level uses. `None` if no file was written.
     pub bytes: Option<usize>,
     /// The file of the level; `None` if one file has all levels, or if no file was written.
     pub output: Option<String>,

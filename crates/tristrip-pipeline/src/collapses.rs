@@ -1,4 +1,4 @@
-//! The results of the collapses of a whole model.
+//! The results of collapsing a whole model.
 
 use serde::Serialize;
 use tristrip::simplify::Stopped;
@@ -16,7 +16,7 @@ pub struct Collapses {
     /// The maximum allowed error of a collapse, in the units of the scene: the requested one, or 1
     /// % of `diagonal`. `None` for no limit.
     pub target_error: Option<f32>,
-    /// Whether there are at most `target_triangles` triangles. If not, `warning` has the reason;
+    /// Whether there are at most `target_triangles` triangles. If not, `warning` states the reason;
     /// this is not an error.
     pub reached: bool,
     /// The number of triangles of the input; a polygon counts as a fan.
@@ -38,12 +38,12 @@ pub struct Collapses {
     pub vanished_components: usize,
     /// The number of vertices that were kept because they touch a part placed by other nodes.
     pub locked_vertices: usize,
-    /// The numbers of remaining vertices by the reason for keeping them. Each vertex counts once.
+    /// The number of remaining vertices per reason for keeping them. Each vertex counts once.
     /// `None` if the goal was reached.
     pub vertices_kept: Option<KeptVertices>,
 }
 
-/// The numbers of vertices that a simplification kept, by reason. Each vertex counts once.
+/// The number of vertices that a simplification kept, per reason. Each vertex counts once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]

@@ -111,7 +111,8 @@ pub struct MethodSeconds {
 }
 
 /// Builds strips by all methods, then measures and verifies them. If the result of a method fails
-/// verification, its row has an error message. Each method starts with [`Stage::Stripify`].
+/// verification, its row has an error message. At the start of each method, the observer receives
+/// [`Stage::Stripify`].
 ///
 /// # Errors
 /// The observer cancelled the operation.

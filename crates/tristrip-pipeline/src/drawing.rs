@@ -1,9 +1,9 @@
-//! Chooses how a file draws each part: by the representation with the fewest indices. By default, a
-//! file never has more indices than its source.
+//! Chooses how a file draws each part: as strips or as a list, whichever takes the fewest indices.
+//! By default, a file never has more indices than its source.
 //!
 //! Strips are shorter than a list only if triangles share edges. A strip of one triangle takes four
-//! indices with its restart, or six if degenerate triangles join it. In a list it takes three. A
-//! flat-shaded model, in which every edge is a seam, is smaller as a list.
+//! indices with its restart, or six if degenerate triangles join it. In a list, the triangle takes
+//! three. A flat-shaded model, in which every edge is a seam, is smaller as a list.
 //!
 //! # Algorithm
 //! Each part is drawn by the candidate with the fewest indices: the strips of the method, in the

@@ -103,8 +103,8 @@ impl FromStr for Deviation {
     }
 }
 
-/// The number of triangles to keep of a whole model. The parts share this budget by cost: each
-/// keeps the triangles that its shape needs.
+/// The number of triangles to keep of a whole model. The budget is distributed over the parts by
+/// cost: each part keeps the triangles that its shape needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Amount {
     /// A ratio of all triangles.

@@ -30,7 +30,7 @@ pub struct Outcome {
     pub chunk_bytes: usize,
     /// The size of the file in bits divided by `vertices`.
     pub bits_per_vertex: f64,
-    /// What the bits are spent on.
+    /// The size of each component, such as positions or attributes.
     pub components: Vec<ComponentBits>,
     /// The chunks in the file, in their order.
     pub chunks: Vec<Chunk>,
@@ -74,8 +74,8 @@ pub struct Chunk {
     pub surface_error: f32,
 }
 
-/// Decodes a stream. A truncated or damaged stream is decoded up to that point, and
-/// [`Outcome::problem`] has the reason.
+/// Decodes a stream. A truncated or damaged stream is decoded up to the damage, and
+/// [`Outcome::problem`] states the reason.
 ///
 /// # Errors
 /// The observer cancelled the operation.

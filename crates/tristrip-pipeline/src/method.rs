@@ -13,7 +13,7 @@ pub use help::method_help;
 use parameters::{Value, parameters_of};
 pub use parameters::{parse_method, with_method_parameter};
 
-/// A method and its parameters. The JSON report has the method, and one key per parameter.
+/// A method and its parameters. The JSON report contains the method, and one key per parameter.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MethodDescription {
     method: &'static str,

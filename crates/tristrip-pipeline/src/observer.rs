@@ -102,8 +102,8 @@ impl SearchStop {
     }
 }
 
-/// Watches the searches of all parts of a model, which may run concurrently. It is dropped when
-/// they end.
+/// Watches the searches of all parts of a model, which may run concurrently. The watch is dropped
+/// when the searches end.
 pub trait Search: Watch {
     /// Returns why the searches were stopped; `None` if they were not.
     fn stopped(&self) -> Option<SearchStop>;
@@ -124,7 +124,7 @@ pub struct SimplifyProgress {
     pub before: usize,
     /// The number of remaining triangles.
     pub left: usize,
-    /// The number of triangles at which it stops; 0 without a limit.
+    /// The number of triangles at which the simplification stops; 0 without a limit.
     pub goal: usize,
 }
 

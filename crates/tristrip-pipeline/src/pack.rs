@@ -8,14 +8,14 @@
 //! ```
 //!
 //! # Algorithm
-//! 1. A model that is not glTF gets a scene in memory. A scene keeps everything else: nodes,
+//! 1. A model that is not glTF gets a scene in memory. All other data of a scene is kept: nodes,
 //!    materials, textures, skins and animations.
 //! 2. Parts with the same node transforms and the same attributes form a group. A group is one mesh
 //!    of the stream, and each vertex has the index of its part. Borders between these parts are
 //!    then seams, and stay closed at every level. Vertices that touch another group, or an
 //!    unrefined part, stay in the base mesh with all bits of their positions.
-//! 3. Parts with morph targets or unread attributes are not refined. Neither are the parts of a
-//!    group whose stream would not make the file smaller.
+//! 3. Parts with morph targets or unread attributes are not refined. A group is also not refined if
+//!    its stream would not make the file smaller.
 //! 4. Errors are weighted uniformly, or by their apparent size from a viewpoint
 //!    ([`Options::with_eye`]). Distant and back-facing parts are then refined later.
 //! 5. The base mesh of the stream is drawn before the first chunk. If it is large compared with the
@@ -102,8 +102,8 @@ pub struct Outcome {
     #[serde(skip)]
     pub bytes: Vec<u8>,
     /// Whether the file contains exactly the triangles of the model when it is read back, at
-    /// positions rounded to the grid; `None` if verification was disabled. Reports have `true`, and
-    /// Rust has the number of triangles.
+    /// positions rounded to the grid; `None` if verification was disabled. A report contains
+    /// `true`, and in Rust the value is the number of triangles.
     #[serde(serialize_with = "is_some_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: Option<usize>,

@@ -1,8 +1,8 @@
 //! The instances of the parts of a model: the transforms of the nodes that place them in the scene.
 //!
 //! Parts that the same nodes place, such as the primitives of one glTF mesh, share a list of
-//! transforms. They can be compared in their own coordinates. All parts of a file without nodes
-//! have the identity transform, and so do parts that no node shows.
+//! transforms. Such parts can be compared in their own coordinates. Parts that no node shows, and
+//! all parts of a file without nodes, have the identity transform.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -141,8 +141,8 @@ fn prove_part(part: &PreparedPart<'_>, strips: &Strips) -> Result<(), String> {
     verify(part.mesh, strips).map(drop).map_err(|why| why.to_string())
 }
 
-/// A prepared model with the report on its mesh: the first stages of every function of this crate
-/// that builds or bounds strips.
+/// A prepared model with the report on its mesh. Every function of this crate that builds or bounds
+/// strips creates one first.
 #[derive(Debug)]
 #[non_exhaustive]
 pub(crate) struct Survey<'a> {

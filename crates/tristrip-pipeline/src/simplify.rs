@@ -53,7 +53,8 @@ pub struct Options {
     pub rules: CollapseRules,
     /// Whether normals are kept or rebuilt.
     pub normals: Normals,
-    /// What is rounded when a GLB is packed. The default rounds joint weights to 16 bits.
+    /// The values that are rounded when a GLB is packed. The default rounds joint weights to 16
+    /// bits.
     pub rounding: Rounding,
     /// Whether the remaining vertices are moved closer to the original surface; see
     /// [`Options::with_fit`].
@@ -62,8 +63,8 @@ pub struct Options {
     pub measure: bool,
     /// Whether the collapses, and the bytes of a file, are verified.
     pub verify: bool,
-    /// The format that the result will be written in. A scene written as GLB keeps unused vertices
-    /// that other parts of it may refer to by index.
+    /// The format that the result will be written in. In a scene written as GLB, unused vertices
+    /// are kept if other data of the scene may refer to them by index.
     pub format: Format,
 }
 
@@ -154,7 +155,7 @@ pub struct Outcome {
     #[serde(flatten, serialize_with = "deviations_or_nulls")]
     #[cfg_attr(feature = "schema", schemars(schema_with = "deviations_schema"))]
     pub deviations: Option<Deviations>,
-    /// The number of parts per treatment of their normals, without parts that have no normals.
+    /// The number of parts per treatment of their normals. Parts without normals are not counted.
     pub normals: PartNormals,
     /// The number of parts: primitives of glTF, materials of OBJ.
     pub parts: usize,
@@ -167,8 +168,8 @@ pub struct Outcome {
     /// The vertex, edge and face counts of the source mesh.
     #[serde(skip)]
     pub mesh: MeshProperties,
-    /// Whether the observer stopped the simplification. It then has fewer collapses than requested,
-    /// or no fit or comparison. See [`Observer::simplifies`].
+    /// Whether the observer stopped the simplification. The result then has fewer collapses than
+    /// requested, or the fit or the comparison is missing. See [`Observer::simplifies`].
     #[serde(skip)]
     pub interrupted: bool,
     #[serde(skip)]
@@ -201,8 +202,8 @@ pub struct Deviations {
     /// The root mean square of the distances between texture coordinates (`TEXCOORD_0`), in percent
     /// of the size of the texture; `None` if there are none.
     pub uv_deviation_percent: Option<f64>,
-    /// The same distance in texels, over the parts with a base colour texture; `None` if there are
-    /// none.
+    /// The root mean square of these distances in texels, over the parts with a base colour
+    /// texture; `None` if there are none.
     pub uv_deviation_texels: Option<f64>,
     /// The unrounded values.
     #[serde(skip)]
@@ -286,9 +287,9 @@ pub fn run(model: &Model, options: &Options, observer: &dyn Observer) -> Result<
     simplify_to(model, options, goal, observer)
 }
 
-/// Simplifies each part to its own number of triangles, instead of the amount of the goal. Parts of
-/// a mesh that share positions are simplified to the sum of their numbers. Use this for comparisons
-/// with the result of another program.
+/// Simplifies each part to its own number of triangles. The number of triangles of the goal is
+/// ignored. Parts of a mesh that share positions are simplified to the sum of their numbers. Use
+/// this function to compare the result with the result of another program.
 ///
 /// # Errors
 /// The length of `triangles` differs from the number of parts, or [`run`] would fail.

@@ -4,8 +4,9 @@
 //! 1. Weld equal vertices. Triangulate polygons, and drop triangles with two corners at one
 //!    position, because they draw nothing.
 //! 2. Find the collapses in batches. Where a surface touches itself or attributes differ, a stream
-//!    cannot undo some collapses. Lock their vertices and search again, a few times.
-//! 3. Keep the remaining such collapses in the base mesh.
+//!    cannot undo some collapses. Lock the vertices of these collapses and search again. Repeat
+//!    this a few times.
+//! 3. The base mesh keeps the vertices of collapses that still cannot be undone.
 
 use tristrip::Mesh;
 use tristrip::PreparedFaces;

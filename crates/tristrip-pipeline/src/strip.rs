@@ -92,7 +92,7 @@ pub struct File {
     pub encoded: encode::Outcome,
     /// The number of parts per kind of drawing.
     pub drawn: DrawnParts,
-    /// The cost of the source as it was read. The caller sets its size.
+    /// The cost of the source as it was read. The caller sets the file size.
     pub before: FileCost,
     /// The file.
     pub after: FileCost,

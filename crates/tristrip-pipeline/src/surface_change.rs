@@ -12,9 +12,9 @@
 //! Cignoni, Rocchini, Scopigno: *Metro: Measuring Error on Simplified Surfaces*, 1998.
 //!
 //! # Complexity
-//! O((n + p) log n) time for n triangles of similar size and p points, as on scans and models.
-//! Where many boxes overlap, a search visits them all. Fewer points are compared then, to limit the
-//! number of visited boxes ([`MAX_VISITS`]).
+//! O((n + p) log n) time for n triangles and p points if the triangles have similar sizes, as in
+//! scans and models. Where many boxes overlap, a search visits all of them. In such cases, fewer
+//! points are compared to limit the number of visited boxes ([`MAX_VISITS`]).
 
 mod side;
 

@@ -1,10 +1,10 @@
 //! Decodes a level of a progressive GLB.
 //!
 //! # Algorithm
-//! Chunks are decoded one by one until the goal is reached. The level may then lie within the last
-//! chunk: its mesh is collapsed again down to the level. A level is therefore exact, although only
-//! whole chunks are decoded. The levels of several meshes are counted together, in the order of the
-//! chunks.
+//! Chunks are decoded one by one until the goal is reached. If the level lies within the last
+//! chunk, the mesh of this chunk is collapsed again down to the level. A level is therefore exact,
+//! although only whole chunks are decoded. The levels of several meshes are counted together, in
+//! the order of the chunks.
 //!
 //! # Complexity
 //! Decodes the chunks up to the goal.
@@ -95,8 +95,8 @@ pub struct Outcome {
     pub notes: Vec<String>,
 }
 
-/// Decodes a level. A truncated or damaged file is decoded up to that point, and
-/// [`Outcome::problem`] has the reason.
+/// Decodes a level. A truncated or damaged file is decoded up to the damage, and
+/// [`Outcome::problem`] states the reason.
 ///
 /// # Errors
 /// The level does not exist, the base meshes are missing, the document is invalid, or the observer

@@ -6,7 +6,8 @@
 //! (`tristrip::lod::SkipStrips`).
 //!
 //! # Complexity
-//! The method that builds the strips, plus O(n log n) for the collapses of n vertices.
+//! The time of the method that builds the strips, plus O(n log n) time for the collapses of n
+//! vertices.
 
 use std::sync::Arc;
 

@@ -8,10 +8,10 @@
 //!  └────────────
 //!     entries
 //! ```
-//! The same data gives the same bytes on every machine: no font is loaded, text is positioned by
+//! The same data produces the same bytes on every machine: no font is loaded, text is positioned by
 //! its anchor, text widths are estimated where space must be reserved, and logarithms come from
-//! `libm`. The background is white, so the chart is readable on a dark page. Series differ in the
-//! shape of their symbols as well as in colour, so a line hidden by another is still recognizable.
+//! `libm`. The background is white, so the chart is readable on a dark page. Series differ in
+//! colour and in the shape of their symbols, so overlapping series can still be distinguished.
 
 mod axis;
 mod labels;

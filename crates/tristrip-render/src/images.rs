@@ -10,8 +10,8 @@
 //! # Algorithm
 //! 1. A camera projects the vertices. For strips, the projection is parallel and scaled to fill the
 //!    image. For textured models, it is perspective, fitted to the eight corners of the bounding
-//!    box. The functions that end in `_seen` use the camera of a level-of-detail view instead;
-//!    geometry behind it is clipped.
+//!    box. The functions whose names end in `_seen` use the camera of a level-of-detail view
+//!    instead; geometry behind it is clipped.
 //! 2. A corner has the normal of the file, or the mean normal of the triangles at its position,
 //!    unless the surface has a crease there.
 //! 3. Each strip gets a palette colour that differs from the colours of its neighbours. A textured
@@ -63,7 +63,7 @@ pub use sheet::{SheetImage, sheet};
 pub use sides::{Differences, SIDES, compare, rows_of_sides};
 pub use textured::TexturedModel;
 
-/// Draws strips in one colour per strip; strips that share an edge differ in colour. A part
+/// Draws each strip in one colour. Strips that share an edge have different colours. A part
 /// consists of its positions and its strips. Returns the bytes of a PNG file.
 ///
 /// # Errors
@@ -86,7 +86,7 @@ pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Resu
 }
 
 /// Draws strips like [`strips`], from a perspective camera. Geometry behind the camera is clipped.
-/// The camera defines the vertical field of view, the options the image size.
+/// The camera defines the vertical field of view, and the options define the image size.
 ///
 /// # Errors
 /// A size is 0 or too large, a coordinate is not finite, or a strip uses a vertex without a

@@ -3,8 +3,8 @@
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
 
-/// Draws one curve per named file: the error after each chunk, against the offset of the chunk's
-/// end in the file. Errors of 0 are omitted.
+/// Draws one curve per named file: the error after each chunk, against the file offset at which the
+/// chunk ends. Errors of 0 are omitted.
 ///
 /// # Errors
 /// The drawing library fails. No known input causes this.

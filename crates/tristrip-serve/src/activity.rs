@@ -17,7 +17,7 @@ const TURNS_BYTES: u64 = 2 * PIECE_BYTES as u64;
 /// The maximum time that one body may wait for its client, as a multiple of the stall time.
 const BODY_PATIENCE: u32 = 4;
 
-/// A response body of a connection, with the time since which it waits for its client.
+/// A response body of a connection, with the time at which it began to wait for its client.
 #[derive(Debug, Clone)]
 pub(crate) struct OpenBody(Arc<BodyState>);
 

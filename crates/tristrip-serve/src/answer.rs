@@ -1,5 +1,5 @@
-//! The steps around the route of every request: checks of host name and method, CORS, common
-//! response headers, and the log.
+//! The processing that is common to all routes: checks of the host name and the method, CORS,
+//! common response headers, and the log.
 //!
 //! ```text
 //! request ─▶ host? ─▶ method? ─▶ HEAD becomes GET ─▶ CORS ─▶ routes ─▶ headers ─▶ body: paced, counted, logged; none for HEAD

@@ -9,9 +9,9 @@
 //! - Write: files are written under a temporary name and then renamed, so a name refers to a
 //!   complete file or to none. The writer locks its temporary file. An unlocked temporary file was
 //!   left by a killed process; it is removed when a server starts.
-//! - Open: the header and the length are always checked, the checksum once per process and version
-//!   of the file. A damaged file is removed and created again.
-//! - Evict: the least recently used files are removed, by their access times, which the cache sets
+//! - Open: the header and the length are always checked. The checksum is checked once per process
+//!   and version of the file. A damaged file is removed and created again.
+//! - Evict: the least recently used files are removed. The cache sets the access times of its files
 //!   itself. A file that is being sent stays open until it is sent.
 //!
 //! Several servers can share a directory.

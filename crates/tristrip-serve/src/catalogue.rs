@@ -1,5 +1,5 @@
 //! The list of models for the gallery, `/models.json`: the models of the directory with their
-//! sizes, and with triangle counts where these are cheap to find.
+//! sizes, and with triangle counts where these can be read quickly.
 //!
 //! # Algorithm
 //! 1. Scan the directory and its subdirectories, up to a maximum depth and a maximum number of

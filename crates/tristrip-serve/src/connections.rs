@@ -2,7 +2,8 @@
 //!
 //! # Algorithm
 //! 1. A connection that exceeds a limit gets a 503 response immediately and is closed. IPv6
-//!    addresses count by their 64-bit network: one client usually has a complete network.
+//!    connections are counted per 64-bit network, because one client usually has a complete
+//!    network.
 //! 2. The size of a request head and the time to receive it are limited. The TLS handshake has the
 //!    same time limit.
 //! 3. A timer checks each connection a few times per time limit. Connections without a request and

@@ -1,4 +1,4 @@
-//! The host names that a request may have. A server on a loopback address accepts only names of
+//! The host names that a request may contain. A server on a loopback address accepts only names of
 //! this machine.
 //!
 //! Otherwise, a page of any site could read the files by DNS rebinding. The site changes its own

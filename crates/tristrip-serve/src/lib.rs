@@ -8,9 +8,9 @@
 //!                 ├─ catalogue: the list of models                                        │
 //!                 └─ packing, thumbnails ─▶ workshop: one job per file ─────▶ cache ◀─────┘
 //! ```
-//! The server supports HTTP/1.1 and HTTP/2, and TLS with the feature `tls`. [`Limits`] limits the
-//! connections, request heads and idle times of clients. Files are read in small pieces, so memory
-//! use does not depend on their size.
+//! The server supports HTTP/1.1 and HTTP/2, and TLS with the feature `tls`. [`Limits`] restricts
+//! the connections, request heads and idle times of clients. Files are read in small pieces, so
+//! memory use does not depend on their size.
 
 #![forbid(unsafe_code)]
 

@@ -21,8 +21,8 @@ pub struct ServerOptions {
     pub address: IpAddr,
     /// The port; 0 for any free port.
     pub port: u16,
-    /// Allowed host names in addition to `localhost` and loopback addresses. They matter only for a
-    /// server on a loopback address.
+    /// Allowed host names in addition to `localhost` and loopback addresses. Only a server on a
+    /// loopback address checks host names.
     pub hosts: Vec<String>,
     /// The origins whose pages may read the responses; `*` for all.
     pub cors: Vec<String>,
@@ -230,7 +230,7 @@ pub struct Limits {
     pub header_bytes: usize,
     /// The maximum time to receive a request head, and the maximum time of the TLS handshake.
     pub header_time: Duration,
-    /// The maximum time in which a client may read nothing of a response.
+    /// The maximum time for which a client may read nothing of a response.
     pub stall_time: Duration,
     /// The maximum time that a connection may be idle.
     pub idle_time: Duration,

@@ -2,13 +2,13 @@
 //!
 //! A key is a hash of everything that a result depends on: the resolved path of the file, its
 //! version, the versions of the files that a `.gltf`, GLB or OBJ may refer to, the options, and the
-//! version of this crate. A result is therefore never older than its files. If files change while
-//! they are read, the result is not kept.
+//! version of this crate. A result is therefore never older than its source files. If files change
+//! while they are read, the result is not kept.
 //!
 //! A model is read through the directory handle. The files that a `.gltf`, GLB or OBJ refers to are
 //! opened by their paths, with links resolved. Hidden files and files outside the directory of the
-//! document are rejected. However, someone who can change links in the served directory at that
-//! moment could redirect them to files outside.
+//! document are rejected. However, a user who can change links in the served directory at that
+//! moment could redirect these paths to files outside.
 
 use std::fmt::Write;
 use std::sync::Arc;

@@ -2,10 +2,11 @@
 //! requests need.
 //!
 //! # Algorithm
-//! In the order of RFC 9110: first `If-None-Match`, or `If-Modified-Since` if it is absent, can
-//! give 304. Then a range is used if `If-Range` is absent or names exactly this version. A date in
-//! `If-Range` never matches: the file may have been written twice within one second. One range
-//! gives 206. Several ranges give the complete file, as the RFC allows. A range after the end gives
+//! The headers are evaluated in the order of RFC 9110. First, `If-None-Match` can lead to a 304
+//! response; if it is absent, `If-Modified-Since` can. Then the range is used if `If-Range` is
+//! absent or names exactly this version. A date in `If-Range` never matches: the file may have been
+//! written twice within one second. The response to one range is 206. The response to several
+//! ranges is the complete file, as the RFC allows. A range after the end gives
 //! 416. `If-Match` is ignored because all requests are GET or HEAD, and HEAD has no range.
 
 use std::ops::Range;

@@ -1,9 +1,10 @@
-//! The body of a response. It is paced if the bandwidth is limited, counted, and logged when it
-//! ends.
+//! The body of a response. Its bytes are counted, and it is logged when it ends. If the bandwidth
+//! is limited, it is paced.
 //!
 //! # Algorithm
-//! A paced body sends its bytes in pieces of 1/20 second. The next piece is due when the previous
-//! pieces would have arrived at the given rate. A slower client does not catch up later.
+//! A paced body is sent in pieces that take 1/20 second each. The next piece is due when the
+//! previous pieces would have arrived at the given rate. If a client is slower, later pieces are
+//! not sent faster to compensate.
 
 use std::net::IpAddr;
 use std::pin::Pin;

@@ -1,7 +1,7 @@
 //! HTTP/2 streams that can be ended individually.
 //!
 //! hyper polls a body only while the client reads. A body whose client has stopped reading
-//! therefore cannot end its stream with an error. But hyper runs each stream as a task of an
+//! therefore cannot end its stream with an error. However, hyper runs each stream as a task of an
 //! executor that the server provides. This executor can drop the task, which drops the body with
 //! its file and ends the stream with `RST_STREAM`. The other streams of the connection are not
 //! affected.

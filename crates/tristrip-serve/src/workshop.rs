@@ -1,5 +1,5 @@
-//! Jobs that take time. Each job runs once, however many clients request it. The number of running
-//! jobs is limited, and results are cached.
+//! Long-running jobs: packing and thumbnails. Each job runs once, however many clients request it.
+//! The number of running jobs is limited, and results are cached.
 //!
 //! ```text
 //! request ─▶ cache? ─ yes ─▶ result
@@ -54,7 +54,7 @@ impl JobKind {
     }
 }
 
-/// Why a request gets no result.
+/// The reason why a request gets no result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Refusal {
     /// Too many jobs are waiting. A later request may succeed.

@@ -1,4 +1,5 @@
-//! Checks of the files of charts and pictures, and messages that name the flag of a value.
+//! Checks the output files of charts and images, and builds messages that name the flag of an
+//! invalid value.
 
 use std::path::{Path, PathBuf};
 

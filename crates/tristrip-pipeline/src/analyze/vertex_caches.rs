@@ -29,7 +29,7 @@ impl Default for VertexCacheList {
 }
 
 impl VertexCacheList {
-    /// Returns the sizes at which a curve is sampled by default.
+    /// Returns the default vertex cache sizes of a curve.
     pub fn curve() -> Self {
         Self((2..=64).map(VertexCache::fifo).chain((2..=64).map(VertexCache::lru)).collect())
     }

@@ -6,10 +6,10 @@
 //! e covers p e / 2r pixels. The error is one pixel at p = 2r / e, where the sphere covers π/4 p²
 //! pixels.
 //!
-//! A level is drawn from the coverage at which its error is one pixel on a screen of 1920 × 1080
-//! pixels. Its starting coverage is at most [`STEP`] times that of the level before it. This gives
-//! a level its own range even if its error equals that of the level before. The last level is drawn
-//! down to coverage 0.
+//! As the object gets smaller, a level is first drawn at the coverage at which its error is one
+//! pixel on a screen of 1920 × 1080 pixels. This coverage is at most [`STEP`] times the coverage of
+//! the level before it. Each level therefore has its own range, even if its error equals the error
+//! of the level before. The last level is drawn down to coverage 0.
 //!
 //! | error, in % of 2r | sphere, in pixels | coverage |
 //! |---|---|---|

@@ -58,8 +58,8 @@ impl ModelCursor {
     /// at the full mesh.
     ///
     /// # Errors
-    /// Never fails for a valid cursor: its order and its level models were checked when it was
-    /// built.
+    /// A valid cursor does not cause an error, because its order and its level models were checked
+    /// when it was built.
     ///
     /// ```
     /// use tristrip::lod::ModelKind;
@@ -81,8 +81,8 @@ impl ModelCursor {
         self.level
     }
 
-    /// Moves to a level of the model. The cost is one step per collapse in between, plus the moves
-    /// of the parts.
+    /// Moves to a level of the model. The time is one step per collapse between the two levels,
+    /// plus the time to move the cursors of the parts.
     ///
     /// # Errors
     /// [`Error::Level`]: the level does not exist. The cursor does not move.

@@ -2,8 +2,8 @@
 //!
 //! The camera is in scene coordinates. If one node places a part without shear or uneven scale, the
 //! camera is transformed into the coordinates of the part. A part with several instances would need
-//! a separate refinement per instance. Such a part is drawn in full. So is a part whose node shears
-//! it or scales it unevenly. The parts share one triangle budget.
+//! a separate refinement per instance, so it is drawn in full. A part whose node shears it or
+//! scales it unevenly is also drawn in full. The parts share one triangle budget.
 
 use tristrip::lod::{Camera, Hysteresis, SkipView, ViewCriteria};
 use tristrip::verify::verify_drawing;

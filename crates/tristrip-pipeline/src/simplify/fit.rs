@@ -13,22 +13,23 @@
 //!    triangle of the simplified surface. Each point represents an area (`points`). The vertices of
 //!    both surfaces are additional points without weight: they only measure the maximum distance.
 //! 2. In each round, find the nearest point of the other surface for each point. The search walks
-//!    from triangle to neighbour as long as the distance falls (`surface`). It is wider for points
-//!    much farther away than most. For a point of the original, the first search starts at the
-//!    triangle that the collapses moved its corners to. For a point of the simplified surface, it
-//!    starts at the nearest point found so far in its triangle.
+//!    from triangle to neighbour as long as the distance falls (`surface`). The search is wider for
+//!    points that are much farther away than most points. For a point of the original, the first
+//!    search starts at the triangle that the collapses moved its corners to. For a point of the
+//!    simplified surface, it starts at the nearest point found so far in its triangle.
 //! 3. Move the positions by the solution of a linear least-squares problem (`equations`). It
 //!    minimizes the distances of the points from the planes of their nearest points. Distances
 //!    along the planes, and the moves themselves, have small weights that keep the problem regular.
-//! 4. Halve moves that would rotate a triangle too far, and drop them if that is not enough. Do the
-//!    same with moves at points whose distance exceeds the initial maximum.
+//! 4. Halve moves that would rotate a triangle too far, and drop them if that is not enough. Moves
+//!    at points whose distance exceeds the initial maximum are halved or dropped, too.
 //! 5. Keep the positions with the minimum mean squared distance. The initial positions are among
 //!    the candidates.
 //!
-//! Parts that are simplified as one surface are fitted as one. All vertices at one position move
-//! together, and no cracks open between parts or at attribute seams. Positions are fixed at
-//! borders, at edges of more than two triangles, where they touch parts placed by other nodes, and
-//! in parts whose positions a file cannot change. Distances are in the coordinates of the parts.
+//! Parts that are simplified as one surface are also fitted as one surface. All vertices at one
+//! position move together, so no cracks open between parts or at attribute seams. Positions are
+//! fixed at borders, at edges of more than two triangles, where they touch parts placed by other
+//! nodes, and in parts whose positions a file cannot change. Distances are in the coordinates of
+//! the parts.
 //!
 //! # References
 //! Hoppe et al.: *Mesh Optimization*, 1993, section 4.1: optimal positions for fixed triangles.

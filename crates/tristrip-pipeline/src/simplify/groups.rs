@@ -13,22 +13,22 @@
 //! ```
 //! # Algorithm
 //! Within a group, collapses are ordered by a cost that includes attributes. It is converted to
-//! scene units at the largest scale of the group. The cost of a step of a group is the maximum so
-//! far.
-//! 1. In rounds, take the groups with the lowest costs that together have half of the triangles.
-//!    Each drops 1/16 of its triangles. Repeat until the total is low enough, or no collapse is
-//!    left.
+//! scene units at the largest scale of the group. The cost of a step of a group is the maximum cost
+//! up to this step.
+//! 1. In each round, take the groups with the lowest costs that together have half of the
+//!    triangles, and remove 1/16 of the triangles of each group. Repeat until the total is low
+//!    enough, or no collapse is left.
 //! 2. The total is now too low if some groups are ahead of others. Find the common cost c from the
 //!    triangles that each group dropped per round. Groups that are behind continue to c.
 //! 3. Merge the steps of all groups by cost, with ties by group index ([`LevelOrder`]), and cut off
 //!    where the goal is reached.
 //!
-//! No group goes much further than it needs to. A model with one group, or without a triangle goal,
-//! needs no rounds.
+//! No group is simplified much further than necessary. A model with one group, or without a
+//! triangle goal, needs no rounds.
 //!
 //! # Complexity
-//! Simplifies each group, with about 1/16 more work than needed. All groups are in memory at once,
-//! with 260 bytes per triangle.
+//! One simplification per group, with about 1/16 more work than necessary. All groups are in memory
+//! at once, with 260 bytes per triangle.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -7,13 +7,13 @@
 //!
 //! # Algorithm
 //! 1. A part is rebuilt if it is flat-shaded, or if it has normals and the user requests it
-//!    ([`Normals`]). Exceptions are parts whose vertices cannot change in the file, and parts whose
-//!    normals a morph target changes.
+//!    ([`Normals`]). A part is not rebuilt if its vertices cannot change in the file, or if a morph
+//!    target changes its normals.
 //! 2. Its collapses ignore normals and tangents: vertices that differ only in these do not form a
 //!    seam.
-//! 3. Other parts with flat sides are repaired if the share of their area with normals that do not
-//!    fit grows. Otherwise the vertices of a collapsed bevel would darken the sides next to it.
-//!    Normals that fit are kept.
+//! 3. Other parts with flat sides are repaired if normals that do not fit would cover a larger
+//!    fraction of their area than before. Without the repair, the vertices of a collapsed bevel
+//!    would darken the sides next to it. Normals that fit are kept.
 //! 4. The base mesh gets normals from its faces ([`Shading`]), and tangents from its texture
 //!    coordinates. A new vertex is a copy of an old one with another normal and tangent, and with
 //!    its fitted position. Vertices with equal attributes are merged.
@@ -46,7 +46,7 @@ const MAX_UNFIT: f64 = 0.02;
 /// the few remaining faces.
 const FLAT_SIDES: f64 = 0.33;
 
-/// How the normals of a part are made.
+/// How the normals of a part are computed.
 #[derive(Debug, Clone, Copy)]
 enum Making {
     /// From the remaining faces. Collapses ignore normals.
@@ -55,7 +55,7 @@ enum Making {
     Repaired(Shading),
 }
 
-/// How the normals of each part are made; `None` if they are kept.
+/// How the normals of each part are computed; `None` if they are kept.
 pub(super) struct Rebuilding {
     of_parts: Vec<Option<Making>>,
     pub(super) notes: Vec<String>,

@@ -33,7 +33,7 @@ impl PartCollapses {
 /// have about the same error at every level. Collapses of several parts that close a border
 /// together form one level, so no level has gaps.
 ///
-/// 8 bytes per collapse.
+/// Memory: 8 bytes per collapse.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LevelOrder {
     /// The number of collapses of each part.
@@ -128,7 +128,7 @@ impl LevelOrder {
     }
 
     /// Returns the levels at the ends of `steps` equal steps from the base mesh to the full mesh,
-    /// without repeats. There is at least one step.
+    /// without repeats. At least one step is used.
     pub fn evenly(&self, steps: usize) -> Vec<usize> {
         let (steps, last) = (steps.max(1), self.collapse_count());
         let mut levels: Vec<usize> = (0..=steps).map(|step| (last * step + steps / 2) / steps).collect();

@@ -2,8 +2,9 @@
 //! positions.
 //!
 //! Parts of different nodes touch if their positions are equal in the scene up to rounding. Two
-//! instances of one part also touch, except at the same position of the part: it moves in both in
-//! the same way. Parts with the same nodes are simplified together instead.
+//! instances of one part also touch, except at the same position of the part, because this position
+//! moves in the same way in both instances. Parts with the same nodes are simplified together
+//! instead.
 //!
 //! # Algorithm
 //! A position in the scene is a sum of products of 32-bit numbers, each rounded once. [`ROUNDING`]
@@ -17,8 +18,8 @@
 //! them.
 //!
 //! # Complexity
-//! O(n log n) time for n positions in all instances. It compares up to twice as many positions as
-//! the model has, or [`FEW`] if that is more, with about 100 bytes each.
+//! O(n log n) time for n positions in all instances. At most twice the number of positions of the
+//! model, or [`FEW`] if that is more, are compared. Each takes about 100 bytes.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Axes: the mapping of values to coordinates, and the ticks.
 //!
-//! A scale maps a value to a coordinate. A span has the range of coordinates and the ticks with
-//! their labels. Steps of a linear axis are 1, 2 or 5 times a power of ten, found by
+//! A scale maps a value to a coordinate. A span contains the range of coordinates and the ticks
+//! with their labels. Steps of a linear axis are 1, 2 or 5 times a power of ten, found by
 //! multiplication. Logarithmic axes use `libm`, because the precision of the platform's logarithms
 //! differs, and a chart must have the same bytes on every machine.
 

@@ -7,8 +7,8 @@
 //!      below                   · · · ·
 //! ```
 //! # Algorithm
-//! Greedy, in the order of the labels: each label takes its first free candidate. Positions are
-//! integer pixels, so the result does not depend on rounding.
+//! Labels are placed greedily, in their order. Each label takes its first free candidate position.
+//! Positions are integer pixels, so the result does not depend on rounding.
 
 /// Left, top, right and bottom in pixels.
 pub(super) type PixelRect = [i32; 4];

@@ -35,7 +35,7 @@ impl Series {
         Self { name: name.into(), mark, points, labels: Vec::new(), faint: false }
     }
 
-    /// Creates bars at 0, 1, 2, … for an axis of names.
+    /// Creates bars at 0, 1, 2, … for an axis with names.
     pub fn bars(name: &str, heights: &[f64]) -> Self {
         Self::new(name, Mark::Bars, heights.iter().enumerate().map(|(i, &h)| (i as f64, h)).collect())
     }

@@ -5,8 +5,8 @@ use crate::error::Error;
 /// Maximum width and height in pixels.
 pub const MAX_SIZE: u32 = 8192;
 
-/// Rendering options. The default is 1200 × 900 pixels on white, from the front, slightly above and
-/// to the right.
+/// Rendering options. The default is 1200 × 900 pixels on white, seen from the front, slightly
+/// above and to the right.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct RenderOptions {

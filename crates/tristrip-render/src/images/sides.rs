@@ -1,4 +1,4 @@
-//! Eight views of a model, and the differences of a second model in these views.
+//! Eight views of a model, and the differences between this model and a second one in these views.
 //!
 //! # Algorithm
 //! The eight perspective cameras look at the bounding box of the first model from beyond its
@@ -51,7 +51,8 @@ impl Differences {
 /// pixels.
 ///
 /// # Errors
-/// A triangle of `after`, far outside the bounding box of `before`, is behind or next to the eye.
+/// A triangle of `after` is far outside the bounding box of `before`, and is behind or next to the
+/// eye.
 ///
 /// ```
 /// use tristrip_io::{Format, read};

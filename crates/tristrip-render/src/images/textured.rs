@@ -38,7 +38,7 @@ impl TexturedModel {
     /// Polygons are drawn as fans around their first corner.
     ///
     /// Skins and morph weights are applied, animations are not. Every material is opaque. Models
-    /// without a scene are grey.
+    /// without a scene are drawn in grey.
     ///
     /// # Errors
     /// The scene is invalid, an image is not a PNG or JPEG or is too large, a coordinate is not

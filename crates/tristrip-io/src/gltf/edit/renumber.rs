@@ -200,7 +200,7 @@ impl<'a> OtherVertices<'a> {
 }
 
 /// Returns the scene with renumbered vertices and without the removed ones. A group that cannot
-/// change keeps its vertices; [`Renumbering::kept`] has the reason.
+/// change keeps its vertices; [`Renumbering::kept`] states the reason.
 pub(crate) fn apply(
     scene: &Scene,
     found: &[SceneGroup],

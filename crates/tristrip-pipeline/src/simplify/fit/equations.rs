@@ -2,11 +2,11 @@
 //!
 //! # Algorithm
 //! A point has the barycentric coordinates s in its triangle, and the vector r to the other
-//! surface. It adds the equation: the sum of the corner moves weighted by s equals r. The residual
-//! has full weight along the normal, and a small weight across it. The normal equations of all
-//! points of a triangle sum to one 3 × 3 block per pair of corners. The time of an iteration
-//! therefore does not depend on the number of points. The system is solved by conjugate gradients,
-//! preconditioned by the inverse diagonal block of each position.
+//! surface. It contributes one equation: the sum of the corner moves, weighted by s, equals r. The
+//! residual has full weight along the normal, and a small weight in the tangent plane. The normal
+//! equations of all points of a triangle sum to one 3 × 3 block per pair of corners. The time of an
+//! iteration therefore does not depend on the number of points. The system is solved by conjugate
+//! gradients, preconditioned by the inverse diagonal block of each position.
 //!
 //! # Complexity
 //! O(p + s t) time for p points, s iterations and t triangles; 300 bytes per triangle.

@@ -20,7 +20,7 @@ const MAX_STARTS: usize = 16;
 /// Points farther away than this multiple of the root mean square get a second, wider search.
 const FAR: f64 = 8.0;
 
-/// A pair of points, one on each surface. One is fixed, the other is found by a search.
+/// A pair of points, one on each surface. One point is fixed. The other point is found by a search.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     original: Spot,

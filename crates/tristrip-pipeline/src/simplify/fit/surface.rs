@@ -1,4 +1,5 @@
-//! A surface over its positions. Nearest points are found by walking from triangle to neighbour.
+//! A surface of triangles over distinct positions. Nearest points are found by walking from
+//! triangle to neighbour.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap, HashSet};

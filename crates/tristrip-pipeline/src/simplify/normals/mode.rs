@@ -72,7 +72,7 @@ impl FromStr for Normals {
     }
 }
 
-/// The number of parts per treatment of their normals, without parts that have no normals.
+/// The number of parts per treatment of their normals. Parts without normals are not counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
