@@ -154,8 +154,8 @@ pub fn material_losses(model: &Model, format: Format) -> Vec<String> {
 }
 
 /// Returns the material of each part, reduced to the common properties of glTF and OBJ, and notes
-/// on omitted properties. The material is `None` for a part without one. For a model read from OBJ,
-/// load the materials first with [`load_materials`](crate::load_materials).
+/// on omitted properties. The entry is `None` for a part without a material. For a model read from
+/// OBJ, load the materials first with [`load_materials`](crate::load_materials).
 ///
 /// # Errors
 /// The materials, textures or images of a scene are not valid glTF 2.0.

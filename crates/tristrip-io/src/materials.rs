@@ -57,11 +57,11 @@ pub struct Materials {
 pub struct PlainMaterial {
     /// Linear red, green and blue, and the opacity, from 0 to 1.
     pub base_colour: [f32; 4],
-    /// From 0 to 1.
+    /// The metalness, from 0 to 1.
     pub metalness: f32,
-    /// From 0 to 1.
+    /// The roughness, from 0 to 1.
     pub roughness: f32,
-    /// Whether the opacity is applied.
+    /// Whether the material is blended by its opacity.
     pub is_blended: bool,
     /// The bytes of a PNG or JPEG texture that is multiplied with the base colour. It uses
     /// `TEXCOORD_0`.

@@ -10,9 +10,9 @@
 //!         endsolid name
 //! ```
 //!
-//! A binary file may also begin with `solid`, so the file size determines the kind. Vertices are in
-//! order of first use; −0 equals 0. Normals are dropped, because they follow from the positions.
-//! Several solids of a text file become one mesh.
+//! A binary file may also begin with `solid`, so the file size determines whether a file is binary.
+//! Vertices are in order of first use; −0 equals 0. Normals are dropped, because they follow from
+//! the positions. Several solids of a text file become one mesh.
 //!
 //! # References
 //! 3D Systems: *`StereoLithography` Interface Specification*, 1989.

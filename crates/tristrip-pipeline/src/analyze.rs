@@ -54,7 +54,7 @@ pub struct Outcome {
     /// The misses of each vertex cache, summed over all parts. The cache is empty at the start of
     /// each part.
     pub vertex_caches: Vec<CacheMisses>,
-    /// The number of parts: primitives of glTF, materials of OBJ.
+    /// The number of parts: glTF primitives or OBJ materials.
     pub parts: usize,
     /// The statistics of each part, in the order of the file.
     pub by_part: Vec<StoredPart>,

@@ -35,7 +35,7 @@ impl Options {
 pub struct Outcome {
     /// The vertex, edge and face counts of the mesh.
     pub mesh: MeshProperties,
-    /// The number of parts: primitives of glTF, materials of OBJ.
+    /// The number of parts: glTF primitives or OBJ materials.
     pub parts: usize,
     /// The lower bounds of the whole model.
     pub bound: Bounds,

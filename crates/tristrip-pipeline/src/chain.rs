@@ -183,7 +183,7 @@ pub struct Outcome {
     pub levels: Vec<ChainLevel>,
     /// The number of vertices that were kept because they touch a part placed by other nodes.
     pub locked_vertices: usize,
-    /// The number of parts: primitives of glTF, materials of OBJ.
+    /// The number of parts: glTF primitives or OBJ materials.
     pub parts: usize,
     /// A warning that names the levels that were not reached, the cause, and what to try; `None` if
     /// all were reached.

@@ -70,7 +70,7 @@ impl Options {
 pub struct Outcome {
     /// The vertex, edge and face counts of the mesh.
     pub mesh: MeshProperties,
-    /// The number of parts: primitives of glTF, materials of OBJ.
+    /// The number of parts: glTF primitives or OBJ materials.
     pub parts: usize,
     /// Human-readable notes on data that was read, dropped, changed or unusual.
     pub notes: Vec<String>,

@@ -60,7 +60,7 @@ pub struct Outcome {
     pub triangles: usize,
     /// The number of strips; `None` if the file has only faces.
     pub strips: Option<usize>,
-    /// The number of parts: primitives of glTF, materials of OBJ.
+    /// The number of parts: glTF primitives or OBJ materials.
     pub parts: usize,
     /// Human-readable notes on data that was read, dropped, changed or unusual.
     pub notes: Vec<String>,

@@ -87,7 +87,7 @@ pub struct Outcome {
     pub diagonal: f64,
     /// Why the search for strips ended before its effort was spent; `None` if it was not stopped.
     pub stopped: Option<SearchStop>,
-    /// The number of parts: primitives of glTF, materials of OBJ.
+    /// The number of parts: glTF primitives or OBJ materials.
     pub parts: usize,
     /// Human-readable notes on data that was read, dropped, changed or unusual, on a search that
     /// was stopped, on locked vertices, and on parts that stopped before the base mesh.

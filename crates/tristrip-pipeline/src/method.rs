@@ -1,4 +1,4 @@
-//! Methods with their parameters: parsing, and names for reports, tables, charts and help.
+//! Parses methods with their parameters, and names them in reports, tables, charts and help.
 
 mod help;
 mod parameters;

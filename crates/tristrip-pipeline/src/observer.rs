@@ -11,7 +11,7 @@ use tristrip::stripify::Watch;
 
 use crate::error::Error;
 
-/// A stage of the processing of a model, in the usual order.
+/// A stage of the processing of a model. The variants are in the usual order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Stage {

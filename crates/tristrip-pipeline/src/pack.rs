@@ -8,8 +8,8 @@
 //! ```
 //!
 //! # Algorithm
-//! 1. A model that is not glTF gets a scene in memory. All other data of a scene is kept: nodes,
-//!    materials, textures, skins and animations.
+//! 1. A model that is not glTF gets a scene in memory. The nodes, materials, textures, skins and
+//!    animations of a scene are kept.
 //! 2. Parts with the same node transforms and the same attributes form a group. A group is one mesh
 //!    of the stream, and each vertex has the index of its part. Borders between these parts are
 //!    then seams, and stay closed at every level. Vertices that touch another group, or an
@@ -107,7 +107,7 @@ pub struct Outcome {
     #[serde(serialize_with = "is_some_or_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<bool>"))]
     pub proven: Option<usize>,
-    /// The number of parts: primitives of glTF, materials of OBJ.
+    /// The number of parts: glTF primitives or OBJ materials.
     pub parts: usize,
     /// The number of meshes of the stream.
     pub meshes: usize,

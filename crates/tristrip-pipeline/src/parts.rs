@@ -1,4 +1,5 @@
-//! The parts of a model: prepared faces and dual graphs, in parallel and in order.
+//! The parts of a model, with their prepared faces and dual graphs. They are processed in parallel
+//! and returned in order.
 
 use rayon::prelude::*;
 use tristrip::{DualGraph, Mesh, PreparedFaces, Strips};
@@ -28,8 +29,8 @@ pub fn meshes(model: &Model) -> Vec<&Mesh> {
 pub struct PreparedPart<'a> {
     /// The mesh as it was read.
     pub mesh: &'a Mesh,
-    /// The prepared faces: without degenerate ones, with concave polygons triangulated, and with
-    /// vertices welded if requested.
+    /// The prepared faces. Degenerate faces are removed, concave polygons are triangulated, and
+    /// vertices are welded if requested.
     pub surface: PreparedFaces<'a>,
     /// The dual graph of the prepared faces.
     pub graph: DualGraph,

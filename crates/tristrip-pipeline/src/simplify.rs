@@ -157,7 +157,7 @@ pub struct Outcome {
     pub deviations: Option<Deviations>,
     /// The number of parts per treatment of their normals. Parts without normals are not counted.
     pub normals: PartNormals,
-    /// The number of parts: primitives of glTF, materials of OBJ.
+    /// The number of parts: glTF primitives or OBJ materials.
     pub parts: usize,
     /// A warning that explains why the goal was not reached, and what to try; `None` if it was
     /// reached.

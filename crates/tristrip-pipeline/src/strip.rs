@@ -1,4 +1,5 @@
-//! Strips of a whole model: built, measured, compared with their lower bounds, and verified.
+//! Builds, measures and verifies the strips of a whole model, and compares them with their lower
+//! bounds.
 
 use serde::Serialize;
 use tristrip::text::counted;
@@ -71,7 +72,7 @@ pub struct Outcome {
     pub bound: Option<BoundGap>,
     /// The vertex, edge and face counts of the mesh.
     pub mesh: MeshProperties,
-    /// The number of parts: primitives of glTF, materials of OBJ.
+    /// The number of parts: glTF primitives or OBJ materials.
     pub parts: usize,
     /// Human-readable notes on data that was read, dropped, changed or unusual, and on a search
     /// that was stopped.

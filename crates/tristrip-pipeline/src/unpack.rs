@@ -68,7 +68,7 @@ pub struct Outcome {
     /// The scene with the meshes of the level.
     #[serde(skip)]
     pub model: Model,
-    /// The number of parts: primitives of glTF.
+    /// The number of parts: glTF primitives.
     pub parts: usize,
     /// The level: the number of collapses that are undone.
     pub level: usize,

@@ -33,14 +33,14 @@ pub struct FoundDifference {
     /// any polygon. `count`: a polygon has too few or too many triangles. `boundary`: the triangles
     /// of a polygon do not have its boundary.
     pub kind: &'static str,
-    /// The number of triangles of the source that the result lacks; `None` if it does not apply to
-    /// the kind.
+    /// The number of triangles of the source that are missing in the result; `None` if this does
+    /// not apply to the kind.
     pub missing: Option<usize>,
-    /// The number of triangles of the result that the source lacks; `None` if it does not apply to
-    /// the kind.
+    /// The number of triangles of the result that are not in the source; `None` if this does not
+    /// apply to the kind.
     pub extra: Option<usize>,
-    /// The number of triangles drawn with the opposite winding; `None` if it does not apply to the
-    /// kind.
+    /// The number of triangles drawn with the opposite winding; `None` if this does not apply to
+    /// the kind.
     pub flipped: Option<usize>,
     /// The index of the face of the source, from 0 over all parts; `None` if the kind does not
     /// refer to a face.

@@ -107,7 +107,7 @@ pub struct Outcome {
     pub levels: usize,
     /// Why the search for strips ended before its effort was spent; `None` if it was not stopped.
     pub stopped: Option<SearchStop>,
-    /// The number of parts of the input: primitives of glTF, materials of OBJ.
+    /// The number of parts of the input: glTF primitives or OBJ materials.
     pub parts: usize,
     /// Human-readable notes on data that was read, dropped, changed or unusual, and on a search
     /// that was stopped.

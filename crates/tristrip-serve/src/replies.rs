@@ -5,9 +5,9 @@
 //! The headers are evaluated in the order of RFC 9110. First, `If-None-Match` can lead to a 304
 //! response; if it is absent, `If-Modified-Since` can. Then the range is used if `If-Range` is
 //! absent or names exactly this version. A date in `If-Range` never matches: the file may have been
-//! written twice within one second. The response to one range is 206. The response to several
-//! ranges is the complete file, as the RFC allows. A range after the end gives
-//! 416. `If-Match` is ignored because all requests are GET or HEAD, and HEAD has no range.
+//! written twice within one second. A single range is answered with 206. Several ranges are
+//! answered with the complete file, as the RFC allows. A range after the end is answered with 416.
+//! `If-Match` is ignored because all requests are GET or HEAD, and HEAD has no range.
 
 use std::ops::Range;
 use std::time::SystemTime;

@@ -95,8 +95,8 @@ pub fn default_cache() -> Option<PathBuf> {
 }
 
 impl Server {
-    /// Opens the content and the cache and starts listening. Clients that connect wait until the
-    /// server runs.
+    /// Opens the content and the cache and starts listening. Clients can connect immediately, but
+    /// wait until the server runs.
     ///
     /// # Errors
     /// The directory or the cache cannot be opened, the address is in use or not available, or the

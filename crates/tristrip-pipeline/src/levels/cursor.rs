@@ -120,12 +120,12 @@ impl ModelCursor {
         &mut self.cursors
     }
 
-    /// Returns the memory of the level models in bytes, without the cursors.
+    /// Returns the number of bytes of memory that the level models use, without the cursors.
     pub fn model_memory(&self) -> usize {
         self.models.iter().map(|model| model.memory()).sum()
     }
 
-    /// Returns the memory of the cursors of the parts in bytes.
+    /// Returns the number of bytes of memory that the cursors of the parts use.
     pub fn cursor_memory(&self) -> usize {
         self.cursors.iter().map(|cursor| cursor.memory()).sum()
     }

@@ -26,7 +26,7 @@ pub enum DisplayFilter {
 }
 
 impl DisplayFilter {
-    /// All filters, in the order of reports.
+    /// All filters, in the order in which reports list them.
     pub const ALL: [Self; 5] = [Self::None, Self::Stss, Self::Dtfs, Self::Linked, Self::Repair];
 
     /// Returns the name in reports and on the command line.

@@ -13,10 +13,10 @@
 //!    triangle of the simplified surface. Each point represents an area (`points`). The vertices of
 //!    both surfaces are additional points without weight: they only measure the maximum distance.
 //! 2. In each round, find the nearest point of the other surface for each point. The search walks
-//!    from triangle to neighbour as long as the distance falls (`surface`). The search is wider for
-//!    points that are much farther away than most points. For a point of the original, the first
-//!    search starts at the triangle that the collapses moved its corners to. For a point of the
-//!    simplified surface, it starts at the nearest point found so far in its triangle.
+//!    from triangle to neighbour as long as the distance decreases (`surface`). The search is wider
+//!    for points that are much farther away than most points. For a point of the original, the
+//!    first search starts at the triangle that the collapses moved its corners to. For a point of
+//!    the simplified surface, it starts at the nearest point found so far in its triangle.
 //! 3. Move the positions by the solution of a linear least-squares problem (`equations`). It
 //!    minimizes the distances of the points from the planes of their nearest points. Distances
 //!    along the planes, and the moves themselves, have small weights that keep the problem regular.

@@ -1,4 +1,4 @@
-//! Normals of simplified parts: kept with the vertices, repaired where they do not fit the
+//! Normals of simplified parts. They are kept with the vertices, repaired where they do not fit the
 //! remaining faces, or rebuilt from these faces.
 //!
 //! In a flat-shaded part, every edge is a normal seam, and seams block nearly all collapses. Such a

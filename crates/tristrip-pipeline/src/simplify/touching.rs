@@ -19,7 +19,7 @@
 //!
 //! # Complexity
 //! O(n log n) time for n positions in all instances. At most twice the number of positions of the
-//! model, or [`FEW`] if that is more, are compared. Each takes about 100 bytes.
+//! model, or [`FEW`] if that is more, are compared. Each position takes about 100 bytes.
 
 use std::collections::HashMap;
 use std::sync::Arc;

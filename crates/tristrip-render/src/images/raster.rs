@@ -1,5 +1,5 @@
-//! Rasterizes triangles with a depth per sample, band by band: first the nearest triangle of each
-//! sample, then its colour.
+//! Rasterizes triangles band by band, with a depth per sample. The nearest triangle of each sample
+//! is found first, then its colour is computed.
 
 use rayon::prelude::*;
 

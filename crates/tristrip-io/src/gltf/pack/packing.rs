@@ -1,4 +1,4 @@
-//! A document during packing: fixed entries and appended accessors.
+//! The state of a document while it is packed: its fixed entries, and the accessors appended to it.
 
 use serde_json::json;
 

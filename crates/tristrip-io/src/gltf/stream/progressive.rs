@@ -226,7 +226,7 @@ impl ChunkRange {
     }
 }
 
-/// A progressive GLB, complete or truncated, with an undecoded stream.
+/// A progressive GLB, complete or truncated. Its stream is not decoded.
 ///
 /// ```
 /// use tristrip_io::gltf::ProgressiveGlb;

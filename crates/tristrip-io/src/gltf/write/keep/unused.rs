@@ -1,4 +1,4 @@
-//! Finds the entries of a document that only replaced data uses.
+//! Finds the entries of a document that are used only by replaced data.
 
 use std::collections::HashSet;
 
