@@ -25,7 +25,7 @@ use crate::model::{Model, Part};
 use crate::polygons::Polygons;
 use crate::text::{Text, integer, quote};
 
-/// The values after each position.
+/// The values after each position in a vertex line.
 #[derive(Debug, Default, Clone, Copy)]
 struct VertexFields {
     normals: bool,

@@ -247,8 +247,8 @@ fn prove(source: &Model, bytes: &Arc<Vec<u8>>, format: Format) -> Result<usize, 
     }
 }
 
-/// Serializes whether a result is verified. `false` becomes `null`. It means that verification was
-/// disabled, because a result that fails verification is an error.
+/// Serializes whether a result is verified. `false` becomes `null`, which means that verification
+/// was disabled. A result that fails verification is an error.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde calls")]
 pub(crate) fn true_or_null<S: Serializer>(proven: &bool, serializer: S) -> Result<S::Ok, S::Error> {
     proven.then_some(true).serialize(serializer)

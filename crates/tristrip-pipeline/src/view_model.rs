@@ -103,7 +103,8 @@ pub struct Outcome {
     /// The number of half-edge collapses down to the base mesh. Vertices at one position collapse
     /// together.
     pub collapses: usize,
-    /// The number of levels of the merge tree: sets of collapses that do not depend on each other.
+    /// The number of levels of the merge tree. The collapses of one level do not depend on each
+    /// other.
     pub levels: usize,
     /// Why the search for strips ended before its effort was spent; `None` if it was not stopped.
     pub stopped: Option<SearchStop>,

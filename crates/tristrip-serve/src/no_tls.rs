@@ -11,7 +11,7 @@ use crate::options::ServerOptions;
 pub(crate) enum Tls {}
 
 impl Tls {
-    /// Returns `None`: without the feature, options cannot name a certificate.
+    /// Returns `None`: without the feature, options cannot contain a certificate.
     #[expect(clippy::unnecessary_wraps, reason = "the signature with the feature")]
     pub(crate) fn from_options(_: &ServerOptions) -> Result<Option<Self>, Error> {
         Ok(None)

@@ -128,8 +128,8 @@ impl Image {
         self.bytes.as_slice()
     }
 
-    /// Returns the width and height in pixels, or `None` if the bytes are not a PNG or JPEG with a
-    /// size.
+    /// Returns the width and height in pixels, or `None` if the bytes do not contain the size of a
+    /// PNG or JPEG.
     pub fn size(&self) -> Option<[u32; 2]> {
         image_size(self.bytes())
     }
