@@ -1,5 +1,5 @@
-//! The `tristrip` command as a library. The program passes its arguments to [`run`].
-//! [`report_schemas`] returns the JSON Schemas of the reports.
+//! The `tristrip` command as a library. The program passes its arguments to [`run`]. With the
+//! feature `schema`, `report_schemas` returns the JSON Schemas of the reports.
 //!
 //! ```text
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-render, tristrip-serve ─▶ output ─▶ figures ─▶ console
