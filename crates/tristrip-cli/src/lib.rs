@@ -81,8 +81,8 @@ const STACK_BYTES: usize = 8 << 20;
 ///
 /// # Signals
 /// The first search replaces the Ctrl-C handler of the process; the new handler stays installed. On
-/// Ctrl-C outside a search, or on a second Ctrl-C, this handler ends the process with exit code
-/// 130. Nothing else ends the process. The web server installs handlers for Ctrl-C and SIGTERM,
+/// Ctrl-C outside a search, or on a second Ctrl-C, this handler ends the process with the exit code
+/// 130; nothing else ends the process. The web server installs handlers for Ctrl-C and SIGTERM,
 /// which also stay installed. The interrupt state is global to the process: run one command at a
 /// time.
 ///
