@@ -14,7 +14,7 @@
 //!
 //! # Complexity
 //! 1 byte per triangle. Linking and cutting take O(1) time. Joining and rotating take O(length of
-//! the affected paths). Numbering takes O(n) time and 8 bytes per triangle.
+//! the affected paths). Numbering the paths takes O(n) time and 8 bytes per triangle.
 
 mod diagonals;
 pub(crate) mod local_search;
@@ -147,9 +147,9 @@ impl PathCover {
         self.edges(FaceId(half_edge.0 / 3)).contains(&Some(half_edge))
     }
 
-    /// Links two triangles across a half-edge and its twin without checking for cycles (see
-    /// [`PathCover::join`]). Returns whether it succeeded: the twin exists, both triangles have a
-    /// free link, and they are not linked across this edge.
+    /// Links two triangles across a half-edge and its twin. Does not check for cycles;
+    /// [`PathCover::join`] does. Returns `false` and changes nothing if the twin does not exist,
+    /// one of the triangles has two links, or the triangles are already linked across this edge.
     #[inline]
     pub(crate) fn link(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
         let Some(twin) = graph.twin(half_edge) else { return false };
@@ -268,7 +268,7 @@ impl PathCover {
     /// count is correct.
     ///
     /// # Errors
-    /// The first violation found.
+    /// Returns the first violation found.
     ///
     /// ```
     #[doc = include_str!("dual/example.txt")]
@@ -315,8 +315,8 @@ impl PathCover {
         }
     }
 
-    /// Links two triangles across twins. The twins must be free, and the link must not close a
-    /// path.
+    /// Links two triangles across a pair of twins. The triangles must not be linked there, and the
+    /// link must not close a path.
     #[inline]
     pub(crate) fn link_unchecked(&mut self, half_edge: u32, twin: u32) {
         self.set(HalfEdge(half_edge));
@@ -324,7 +324,7 @@ impl PathCover {
         self.link_count += 1;
     }
 
-    /// Removes the link across twins. The twins must be linked.
+    /// Removes the link across a pair of twins. The link must exist.
     #[inline]
     pub(crate) fn cut_unchecked(&mut self, half_edge: u32, twin: u32) {
         self.clear(HalfEdge(half_edge));
@@ -332,8 +332,8 @@ impl PathCover {
         self.link_count -= 1;
     }
 
-    /// Copies the links of triangles that were covered separately. They start at `first` and must
-    /// still be isolated here.
+    /// Copies the links of triangles that were covered separately. Their indices in this cover
+    /// start at `first`, and they must still be isolated.
     #[cfg(feature = "rayon")]
     pub(crate) fn put_back(&mut self, first: usize, part: &Self) {
         self.links[first..first + part.len()].copy_from_slice(&part.links);

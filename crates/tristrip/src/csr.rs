@@ -1,11 +1,12 @@
-//! Compressed sparse rows: two arrays of items grouped by key, built by a counting sort.
+//! Compressed sparse rows: items grouped by key, built by a counting sort and stored in two arrays.
 //!
 //! ```text
 //! keys    2 0 2 1          ends   1 2 4        row 0: items 1
 //! items   0 1 2 3          items  1 3 0 2      row 1: items 3      row 2: items 0 2
 //! ```
 //! # Complexity
-//! O(items + keys) time. 4 bytes per key, and the size of the item per item (4 bytes for an index).
+//! O(items + keys) time. 4 bytes per key, plus the items, which take 4 bytes each if they are
+//! indices.
 
 /// Items grouped by key. The order within a group is kept.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -13,18 +13,18 @@
 //! ```
 //!
 //! # Edges of more than two faces
-//! A half-edge is paired with the most recent unpaired half-edge over the same edge, among the last
-//! eight, unless the two faces fold back onto each other. Two faces fold back if both have the same
-//! third corner, like a face and its own reverse. Faces that fold back are paired last, in order.
-//! Half-edges with the same direction belong to neighbours with inconsistent winding and are never
-//! paired.
+//! Each half-edge is compared with the last eight unpaired half-edges over the same edge. It is
+//! paired with the most recent one of opposite direction whose face does not fold back onto its own
+//! face. Two faces fold back if both have the same third corner, like a face and its own reverse.
+//! Faces that fold back are paired last, in order. Half-edges with the same direction belong to
+//! neighbours with inconsistent winding and are never paired.
 //!
 //! # Complexity
 //! O(n) time for meshes of bounded valence, O(n log n) in the worst case. The graph takes 12 bytes
-//! per triangle. Building it takes another 12 bytes per triangle and 12 per vertex, counted up to
-//! the highest vertex in use (or only over the vertices in use, if they are few). Each thread after
-//! the first needs 8 bytes per vertex, and meshes of more than a million triangles need another 12
-//! bytes per triangle.
+//! per triangle. Building it takes another 12 bytes per triangle and 12 bytes per vertex. All
+//! vertices up to the highest one in use count, unless the mesh uses only a few of them. Each
+//! thread after the first needs 8 bytes per vertex, and meshes of more than a million triangles
+//! need another 12 bytes per triangle.
 
 mod corners;
 mod pair;
@@ -95,8 +95,8 @@ impl FaceShape {
 }
 
 impl DualGraph {
-    /// Connects the faces across shared edges. The module documentation gives the rule for edges of
-    /// more than two faces.
+    /// Connects the faces across shared edges. The source of this module describes the rule for
+    /// edges of more than two faces.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces};
@@ -255,7 +255,7 @@ impl DualGraph {
         self.half_edges(face).filter_map(|h| self.twin(h)).map(|h| self.face_of(h))
     }
 
-    /// Returns the index of the twin of a half-edge, or `None` at a boundary. For inner loops.
+    /// Returns the index of the twin of a half-edge, or `None` at a boundary. Used in inner loops.
     #[inline]
     pub(crate) fn twin_of(&self, half_edge: u32) -> Option<u32> {
         let twin = self.twins[half_edge as usize];
@@ -267,7 +267,7 @@ impl DualGraph {
         &self.twins
     }
 
-    /// Iterates over the twins of a triangle's half-edges, for inner loops.
+    /// Iterates over the twins of a triangle's half-edges. Used in inner loops.
     #[inline]
     pub(crate) fn twins_of(&self, triangle: u32) -> impl Iterator<Item = u32> {
         let first = 3 * triangle as usize;
@@ -354,7 +354,7 @@ impl DualGraph {
     /// Checks that twins refer to each other and never to a half-edge of the same face.
     ///
     /// # Errors
-    /// The first half-edge that violates this.
+    /// Returns the first half-edge that violates this rule.
     ///
     /// ```
     #[doc = include_str!("dual/example.txt")]

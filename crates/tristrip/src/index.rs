@@ -1,6 +1,7 @@
-//! Index types of buffers: 8, 16 and 32 bits for graphics APIs, and `usize` for computed indices.
+//! Index types for index buffers: 8, 16 and 32 bits for graphics APIs, and `usize` for computed
+//! indices.
 
-/// An index type of buffers. Its largest value is the restart value.
+/// An index type for index buffers. The largest value of the type is the restart value.
 ///
 /// ```
 /// use tristrip::Index;

@@ -115,11 +115,11 @@ impl Mesh {
         Ok(self)
     }
 
-    /// Returns a mesh of the given vertices with their attributes, in the order of `vertices`,
-    /// without faces.
+    /// Returns a mesh without faces that contains the given vertices and their attributes, in the
+    /// order of `vertices`.
     ///
     /// # Errors
-    /// A vertex is out of range, or there are too many for 32-bit indices.
+    /// A vertex is out of range, or there are too many vertices for 32-bit indices.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh};
@@ -183,7 +183,7 @@ impl Mesh {
         &self.positions
     }
 
-    /// Returns the positions, for sharing with another mesh.
+    /// Returns the positions as a shared array, for use in another mesh.
     ///
     /// ```
     #[doc = include_str!("mesh/example.txt")]
@@ -195,8 +195,8 @@ impl Mesh {
         Arc::clone(&self.positions)
     }
 
-    /// Returns whether this mesh shares its positions and attributes with another one. Equal copies
-    /// do not count.
+    /// Returns whether this mesh shares its positions and attributes with another one. Copies with
+    /// equal values are not shared.
     ///
     /// ```
     #[doc = include_str!("mesh/example.txt")]

@@ -1,7 +1,7 @@
 //! Prepared faces: the faces of a mesh, cleaned for the strip methods.
 //!
-//! Every prepared face has at least three corners, all different, and is a triangle or convex. If
-//! all faces of the mesh satisfy this, they are borrowed.
+//! Every prepared face is a triangle or a convex polygon, and all its corners are different
+//! vertices. If all faces of the mesh are like this already, they are borrowed.
 //!
 //! # Algorithm
 //! 1. On request, vertices in use with the same bits in position and all attributes are replaced by
@@ -17,7 +17,7 @@
 //! O(n) time, where n is the number of corners. A polygon of k corners takes O(k log k) if it is
 //! convex up to rounding, and O(k²) in the worst case if it must be cut. k is at most
 //! [`ear_cutting::EAR_CORNERS`], and the sum of k² over the large polygons at most
-//! [`ear_cutting::EAR_STEPS`], so cutting takes at most a second or two. No memory if nothing
+//! [`ear_cutting::EAR_STEPS`], so cutting takes at most a second or two. Takes no memory if nothing
 //! changes.
 
 mod convex;
@@ -40,7 +40,7 @@ pub struct PreparedFaces<'a> {
     welds: VertexWelds,
 }
 
-/// What the preparation of a mesh's faces changed.
+/// Counts of the changes made by the preparation of a mesh's faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PreparedCounts {
     /// Number of vertices in use that were replaced by a vertex with the same bits (`--weld`).
@@ -50,7 +50,7 @@ pub struct PreparedCounts {
     pub degenerate_faces: usize,
     /// Number of polygons cut into triangles because they are not convex or contain a vertex twice.
     pub cut_polygons: usize,
-    /// Number of these polygons that became a fan: the polygon was too large for ear cutting, or
+    /// Number of these polygons that became fans, because they were too large for ear cutting or
     /// ear cutting found no triangulation of all corners.
     pub fanned_polygons: usize,
 }
@@ -136,7 +136,7 @@ impl<'a> PreparedFaces<'a> {
         &self.welds
     }
 
-    /// Returns what the preparation changed.
+    /// Returns the counts of the changes made by the preparation.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh, PreparedFaces};

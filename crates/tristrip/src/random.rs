@@ -3,7 +3,7 @@
 //! # References
 //! Steele, Lea, Flood: *Fast Splittable Pseudorandom Number Generators*, 2014 (`SplitMix64`).
 
-/// A seeded stream of random numbers.
+/// A seeded generator of random numbers.
 ///
 /// ```
 /// let mut random = tristrip::random::Random::new(7);
@@ -13,7 +13,7 @@
 pub struct Random(u64);
 
 impl Random {
-    /// Creates the stream for a seed.
+    /// Creates a generator from a seed.
     ///
     /// ```
     /// use tristrip::random::Random;
@@ -72,8 +72,8 @@ impl Random {
     }
 }
 
-/// Returns the probabilities of accepting rises of 1, 2, … at a temperature, in units of 2⁻³². Uses
-/// only basic arithmetic, so results are identical on every machine.
+/// Returns the probabilities of accepting cost increases of 1, 2, … at a temperature, in units of
+/// 2⁻³². Uses only basic arithmetic, so results are identical on every machine.
 #[expect(clippy::cast_sign_loss, reason = "odds are not negative")]
 pub(crate) fn metropolis<const RISES: usize>(temperature: f64) -> [u32; RISES] {
     let x = 1.0 / (1024.0 * temperature);

@@ -1,6 +1,6 @@
-//! Serialization with `serde`: options by their names in the command line, strips and collapse
-//! sequences as lists of numbers. Deserialization rejects everything that the library's functions
-//! would not have produced.
+//! Serialization with `serde`. Options use their command-line names; strips and collapse sequences
+//! are lists of numbers. Deserialization rejects everything that the library's functions would not
+//! have produced.
 //!
 //! ```text
 //! Layout, Cost, Filter …   "restart"                       VertexCache        "fifo:16"

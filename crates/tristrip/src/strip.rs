@@ -40,7 +40,8 @@ pub struct Strips {
 }
 
 impl Strips {
-    /// Creates strips from the vertices of all strips and the end of each strip.
+    /// Creates strips from an array with the vertices of all strips and the end of each strip in
+    /// this array.
     ///
     /// # Errors
     /// The ends decrease, or the last end is not the number of vertices.
@@ -295,7 +296,8 @@ impl Strips {
     /// Checks that every vertex is less than `vertex_count`.
     ///
     /// # Errors
-    /// A strip has a vertex that is out of range. The error has the strip and the position in it.
+    /// A strip refers to a vertex that is out of range. The error contains the index of the strip
+    /// and the position within the strip.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();

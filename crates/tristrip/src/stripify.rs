@@ -1,7 +1,7 @@
 //! Triangle strips from a mesh: the methods, their options, and the common stages.
 //!
-//! A method chooses the diagonals of each polygon and the edges over which triangles are linked to
-//! paths. The result is a [`StripPlan`], which one emitter turns into strips.
+//! A method chooses the diagonals of each polygon and the edges over which triangles are linked
+//! into paths. The result is a [`StripPlan`]. One emitter for all methods converts it to strips.
 
 mod best;
 pub mod bound;
@@ -59,7 +59,7 @@ pub fn plan<'a>(
 }
 
 /// Computes a plan like [`plan`](fn@plan), and reports the progress of a long search to `watch`,
-/// which may stop it. A stopped search returns the best plan found so far.
+/// which may stop the search. A stopped search returns the best plan found so far.
 ///
 /// # Errors
 /// An option is invalid for the method, or the graph is not the dual graph of the faces.

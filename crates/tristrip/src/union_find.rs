@@ -22,7 +22,7 @@ pub struct UnionFind {
 }
 
 impl UnionFind {
-    /// Creates `count` sets of one element each, at most 2³².
+    /// Creates `count` sets of one element each. `count` is at most 2³².
     ///
     /// ```
     /// assert_eq!(tristrip::union_find::UnionFind::new(3).find(2), 2);
@@ -34,7 +34,7 @@ impl UnionFind {
     /// Returns the root of the set of an element, and halves the path to the root.
     ///
     /// # Panics
-    /// The element is not less than the number of elements.
+    /// Panics if the element is not less than the number of elements.
     ///
     /// ```
     /// let mut sets = tristrip::union_find::UnionFind::new(3);
@@ -55,7 +55,7 @@ impl UnionFind {
     /// Unites the sets of two elements. The lower of the two roots becomes the root.
     ///
     /// # Panics
-    /// An element is not less than the number of elements.
+    /// Panics if an element is not less than the number of elements.
     ///
     /// ```
     /// let mut sets = tristrip::union_find::UnionFind::new(3);
@@ -80,7 +80,7 @@ impl UnionFind {
         self.parents[other as usize] = root;
     }
 
-    /// Makes an element a set of its own. All elements of its set must be isolated together.
+    /// Makes an element a set of its own. The caller must isolate all elements of the old set.
     #[inline]
     pub(crate) fn isolate(&mut self, element: u32) {
         self.parents[element as usize] = element;

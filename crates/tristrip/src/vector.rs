@@ -34,7 +34,8 @@ pub(crate) fn normal_of([a, b, c]: [Point; 3]) -> Point {
     cross(sub(b, a), sub(c, a))
 }
 
-/// Returns the squared distance from a point to a segment. A segment of zero length is a point.
+/// Returns the squared distance from a point to a segment. A segment of zero length is treated as a
+/// point.
 #[inline]
 pub(crate) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
     let (along, to) = (sub(b, a), sub(p, a));
@@ -73,8 +74,8 @@ pub(crate) fn to_triangle(p: Point, corners: [Point; 3], known: f64) -> f64 {
 /// Returns the point of a triangle closest to a given point, in barycentric coordinates: none is
 /// negative, and they add up to 1. A triangle without area is treated as its edges.
 ///
-/// Uses the formulas by Voronoi region of Ericson: *Real-Time Collision Detection*, 2005, section
-/// 5.1.5.
+/// Uses the formulas per Voronoi region from Ericson, *Real-Time Collision Detection*, 2005,
+/// section 5.1.5.
 ///
 /// ```
 /// use tristrip::simplify::nearest_in_triangle;

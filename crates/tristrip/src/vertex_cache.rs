@@ -1,5 +1,5 @@
-//! Simulated vertex caches of a GPU: the number of vertices that it must transform to draw strips
-//! or a list.
+//! Simulates the vertex cache of a GPU and counts the vertices that must be transformed to draw
+//! strips or a list.
 //!
 //! A vertex that is in the cache when it is sent is a hit and costs nothing. Any other vertex is a
 //! miss and enters the cache. Misses per triangle are the ACMR, from about 0.5 (best) to 3 (worst).
@@ -11,9 +11,9 @@
 //! lru:3         0  01 012 021 213 130   after the hit 1 is the most recent, so 2 is evicted first
 //! ```
 //!
-//! Strips are sent in order, including swaps and winding repeats. Restarts and the degenerate
-//! triangles between strips send nothing here. A GPU keeps its cache between the strips of one
-//! index buffer ([`FlushPolicy::Keep`]); published studies of strips flush it
+//! Strips are sent in order, including swaps and winding repeats. In this simulation, restarts and
+//! the degenerate triangles between strips send nothing. A GPU keeps its cache between the strips
+//! of one index buffer ([`FlushPolicy::Keep`]); published studies of strips flush it
 //! ([`FlushPolicy::Flush`]).
 //!
 //! [`VertexCacheStatistics`] measures strips or a list, with one cache or many. [`lru_profile`]

@@ -49,13 +49,13 @@ impl Diagonals {
     }
 }
 
-/// Converts a half-edge index of the paths, 4 t + e, to that of the dual graph, 3 t + e.
+/// Converts a half-edge index of the paths, 4 t + e, to the index in the dual graph, 3 t + e.
 #[inline]
 pub(super) fn to_graph_half_edge(h: u32) -> u32 {
     h / 4 * 3 + h % 4
 }
 
-/// Converts a half-edge index of the dual graph, 3 t + e, to that of the paths, 4 t + e.
+/// Converts a half-edge index of the dual graph, 3 t + e, to the index in the paths, 4 t + e.
 #[inline]
 pub(super) fn to_path_half_edge(h: u32) -> u32 {
     h / 3 * 4 + h % 3

@@ -6,9 +6,9 @@
 //!     ┊   ┊              (one index fewer than before); a chain that raises the
 //!     e   d ━ f ━        cost is undone in reverse order
 //! ```
-//! Annealing accepts a rise at random and repairs the damage while it cools. If only a small part
-//! of a good cover has changed, for example near a collapse, chains gain more in the same time. A
-//! chain continues at its cut, and failed attempts are undone.
+//! Annealing accepts cost increases at random and lowers the cost again as it cools. If only a
+//! small part of a good cover has changed, for example near a collapse, chains lower the cost
+//! further in the same time: a chain continues at its own cut, and failed attempts are undone.
 //!
 //! # Algorithm
 //! 1. Start at the end of a path, or at the two ends created by a cut between two triangles.

@@ -1,4 +1,4 @@
-//! Moves at the ends of the paths of a cover. Each move has a limit on the rise of the cost.
+//! Moves at the ends of the paths of a cover. Each move has an upper limit on its cost increase.
 //!
 //! ```text
 //!   w ┄┄ v ━━ a        *join*: v is also an end: link w–v
@@ -21,7 +21,7 @@ pub(crate) enum EndMove {
     Rotated { cut: u32, join: Join, end: u32 },
 }
 
-/// A join, with the data to undo it while the paths are unchanged.
+/// A join, with the data to undo it before the paths change again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Join {
     link: u32,
@@ -30,8 +30,8 @@ pub(crate) struct Join {
 }
 
 impl Join {
-    /// Joins two ends. Returns the join and the rise of the cost, or `None` if the join would close
-    /// a path.
+    /// Joins two ends. Returns the join and the cost increase, or `None` if the join would close a
+    /// path.
     #[inline]
     fn make(paths: &mut PricedPaths, link: u32) -> Option<(Self, i32)> {
         let ends = paths.outer_ends(link);
@@ -46,7 +46,7 @@ impl Join {
 }
 
 /// Tries a join or a rotation at an end, chosen by the random bits `draw`, unless the cost would
-/// rise by more than `highest_rise`. The low half of `draw` is not used.
+/// rise by more than `highest_rise`. Only the high half of `draw` is used.
 #[inline]
 pub(crate) fn move_end(paths: &mut PricedPaths, w: u32, draw: u64, highest_rise: i32) -> EndMove {
     let link = 4 * w + free_edge(paths.mask(w), (draw >> 32) as u32 & 0xffff);
@@ -91,8 +91,9 @@ pub(crate) fn cut(paths: &mut PricedPaths, link: u32, highest_rise: i32) {
     }
 }
 
-/// Links the triangle on the other side of `link` over `link`, after cutting its link `cut`. Does
-/// nothing if the cost would rise by more than `highest_rise`, or the ends are too far away.
+/// Cuts `cut`, a link of the triangle on the other side of `link`, then links this triangle to the
+/// end over `link`. Does nothing if the cost would rise by more than `highest_rise`, or the ends
+/// are too far away.
 #[inline]
 fn rotate(paths: &mut PricedPaths, link: u32, cut: u32, highest_rise: i32) -> Option<EndMove> {
     let released = paths.across(cut) / 4;

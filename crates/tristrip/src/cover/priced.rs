@@ -1,18 +1,18 @@
-//! A path cover that maintains its cost and the ends of its paths, for searches that change the
-//! cover at the ends.
+//! A path cover that keeps its cost and the ends of its paths up to date. Searches that change the
+//! cover at path ends use it.
 //!
 //! ```text
 //!   e ━━ ∙ ━━ t ┄┄ u ━━ ∙ ━━ f       each end stores the other end of its path. Joining t–u
 //!                                    pairs e with f; cutting it pairs e with t and u with f.
 //! ```
-//! There are two elementary moves, *join* and *cut*. Each returns the exact rise of the cost. The
-//! rise includes the swaps on the link and on the adjacent links, the price of a strip, and the
+//! There are two elementary moves, *join* and *cut*. Each returns the exact cost increase. The
+//! increase includes the swaps on the link and on the adjacent links, the price of a strip, and the
 //! repeats at the starts of the affected paths. All other moves are composed of these two, and are
 //! undone by the inverse moves in reverse order.
 //!
-//! A cut walks to the nearer end of its path. In a mesh that is one long strip, this is a long
-//! walk. A search therefore limits the total steps of its walks. Once they are used up, it can cut
-//! only near the ends of paths.
+//! A cut walks to the nearer end of its path. This walk is long if one strip covers the whole mesh.
+//! A search therefore limits the total number of steps of its walks. Once these steps are used up,
+//! the search can cut only near the ends of paths.
 //!
 //! # Complexity
 //! 16 bytes and one bit per triangle. A join takes O(1), and so does undoing it. A cut takes as
@@ -82,14 +82,16 @@ const TURNS: [u8; 32] = {
     turns
 };
 
-/// Returns the turn in a triangle with the given mask of linked edges that is entered over `edge`.
+/// Returns the turn of a path that enters a triangle over `edge`. `mask` contains the linked edges
+/// of the triangle.
 #[inline]
 pub(crate) fn turn(mask: u32, edge: u32) -> u8 {
     TURNS[((mask & EDGES) << 2 | edge & 3) as usize]
 }
 
-/// Returns 1 if the turns on the two sides of a link, each seen from the link, cause a swap: a path
-/// across it turns to the same side twice.
+/// Returns 1 if a path across a link needs a swap, otherwise 0. `here` and `there` are the turns on
+/// the two sides of the link, each seen from the link. A path needs a swap if it turns left twice
+/// or right twice in a row.
 #[inline]
 pub(crate) fn is_swap(here: u8, there: u8) -> i32 {
     i32::from(here ^ there == 3)
@@ -231,14 +233,15 @@ impl PricedPaths {
         *state = *state & EDGES | other << 3;
     }
 
-    /// Counts the swap on a link, 0 or 1.
+    /// Returns the number of swaps on a link: 0 or 1.
     #[inline]
     fn swap_at(&self, link: u32) -> i32 {
         let twin = self.across(link);
         is_swap(turn(self.mask(link / 4), link % 4), turn(self.mask(twin / 4), twin % 4))
     }
 
-    /// Counts the swap on the other link of the triangle that the link starts at.
+    /// Returns the number of swaps, 0 or 1, on the other link of the triangle at which `link`
+    /// starts.
     #[inline]
     fn swap_behind(&self, link: u32) -> i32 {
         let behind = (self.mask(link / 4) & !(1 << (link % 4))).trailing_zeros();
@@ -256,13 +259,13 @@ impl PricedPaths {
         turn(self.mask(twin / 4), twin % 4) == 1
     }
 
-    /// Counts the swap at the start of the path between two ends.
+    /// Returns the number of swaps, 0 or 1, at the start of the path between two ends.
     #[inline]
     pub(crate) fn start_swap(&self, end: u32, other: u32) -> i32 {
         i32::from(self.begins_with_swap(end) && self.begins_with_swap(other))
     }
 
-    /// Links two ends of different paths. Returns the rise of the cost, or `None` if the link would
+    /// Links two ends of different paths. Returns the cost increase, or `None` if the link would
     /// close a path.
     #[inline]
     pub(crate) fn join(&mut self, link: u32) -> Option<i32> {
@@ -295,21 +298,21 @@ impl PricedPaths {
         self.walk_steps = self.walk_steps.saturating_add(steps).min(most);
     }
 
-    /// Returns the ends of the two paths that a join would link, each on its side of the link.
-    /// [`PricedPaths::cut_between`] undoes the join with them.
+    /// Returns the outer ends of the two paths that a join across `link` would link. The first end
+    /// is on the side of `link`. [`PricedPaths::cut_between`] needs both ends to undo the join.
     #[inline]
     pub(crate) fn outer_ends(&self, link: u32) -> [u32; 2] {
         [link, self.across(link)].map(|h| self.partner(h / 4))
     }
 
-    /// Removes a link. Returns the rise of the cost.
+    /// Removes a link. Returns the cost increase.
     #[inline]
     pub(crate) fn cut(&mut self, link: u32) -> i32 {
         let ends = self.ends_beyond(link, &mut u64::MAX.clone());
         ends.map_or(0, |ends| self.cut_between(link, ends))
     }
 
-    /// Removes a link within the step limit of a search. Returns the rise of the cost, or `None` if
+    /// Removes a link within the step limit of a search. Returns the cost increase, or `None` if
     /// both ends are too far away.
     #[inline]
     pub(crate) fn try_cut(&mut self, link: u32) -> Option<i32> {
@@ -321,7 +324,7 @@ impl PricedPaths {
     }
 
     /// Removes a link between two known ends. The first end is on the side of `link`. Returns the
-    /// rise of the cost.
+    /// cost increase.
     #[inline]
     pub(crate) fn cut_between(&mut self, link: u32, [e, f]: [u32; 2]) -> i32 {
         let twin = self.across(link);
@@ -341,16 +344,16 @@ impl PricedPaths {
         rise
     }
 
-    /// Returns the rise of the cost by a cut, without the repeats at the starts of paths.
+    /// Returns the cost increase of a cut, without the repeats at the starts of paths.
     #[inline]
     pub(crate) fn cut_rise(&self, link: u32) -> i32 {
         let swaps = self.swap_at(link) + self.swap_behind(link) + self.swap_behind(self.across(link));
         self.prices.strip - swaps * self.prices.swap
     }
 
-    /// Returns the rise of the cost by a rotation that replaces a triangle's link over `cut` by a
-    /// link over the twin of `link`, without the repeats at the starts of paths. `link` starts at
-    /// an end, and `cut` at the triangle across.
+    /// Returns the cost increase of a rotation that replaces a triangle's link over `cut` by a link
+    /// over the twin of `link`, without the repeats at the starts of paths. `link` starts at an
+    /// end, and `cut` starts at the triangle on the other side.
     #[inline]
     pub(crate) fn rotation_rise(&self, link: u32, cut: u32) -> i32 {
         let (twin, cut_twin) = (self.across(link), self.across(cut));

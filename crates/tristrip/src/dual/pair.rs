@@ -8,8 +8,8 @@
 //! Otherwise half-edges are processed in order. Each is stored in the list of its lower vertex
 //! until a half-edge of opposite direction over the same vertices arrives, and is then paired and
 //! removed from the list. The lists are stored in the slots of the unknown twins, so only their
-//! heads need memory. If the list of a vertex grows long, the pairing is done by sorting instead,
-//! with the same result.
+//! heads need memory. If the lists become long, the half-edges are paired by sorting instead, with
+//! the same result.
 //!
 //! # Complexity
 //! See [`super`].
@@ -32,7 +32,7 @@ const CANDIDATES: usize = 8;
 /// Average list steps per half-edge after which the pairing is done by sorting.
 const STEPS_PER_HALF_EDGE: usize = 32;
 
-/// Smaller meshes are paired by one thread, in a few milliseconds. Counted in corners.
+/// Meshes with fewer corners are paired by one thread, in a few milliseconds.
 #[cfg(feature = "rayon")]
 const THREADING_MINIMUM: usize = 1 << 18;
 /// Maximum number of vertex ranges that are paired in parallel. Each range reads all corners.

@@ -3,9 +3,9 @@
 //!
 //! # Algorithm
 //! The pairing of the graph records whether any two half-edges have the same direction between the
-//! same vertices. If not, every edge belongs to one face or to two faces with opposite directions,
-//! and no face occurs twice. A half-edge without a twin is then a boundary edge. Otherwise the
-//! half-edges are counted edge by edge, and faces are compared.
+//! same vertices. If there are none, every edge belongs to one face or to two faces with opposite
+//! directions, and no face occurs twice. A half-edge without a twin is then a boundary edge.
+//! Otherwise the half-edges are counted edge by edge, and faces are compared.
 //!
 //! # Complexity
 //! O(n) time for meshes of bounded valence, O(n log n) in the worst case. Temporary memory: 8 bytes
@@ -41,7 +41,7 @@ pub struct MeshReport {
     /// Number of faces with the same vertices and winding as an earlier face. They are drawn as
     /// well.
     pub duplicate_faces: usize,
-    /// What the preparation of the faces changed.
+    /// Counts of the changes made by the preparation of the faces.
     pub surface: PreparedCounts,
 }
 

@@ -5,8 +5,8 @@
 //! across shared edges, as their faces are, and across diagonals.
 //!
 //! # Complexity
-//! 24 bytes per triangle and 4 per corner while building. Nothing if every face is a triangle: the
-//! triangles are then borrowed.
+//! 24 bytes per triangle and 4 per corner while building. If every face is a triangle, the
+//! triangles are borrowed and take no memory.
 
 use std::borrow::Cow;
 

@@ -67,7 +67,7 @@ pub struct Attribute {
     pub name: String,
     /// Number of components per vertex, at least 1.
     pub components: u8,
-    /// Whether integers represent fractions of their range, as in glTF.
+    /// Whether integers are normalized, as in glTF: they represent fractions of their range.
     pub normalized: bool,
     /// The values, in vertex order.
     pub data: AttributeData,

@@ -16,10 +16,10 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Creates triangles from three vertex indices each.
+    /// Creates triangles from a list of vertex indices, three per triangle.
     ///
     /// # Errors
-    /// The number of indices is not a multiple of three, or it is too large for 32-bit indices.
+    /// The number of indices is not a multiple of three, or there are too many for 32-bit indices.
     ///
     /// ```
     /// let faces = tristrip::Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?;
@@ -113,7 +113,7 @@ impl Faces {
         self.corners.len()
     }
 
-    /// Returns the vertex of every corner, face after face.
+    /// Returns the vertex of every corner, face by face.
     ///
     /// ```
     /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
@@ -267,7 +267,7 @@ impl Faces {
         Self { corners, offsets }
     }
 
-    /// Counts the triangles of the faces. A face of k corners has k − 2.
+    /// Counts the triangles of the faces. A face of k corners has k − 2 triangles.
     ///
     /// ```
     /// // An edge draws nothing.

@@ -1,7 +1,7 @@
 //! A grid of cells that finds the positions within a distance of a given position.
 //!
-//! Scanners and CAD programs write the two sides of a border with small differences. To find the
-//! other side, each position is looked up in the grid before it is inserted.
+//! In files from scanners and CAD programs, the positions on the two sides of a border differ
+//! slightly. To find the other side, each position is looked up in the grid before it is inserted.
 //!
 //! # Complexity
 //! Constant time per position. A cell is [`CELL`] times as wide as the distance, so most lookups

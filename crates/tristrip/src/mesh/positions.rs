@@ -1,5 +1,5 @@
-//! Positions in the caller's memory: arrays of any library's points, or vertices with interleaved
-//! attributes.
+//! Positions in the caller's memory: arrays of points from any library, or vertices with
+//! interleaved attributes.
 //!
 //! ```text
 //! InterleavedPositions    offset
@@ -14,8 +14,8 @@ use crate::text::counted;
 /// Vertex positions, in any storage.
 ///
 /// Implemented for slices, vectors and arrays of every type that converts to `[f32; 3]`: points and
-/// vectors of `glam`, `mint`, `nalgebra` and others in any version, or your own vertices. Use
-/// [`InterleavedPositions`] for a buffer of numbers or bytes.
+/// vectors of `glam`, `mint`, `nalgebra` and other crates in any version, and your own vertex
+/// types. Use [`InterleavedPositions`] for a buffer of numbers or bytes.
 ///
 /// ```
 /// use tristrip::Positions;
@@ -121,7 +121,7 @@ impl<'a> InterleavedPositions<'a> {
     }
 
     /// Borrows positions from bytes. The coordinates of vertex i are three 32-bit floats in native
-    /// byte order, from byte `i * stride + offset` on.
+    /// byte order, starting at byte `i * stride + offset`.
     ///
     /// # Errors
     /// The position does not fit within the stride, the number of bytes is not a multiple of the

@@ -48,7 +48,7 @@ pub(crate) fn canonical_triangles(triangles: impl IntoIterator<Item = [u32; 3]>)
 /// Returns triangle `t` of a triangle list.
 ///
 /// # Panics
-/// The list has no triangle `t`.
+/// Panics if the list has no triangle `t`.
 #[inline]
 pub(crate) fn triangle_at(list: &[u32], t: usize) -> [u32; 3] {
     let corners = &list[3 * t..3 * t + 3];

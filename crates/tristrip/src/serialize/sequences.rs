@@ -44,7 +44,8 @@ impl<'de> Deserialize<'de> for Strips {
     }
 }
 
-/// The fields of [`CollapseSequence`]. The triangles that a collapse removes follow from them.
+/// The fields of [`CollapseSequence`]. The triangles that a collapse removes are computed from
+/// these fields.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "CollapseSequence", deny_unknown_fields)]
 struct SequenceFields {

@@ -9,9 +9,9 @@
 //! ```
 //! A strip begins with the vertex opposite the first exit, so the first triangle has the right
 //! winding. Each turn is free on one side only, depending on the position in the strip. A strip
-//! whose first turn is not free needs a winding repeat, or a swap at that turn, which costs the
-//! same. The first turn may be free if the strip starts at the other end of the path, so both
-//! directions are compared.
+//! whose first turn is not free needs a winding repeat or a swap at that turn. Both cost one index.
+//! The first turn may be free if the strip starts at the other end of the path, so both directions
+//! are compared.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996,
@@ -100,8 +100,8 @@ pub(crate) fn path_steps<'a>(
     })
 }
 
-/// A triangle of a path with the edges (0–2) over which the path enters and leaves it. They are
-/// `OPEN` at the ends of the path.
+/// A triangle of a path with the edges (0–2) over which the path enters and leaves it. At an end of
+/// the path, the missing edge is `OPEN`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step {
     pub(crate) triangle: u32,
@@ -114,8 +114,8 @@ impl Step {
         Self { triangle: self.triangle, entry: self.exit, exit: self.entry }
     }
 
-    /// Returns whether leaving is free at an even position in the strip. Otherwise it is free at an
-    /// odd position.
+    /// Returns whether the strip can leave the triangle without a swap at an even position.
+    /// Otherwise it can do so at an odd position.
     #[inline]
     pub(crate) fn is_free_at_even(&self) -> bool {
         self.exit == if self.entry == 2 { 0 } else { self.entry + 1 }
@@ -164,8 +164,8 @@ fn swaps_at_start_reversed(path: &[Step]) -> usize {
     path.len().checked_sub(2).map_or(0, |i| usize::from(turns > 0 && path[i].reversed().is_free_at_even()))
 }
 
-/// Counts the swaps between adjacent turns to the same side. The count is the same in both
-/// directions.
+/// Counts the swaps, one per pair of consecutive turns in the same direction. The count is the same
+/// in both directions.
 fn swaps_inside(path: &[Step]) -> usize {
     let turns = path.get(1..path.len().saturating_sub(1)).unwrap_or_default();
     turns.windows(2).filter(|w| w[0].is_free_at_even() == w[1].is_free_at_even()).count()

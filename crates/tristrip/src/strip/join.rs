@@ -1,10 +1,10 @@
-//! Orders strips for joining by degenerate triangles with few indices between them.
+//! Orders strips for joining by degenerate triangles, to keep the number of extra indices low.
 //!
 //! A strip needs no extra indices if it starts with the vertex that was sent last, at a position
 //! with the right parity. A strip with an even number of vertices must start at an even position,
 //! in either direction. A strip with an odd number of vertices must start at an even position
-//! forward, or at an odd position backward. A strip that starts with a repeat does not need it at
-//! the other parity.
+//! forward, or at an odd position backward. A strip that starts with a repeat does not need the
+//! repeat at the other parity.
 //!
 //! ```text
 //!   (a, even) ──────── (z, even)     a strip a … z of an even number of vertices, sent either way

@@ -43,8 +43,8 @@ names! {
 
 impl Strips {
     /// Returns the index buffer in a layout, with indices of 8, 16 or 32 bits. With
-    /// [`Layout::Separate`] the strips follow each other without separators; [`Strips::iter`] has
-    /// their lengths.
+    /// [`Layout::Separate`] the strips follow each other without separators; use [`Strips::iter`]
+    /// for their lengths.
     ///
     /// # Errors
     /// A vertex does not fit the index type, or equals the restart value in a buffer with restarts.
@@ -103,12 +103,12 @@ impl Strips {
     }
 
     /// Updates an index buffer to the indices of a layout. Returns the changed ranges in ascending
-    /// order, so that only they need to be uploaded. Ranges with fewer than 16 equal indices
-    /// between them are merged.
+    /// order. Only these need to be uploaded. Ranges with fewer than 16 equal indices between them
+    /// are merged.
     ///
     /// # Errors
     /// A vertex does not fit the index type, or equals the restart value in a buffer with restarts.
-    /// The buffer is unchanged then.
+    /// In these cases, the buffer is unchanged.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -144,7 +144,8 @@ impl Strips {
         Ok(changed)
     }
 
-    /// Counts the indices of a layout. For [`Layout::Degenerate`] this joins the strips.
+    /// Counts the indices of a layout. For [`Layout::Degenerate`], the strips are joined to count
+    /// the indices.
     ///
     /// ```
     /// use tristrip::{Layout, Strips};
@@ -261,8 +262,8 @@ impl Strips {
         }
     }
 
-    /// Returns the index buffer with `restart` between strips. `restart` is not checked against the
-    /// vertices; [`Strips::to_indices`] does that.
+    /// Returns the index buffer with `restart` between strips. Does not check `restart` against the
+    /// vertices; [`Strips::to_indices`] does.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -315,8 +316,8 @@ impl Strips {
 }
 
 /// Iterates over the strips of a joined index buffer. The buffer is cut between equal consecutive
-/// vertices, and parts that draw nothing are omitted. A vertex that repeats at the start to
-/// preserve the winding remains part of its strip.
+/// vertices, and parts that draw nothing are omitted. A vertex that is repeated at the start of a
+/// strip to preserve the winding remains part of the strip.
 ///
 /// A strip that started at an odd position has the opposite winding when it is drawn alone.
 ///

@@ -4,7 +4,7 @@ use super::{Layout, Strips, count_triangles};
 use crate::cover::priced::StripPrices;
 use crate::names::names;
 
-/// A cost that a search can minimize and a user can select.
+/// A cost that searches can minimize.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Cost {
@@ -112,7 +112,7 @@ impl Metrics {
         metrics
     }
 
-    /// Returns `vertices_sent` per triangle, or 0 without triangles.
+    /// Returns `vertices_sent` per triangle, or 0 if there are no triangles.
     ///
     /// ```
     /// use tristrip::{Metrics, Strips};
@@ -125,7 +125,7 @@ impl Metrics {
         per(self.vertices_sent, self.triangles)
     }
 
-    /// Returns `indices_restart` per triangle, or 0 without triangles.
+    /// Returns `indices_restart` per triangle, or 0 if there are no triangles.
     ///
     /// ```
     /// use tristrip::{Metrics, Strips};
@@ -138,7 +138,7 @@ impl Metrics {
         per(self.indices_restart, self.triangles)
     }
 
-    /// Returns `indices_degenerate` per triangle, or 0 without triangles.
+    /// Returns `indices_degenerate` per triangle, or 0 if there are no triangles.
     ///
     /// ```
     /// use tristrip::{Metrics, Strips};

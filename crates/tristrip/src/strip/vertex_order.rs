@@ -53,8 +53,8 @@ impl VertexOrder {
     /// The strips of several parts over the same vertices share one order.
     ///
     /// # Errors
-    /// A strip has a vertex that is not less than `vertex_count`, or there are too many vertices
-    /// for 32-bit indices.
+    /// A strip refers to a vertex that is out of range, or there are too many vertices for 32-bit
+    /// indices.
     ///
     /// ```
     /// use tristrip::{Strips, VertexOrder};
@@ -78,7 +78,7 @@ impl VertexOrder {
     /// indices.
     ///
     /// # Errors
-    /// An index is not less than `vertex_count`, or there are too many vertices for 32-bit indices.
+    /// An index is out of range, or there are too many vertices for 32-bit indices.
     ///
     /// ```
     /// let order = tristrip::VertexOrder::of_indices(4, [2, 2, 3, 0])?;
@@ -111,8 +111,8 @@ impl VertexOrder {
     /// Creates an order from the old index of each new vertex.
     ///
     /// # Errors
-    /// Some index below the length is missing or occurs twice, or there are too many vertices for
-    /// 32-bit indices.
+    /// The indices are not a permutation of 0, 1, 2 …, or there are too many vertices for 32-bit
+    /// indices.
     ///
     /// ```
     /// use tristrip::VertexOrder;
@@ -193,7 +193,7 @@ impl VertexOrder {
         Self { new_to_old: self.old_to_new.clone(), old_to_new: self.new_to_old.clone() }
     }
 
-    /// Returns whether both directions are permutations and inverse to each other.
+    /// Returns whether both directions are permutations and each is the inverse of the other.
     ///
     /// ```
     /// use tristrip::VertexOrder;
@@ -249,7 +249,7 @@ impl VertexOrder {
     /// Returns the new index of each given index.
     ///
     /// # Errors
-    /// An index is not less than the number of vertices.
+    /// An index is out of range.
     ///
     /// ```
     /// let order = tristrip::VertexOrder::of_indices(3, [2])?;
@@ -267,7 +267,7 @@ impl VertexOrder {
     /// Returns the strips with the new vertex indices.
     ///
     /// # Errors
-    /// A strip has a vertex that is not less than the number of vertices.
+    /// A strip refers to a vertex that is out of range.
     ///
     /// ```
     /// use tristrip::{Strips, VertexOrder};
@@ -285,7 +285,7 @@ impl VertexOrder {
     /// Returns the faces in the same order, with the new vertex indices.
     ///
     /// # Errors
-    /// A face has a vertex that is not less than the number of vertices.
+    /// A face refers to a vertex that is out of range.
     ///
     /// ```
     /// use tristrip::{Faces, VertexOrder};

@@ -6,8 +6,8 @@
 //!    parts.
 //! 3. *Hot*: slow annealing from a temperature that destroys the start. On irregular meshes this
 //!    gains the most.
-//! 4. The result is the cheapest of the three by measured cost. No effort makes it worse than the
-//!    start.
+//! 4. The result is the cheapest of the three by measured cost. It is never worse than the start,
+//!    at any effort.
 //!
 //! If the start has one strip per component and no swaps, no cover is cheaper and no search is
 //! needed.
@@ -26,8 +26,9 @@
 //! | times meshoptimizer's strip pipeline | 0.5 | 0.8 | 3 | 7 | 15 | 40 | 80 | 160 |
 //! | seconds | 0.007 | 0.013 | 0.045 | 0.12 | 0.28 | 0.8 | 1.5 | 2.9 |
 //!
-//! Levels 8 and 9 take two and four times as long as level 7. The time is proportional to the size
-//! of larger meshes. Smaller meshes take the same time, down to an eighth of this size.
+//! Levels 8 and 9 take two and four times as long as level 7. For larger meshes, the time is
+//! proportional to the size. Smaller meshes take the same time as the bunny, down to an eighth of
+//! its size.
 //!
 //! # References
 //! Kirkpatrick, Gelatt, Vecchi: *Optimization by Simulated Annealing*, 1983; Pósa: *Hamiltonian

@@ -7,13 +7,13 @@
 //!
 //! # Algorithm
 //! A cover of T triangles by S paths has T − S links. The links are a *2-matching*: no triangle has
-//! more than two. Therefore T minus the size of a maximum 2-matching is a lower bound of S. It is
-//! computed by a maximum matching among the triangles with three neighbours. Links of a 2-matching
-//! may close cycles, so the bound is improved further:
-//! 1. *Bridges* (`blocks`): bridges connect the blocks of the dual graph to trees. From the leaves
-//!    to the root, the algorithm decides for each bridge whether the best cover uses it. Each block
-//!    needs a strip or a bridge.
-//! 2. *Matching* (`matching`, `strips`): each block separately.
+//! more than two. Therefore T minus the size of a maximum 2-matching is a lower bound on S. This
+//! bound is computed by a maximum matching among the triangles with three neighbours. Links of a
+//! 2-matching may close cycles, so the bound is improved further:
+//! 1. *Bridges* (`blocks`): bridges connect the blocks of the dual graph to form trees. From the
+//!    leaves to the root, the algorithm decides for each bridge whether the best cover uses it.
+//!    Each block needs a strip or a bridge.
+//! 2. *Matching* (`matching`, `strips`): each block gets its own bound.
 //! 3. *Subproblems* (`subproblems`, `frontier`): small blocks are solved exactly. In larger blocks,
 //!    the neighbourhoods that force path ends are solved exactly.
 //!
@@ -68,7 +68,7 @@ pub struct Bound {
     pub indices_restart: usize,
     /// Length of the index buffer with strips joined by degenerate triangles; winding is kept.
     pub indices_degenerate: usize,
-    /// The bounds of each connected component, in order of their first faces.
+    /// The bounds of each connected component, in the order of their first faces.
     pub components: Vec<ComponentBound>,
 }
 
@@ -76,7 +76,7 @@ pub struct Bound {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ComponentBound {
-    /// Number of triangles of its triangulated faces.
+    /// Number of triangles of the component's triangulated faces.
     pub triangles: usize,
     /// Number of strips.
     pub strips: usize,
@@ -113,7 +113,8 @@ impl Bound {
     ///
     /// If all faces are triangles there is only one triangulation, and the bound is tighter. A face
     /// of k corners counts as k − 2 triangles, and a strip may pass through it several times. Only
-    /// faces with one neighbour or none necessarily contain one or two strip ends.
+    /// faces with at most one neighbour must contain strip ends: one end if there is a neighbour,
+    /// otherwise two.
     ///
     /// # Errors
     /// The graph is not the dual graph of the faces.

@@ -1,8 +1,8 @@
 //! `cache`: strips in an order that uses a vertex cache well, with few indices.
 //!
 //! The vertices of a long strip have left the cache when its neighbouring strips are drawn. Short
-//! strips side by side still find them in the cache, but each strip starts with three vertices and
-//! a restart. Which cost matters more depends on the hardware, so both are weighted:
+//! adjacent strips still find these vertices in the cache, but each strip starts with three
+//! vertices and a restart. Which cost matters more depends on the hardware, so both are weighted:
 //! `index weight × indices + miss weight × misses`.
 //!
 //! ```text
@@ -15,16 +15,16 @@
 //! # Algorithm
 //! A strip grows triangle by triangle along the front of the drawn triangles (Hoppe 1999, section
 //! 5). At each decision:
-//! 1. *Look ahead.* Speculatively draw as many triangles as the horizon: n more of this strip, then
-//!    a restart at the oldest edge of the front whose vertices are still in the cache, and so on at
-//!    each dead end. Try n = 0, 1, 2, 4 …
+//! 1. *Look ahead.* Speculatively draw n more triangles of this strip. Then restart at the oldest
+//!    edge of the front whose vertices are still in the cache, and again at each dead end, until
+//!    the number of triangles drawn reaches the horizon. Try n = 0, 1, 2, 4 …
 //! 2. *Choose the n* with the lowest cost per triangle, undo the speculation, and draw these n
 //!    triangles. n = 0 is a restart.
 //! 3. If no edge of the front is in the cache, continue at the newest edge of the front, or at the
 //!    lowest remaining triangle if the front is empty.
 //!
 //! A strip turns toward the front as long as it can. This takes a swap at vertices with fewer than
-//! three remaining triangles, and leaves no isolated triangles.
+//! three remaining triangles, but leaves no isolated triangles.
 //!
 //! With the objective `indices`, the strips come from `best`, and only their order and direction
 //! are chosen. The next strip is the one at the oldest edge of the front, in its cheaper direction.
@@ -44,12 +44,12 @@
 //! | misses | 1.426, 0.608 | 1.401, 0.599 | 1.390, 0.596 | 1.380, 0.593 | 1.373, 0.592 |
 //! | seconds, balanced | 0.05 | 0.4 | 0.8 | 2 | 3.5 |
 //!
-//! For comparison, the two triangle orders of meshoptimizer give 1.334, 0.890 and 1.741, 0.706.
+//! For comparison, the two triangle orders of meshoptimizer reach 1.334, 0.890 and 1.741, 0.706.
 //!
 //! Differences from Hoppe: indices are weighted in addition to misses. Triangles with at most one
-//! open neighbour count as the restarts that they will need. A restart avoids vertices that are
-//! about to leave the cache. All n triangles are drawn at once. This is several times faster, and
-//! the result is hardly worse.
+//! open neighbour are priced as the restarts that they will need. A restart avoids vertices that
+//! are about to leave the cache. All n triangles are drawn at once. This is several times faster,
+//! and the result is hardly worse.
 //!
 //! # References
 //! Hoppe: *Optimization of mesh locality for transparent vertex caching*, 1999.

@@ -5,22 +5,22 @@
 //! The steps are numbered as in section 4.1 of the paper. See [`tunnel`](super::tunnel) for the
 //! terms.
 //!
-//! 1. *The length k*: fixed; every tunnel up to it is accepted (depth first). The search may be
-//!    repeated with longer tunnels for the strips that remain (section 6.1): 49, 99, 199 ….
-//!    Alternatively k is 1, 3, 5 …, and increases when no terminal has a tunnel of the current
-//!    length (breadth first, section 5).
-//! 2. *A terminal*, in random order.
-//! 3. *Its k-star*: the triangles at most k steps away.
-//! 4. *Temporary edges* for the strips that leave the star and come back.
-//! 5. *Tunnelling*: alternating paths, depth first. A step cuts a black edge, which splits a strip,
-//!    and links the part at its near end with the tip. The part gets the identifier of the tip,
-//!    node by node. When the path is abandoned, the part gets its old identifier back. No step
+//! 1. *The length k* is fixed, and every tunnel up to this length is accepted (depth first). The
+//!    search may be repeated with longer tunnels for the strips that remain (section 6.1): 49, 99,
+//!    199 …. Alternatively k is 1, 3, 5 …, and increases when no terminal has a tunnel of the
+//!    current length (breadth first, section 5).
+//! 2. *A terminal* is selected, in random order.
+//! 3. *The k-star* of the terminal is collected: the triangles at most k steps away.
+//! 4. *Temporary edges* replace the parts of strips that leave the star and come back.
+//! 5. *Tunnelling* follows alternating paths, depth first. A step cuts a black edge, which splits a
+//!    strip, and links the part at its near end with the tip. The part gets the identifier of the
+//!    tip, node by node. When the path is abandoned, the part gets its old identifier back. No step
 //!    closes a loop: after the cut, the linked triangle and the tip must not be on the same part of
 //!    a strip. A search ends after its paths have visited a given number of triangles (the forecast
 //!    of section 4.2).
 //! 6. *Complement*, if a tunnel was found: the temporary edges are removed, and the strips get
 //!    their identifiers everywhere.
-//! 7. *The next terminal.*
+//! 7. The search continues with *the next terminal*.
 //!
 //! Without localization, steps 3, 4 and 6 are omitted, and identifiers are written to the end of
 //! each strip. This finds the same tunnels. With localization on demand, a search starts without
@@ -29,13 +29,13 @@
 //!
 //! # Departures
 //! - Consecutive crossings of the star's boundary by a strip are found by the position of each
-//!   triangle on its strip, which is stored with the identifier. The paper does not say how it
-//!   finds them.
+//!   triangle on its strip, which is stored with the identifier. The paper does not say how these
+//!   crossings are found.
 //! - Where the cut divides the tip's own strip, one part is followed to find out whether the tip is
 //!   on it, instead of writing and removing a temporary identifier. This accesses the same number
 //!   of nodes.
-//! - The threshold counts the triangles that paths visit, not the identifiers written. It ends the
-//!   same searches with and without localization.
+//! - The threshold counts the triangles that paths visit, not the identifiers written. It therefore
+//!   ends the same searches with and without localization.
 //! - The paper does not specify the order of terminals and paths. Here both are random, but an end
 //!   of the tunnel is tried first. The paper does not specify when to stop either. Here the search
 //!   stops after some passes over all terminals without a tunnel.
@@ -78,8 +78,8 @@ pub(super) struct EtaOptions {
     pub(super) localization: Localization,
 }
 
-/// The number of passes over all terminals without a tunnel, and the sum of the strips in them,
-/// after which the search ends.
+/// The number of consecutive passes over all terminals without a tunnel, and the total number of
+/// strips in these passes, after which the search ends.
 #[derive(Debug, Clone, Copy)]
 struct EmptyPasses {
     passes: u32,

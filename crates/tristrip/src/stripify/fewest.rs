@@ -1,6 +1,6 @@
-//! `fewest`: a local search for as few strips as possible. The ends of paths move until the ends of
-//! two different paths are adjacent and can be joined. If this takes too long, one end is guided to
-//! another.
+//! `fewest`: a local search that minimizes the number of strips. The ends of paths move until the
+//! ends of two different paths are adjacent and can be joined. If this takes too long, one end is
+//! guided to another.
 //!
 //! ```text
 //!   rotation walk  w ┄┄ v ━━ x        link w–v, cut v–x: x is the new end. If v is inside w's own
@@ -19,8 +19,8 @@
 //! The tunnels of Stewart (2001) and of Porcu and Scateni, implemented as rotations of Pósa (1976):
 //! a new link at an end w requires a cut, which creates a new end, and so on. Every intermediate
 //! state is a path cover. No cycle can arise, and a walk may have any length. Each component is
-//! searched separately, starting from the cover of `sequential`, until it reaches its lower bound
-//! or uses up the steps of the effort.
+//! searched separately, starting from the cover of `sequential`, until the number of strips reaches
+//! its lower bound or the steps of the effort are used up.
 //!
 //! 1. *Tunnels* (see [`super::guided_tunnels`]): in components that are not large, the long tunnels
 //!    of `guided-tunnels` make most of the joins. They work better than walks for ends at a
@@ -33,7 +33,7 @@
 //! 4. *Guided walks* after some time without a join. The orbits of the last few ends are often
 //!    short and never meet. A cut creates two more ends, which soon join again, but in a different
 //!    way. This moves an end along the shortest way to another one. It takes a few dozen cuts, and
-//!    each is undone unless it leads closer.
+//!    each cut is undone unless it brings the end closer.
 //!
 //! With [`SegmentedPaths`] a step takes about 0.3 µs, regardless of the length of the paths.
 //!

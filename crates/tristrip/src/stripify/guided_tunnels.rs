@@ -1,35 +1,37 @@
-//! `guided-tunnels`: tunnels of hundreds of edges, each searched toward the nearest end of another
-//! strip. Ends also move.
+//! `guided-tunnels`: tunnels of up to hundreds of edges. Each search is guided toward the nearest
+//! end of another strip, and ends can also move.
 //!
 //! This variant of the enhanced tunnelling algorithm ([`eta`](super::eta)) is original to this
-//! library. It leaves fewer strips in less time.
+//! library. It leaves fewer strips than `eta` and takes less time.
 //!
 //! # Algorithm
 //! See [`tunnel`](super::tunnel) for the terms.
 //!
 //! 1. *The length k* grows: 3, 7, 15 …. A length is repeated while it joins many strips.
-//! 2. *A terminal*, in random order.
-//! 3. *Its star*: the triangles that alternating paths of k edges reach from it. Each has a
-//!    distance along alternating paths to the terminals of other strips. The star ends a few steps
-//!    beyond the nearest terminal. Without a terminal in the star there is no search.
-//! 4. *A search*, depth first. At each step the path with the smallest distance is tried first, and
-//!    ties are broken at random. The search ends after a given number of node accesses. It writes
-//!    no identifiers: a part of a strip is an interval of positions, inside or outside the star.
-//! 5. *Complement*, if a tunnel was found. Identifiers are written only then.
+//! 2. *A terminal* is selected, in random order.
+//! 3. *The star* of the terminal is collected: the triangles that alternating paths of k edges
+//!    reach. Each has a distance along alternating paths to the terminals of other strips. The star
+//!    ends a few steps beyond the nearest terminal. If the star contains no terminal of another
+//!    strip, there is no search.
+//! 4. *A search* runs depth first. At each step the path with the smallest distance is tried first,
+//!    and ties are broken at random. The search ends after a given number of node accesses. The
+//!    search writes no identifiers: a part of a strip is an interval of positions, inside or
+//!    outside the star.
+//! 5. *Complement* the tunnel, if one was found. Identifiers are written only then.
 //!
-//! When lengths of some dozens find few tunnels, the maximum length is used, and terminals *move*.
-//! If a search fails, the part of its path that came nearest to another terminal is complemented.
-//! The number of strips stays the same, and a triangle there replaces the terminal. The search ends
-//! when moves have led to no join for a while, or when no star contains a terminal of another
-//! strip.
+//! When tunnel lengths of a few dozen edges find few tunnels, the maximum length is used, and
+//! terminals *move*. If a search fails, the part of its path that came nearest to another terminal
+//! is complemented. The number of strips stays the same, and a triangle at the end of that part
+//! becomes the new terminal. The search ends when moves have led to no join for a while, or when no
+//! star contains a terminal of another strip.
 //!
 //! ```text
 //!   w ┄┄ v ━━ b ┄ … ┄ x        w ━━ v    b ┄ … ┄ x        b is the new terminal, closer to x
 //! ```
 //! A path may close a loop if it later opens the loop again. Only one loop may be closed at a time.
-//! Without loops, as in `eta`, a long strip leaves only one possible path at each step, and there
-//! is nothing to search. With the loop rule of `eta`, the horse model ends with 2 to 7 strips.
-//! Without it, it ends with 1.
+//! If loops are forbidden, as in `eta`, a long strip leaves only one possible path at each step,
+//! and there is nothing to search. With the loop rule of `eta`, the horse model ends with 2 to 7
+//! strips. Without this rule, it ends with 1.
 //!
 //! # References
 //! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*,

@@ -31,8 +31,8 @@ pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error>
 }
 
 /// Computes triangle strips for an index buffer with three indices per triangle, with the default
-/// options. Indices have 8, 16 or 32 bits, or are `usize`. Triangles with a repeated vertex draw
-/// nothing and are omitted.
+/// options. Indices are integers of 8, 16 or 32 bits or `usize`. Triangles with a repeated vertex
+/// draw nothing and are omitted.
 ///
 /// # Errors
 /// The number of indices is not a multiple of three, or an index is not less than `vertex_count`.
@@ -52,8 +52,8 @@ pub fn stripify_indices<I: Index>(indices: &[I], vertex_count: usize) -> Result<
 /// Computes triangle strips for an index buffer like [`stripify_indices`], with options.
 ///
 /// # Errors
-/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`;
-/// an option is invalid for the method; welding is requested, which needs positions.
+/// The number of indices is not a multiple of three, an index is not less than `vertex_count`, an
+/// option is invalid for the method, or welding is requested (welding needs positions).
 ///
 /// ```
 /// use tristrip::{Method, StripifyOptions, stripify_indices_with};
@@ -72,11 +72,11 @@ pub fn stripify_indices_with<I: Index>(
 }
 
 /// Computes triangle strips for an index buffer like [`stripify_indices_with`], and reports the
-/// progress of the search to `watch`, which may stop it.
+/// progress of the search to `watch`, which may stop the search.
 ///
 /// # Errors
-/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`;
-/// an option is invalid for the method; welding is requested, which needs positions.
+/// The number of indices is not a multiple of three, an index is not less than `vertex_count`, an
+/// option is invalid for the method, or welding is requested (welding needs positions).
 ///
 /// ```
 /// use tristrip::stripify::Progress;
@@ -111,8 +111,8 @@ pub fn stripify_indices_watched<I: Index>(
 /// are not copied.
 ///
 /// # Errors
-/// A face has a vertex without a position, or with a position that is not finite; an option is
-/// invalid for the method; welding is requested, which needs all attributes.
+/// A face refers to a vertex without a finite position, an option is invalid for the method, or
+/// welding is requested (welding needs all attributes).
 ///
 /// ```
 /// use tristrip::{Faces, StripifyOptions, InterleavedPositions, stripify_faces};

@@ -41,7 +41,7 @@ pub enum Method {
     StripeLocal {
         /// When polygons are triangulated.
         triangulation: FaceTriangulation,
-        /// How ties between neighbours of the lowest adjacency are broken.
+        /// How ties between neighbours with the lowest adjacency are broken.
         ties: Ties,
     },
     /// STRIPE's global algorithms: patches of quadrilaterals first, then the remaining faces by the
@@ -51,7 +51,7 @@ pub enum Method {
         patches: Patches,
         /// Minimum size of a patch, in quadrilaterals.
         cutoff: u32,
-        /// How ties between neighbours of the lowest adjacency are broken outside the patches.
+        /// How ties between neighbours with the lowest adjacency are broken outside the patches.
         ties: Ties,
     },
     /// This library's method for rows of quadrilateral patches. Strips grow at both ends, and the
@@ -156,8 +156,8 @@ impl Method {
         }
     }
 
-    /// The tunnelling operator up to length 9. Each increase of the length by two edges multiplies
-    /// the time by several times.
+    /// The tunnelling operator up to length 9. Each increase of the length by two edges makes the
+    /// search several times slower.
     pub const TUNNEL: Self = Self::Tunnel { length: 9 };
     /// The depth-first enhanced tunnelling algorithm with stars on demand. Its paper gives no
     /// defaults; [`TunnelOptions::ETA`] has those used here.
@@ -166,11 +166,11 @@ impl Method {
         acceptance: Acceptance::DepthFirst,
         localization: Localization::OnDemand,
     };
-    /// The SGI algorithm that breaks ties of the look-ahead by the last neighbour. Breaking ties by
-    /// the first neighbour sends 1.5 % more vertices on the model power lines.
+    /// The SGI algorithm. If the look-ahead leaves a tie, the last neighbour is chosen. With the
+    /// first neighbour, the strips of the model power lines have 1.5 % more vertices.
     pub const SGI: Self = Self::Sgi { last_tie: LastTie::Last };
-    /// STRIPE with the settings that its authors recommend: rows or columns of patches of at least
-    /// 5 quadrilaterals, sequential ties.
+    /// STRIPE with the settings that its authors recommend: patches of at least 5 quadrilaterals
+    /// become rows or columns, and ties are sequential.
     pub const STRIPE: Self = Self::StripeGlobal { patches: Patches::Rows, cutoff: 5, ties: Ties::Sequential };
     /// Rows of patches of at least 5 quadrilaterals, as in [`Self::STRIPE`].
     pub const QUAD_ROWS: Self = Self::QuadRows { cutoff: QUAD_ROWS_CUTOFF };
@@ -207,7 +207,7 @@ names! {
     Misses => "misses", "The fewest misses";
 }
 
-/// Options of stripification.
+/// Options for stripification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -226,7 +226,7 @@ pub struct StripifyOptions {
     pub objective: Objective,
     /// Whether to weld vertices whose position and attributes have the same bits.
     pub weld: bool,
-    /// The seed of randomized methods.
+    /// The seed for the random number generator of randomized methods.
     pub seed: u64,
 }
 
@@ -262,7 +262,7 @@ impl StripifyOptions {
         /// ```
         with_weld(weld: bool);
 
-        /// Sets the seed of randomized methods.
+        /// Sets the seed for the random number generator of randomized methods.
         ///
         /// ```
         #[doc = include_str!("example.txt")]
@@ -333,7 +333,7 @@ impl StripifyOptions {
         with_objective(objective: Objective);
     }
 
-    /// Returns the effort of searches: the one that was set, otherwise the default of the method.
+    /// Returns the effort that was set, or the default effort of the method.
     ///
     /// ```
     /// use tristrip::{Effort, Method, StripifyOptions};

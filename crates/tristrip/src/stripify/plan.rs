@@ -1,5 +1,5 @@
 //! The result of a method: the diagonals of the polygons, and the edges over which triangles are
-//! linked to paths.
+//! linked into paths.
 
 use crate::cover::{CoverFault, PathCover};
 use crate::dual::Triangulation;

@@ -1,5 +1,5 @@
-//! Meshes with faces in random order: this library's own methods process the faces in another
-//! order, in which neighbours are close in memory.
+//! Handles meshes whose faces are in random order. This library's own methods process these faces
+//! in another order, in which neighbours are close in memory.
 //!
 //! A method reads a face, then its neighbours. In scans, grids and stored strips, most neighbours
 //! are a few faces away. In files with randomly ordered faces, each step causes cache misses, and a
@@ -9,7 +9,8 @@
 //! # Algorithm
 //! 1. Sample faces at equal distances in the order, and count the faces with a nearby neighbour. If
 //!    there are few, the faces are scattered.
-//! 2. A breadth-first search over the dual graph from each face in turn gives the new order.
+//! 2. Order the faces by a breadth-first search over the dual graph, started from each face in
+//!    turn.
 //! 3. Copy the faces and the dual graph in that order. Half-edges keep their twins.
 //!
 //! # Complexity

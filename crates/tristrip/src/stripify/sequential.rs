@@ -4,7 +4,7 @@
 //! # Algorithm
 //! A strip costs one index per triangle, one more per swap, and three more for its start. Swaps are
 //! cheap and ends of strips are expensive. A triangle with a single free neighbour becomes an end
-//! of a strip. An end costs half of the three indices.
+//! of a strip. Each end of a strip accounts for half of these three indices.
 //!
 //! ```text
 //!          ╱╲  s   leaving over s takes a swap, over f none
@@ -14,25 +14,25 @@
 //! 1. *Seed*: a triangle with the fewest free neighbours. Ties go to the last one added. The free
 //!    region is thereby stripped from its boundary, next to the previous strip. While no triangle
 //!    has lost a neighbour, the first triangle in input order is used.
-//! 2. *Run*: the winding fixes the first turn of a strip, so each exit of the seed gives one run.
-//!    It is extended backward over the edge that needs no swap. All exits are tried, and the run
-//!    with the lowest cost per triangle is chosen.
+//! 2. *Run*: the winding fixes the first turn of a strip, so there is one run per exit of the seed.
+//!    Each run is extended backward over the edge that needs no swap. All exits are tried, and the
+//!    run with the lowest cost per triangle is chosen.
 //! 3. *Local search* at every end of a strip: see the module `local_search`. It also joins isolated
 //!    triangles to their neighbours.
 //!
 //! On regular meshes, especially grids, a swap at the end of a row saves a strip in one place and
 //! adds one elsewhere. The input order is often better. Such meshes are recognized by their low
 //! cost. For these and for small meshes, where the time is negligible, the steps are repeated with
-//! other policies for seeds and swaps, and the cheapest cover is kept. Plateau passes follow:
-//! passes of the local search that also apply zero-gain moves, which lead to moves that lower the
-//! cost.
+//! other policies for seeds and swaps, and the cheapest cover is kept. Plateau passes follow. They
+//! repeat the local search and also apply zero-gain moves, after which moves that lower the cost
+//! may be possible.
 //!
 //! Differences from the greedy methods of Evans et al. (1996): ties between neighbours are broken
 //! by cost instead of a fixed rule, and a local search improves the strips.
 //!
 //! # Complexity
 //! O(n) time. Memory in addition to the triangles, the dual graph and the cover: 9 bytes per
-//! triangle, and 4 per triangle in the seed lists.
+//! triangle, and 4 more per triangle in the seed lists.
 
 #[cfg(feature = "rayon")]
 mod components;

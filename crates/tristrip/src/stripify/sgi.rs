@@ -2,8 +2,8 @@
 //! compared with it.
 //!
 //! A strip continues to the neighbour with the fewest free neighbours, which avoids cutting off
-//! regions. Swaps are not avoided, because they cost one bit in the library that the algorithm was
-//! written for.
+//! regions. Swaps are not avoided, because a swap costs only one bit in the library that the
+//! algorithm was written for.
 //!
 //! ```text
 //!   ╲  1 ╱╲  2 ╱        The strip is at the triangle in the middle. The left neighbour has

@@ -1,5 +1,5 @@
-//! STRIPE: strips that choose the triangulation of polygons, locally by adjacency and globally by
-//! patches of quadrilaterals.
+//! STRIPE: builds strips and chooses the triangulation of polygons for them. The local algorithm
+//! works by adjacency, the global algorithm by patches of quadrilaterals.
 //!
 //! It was the first published method for polygons. It reduces the cost by its choice of diagonals.
 //!
@@ -24,11 +24,12 @@
 //! 3. The local algorithm covers the remaining faces.
 //!
 //! The paper leaves some choices open. Here, a strip starts at the face with the fewest neighbours.
-//! Among several, it starts at the one that has had them for the longest time. The first face of a
-//! strip is triangulated for the exit to the second. Step 3 takes whole faces, with the ties of the
-//! method. Step 2 takes all patches before the strips of full patches are extended.
+//! If there are several such faces, it starts at the one whose number of neighbours has been the
+//! same for the longest time. The first face of a strip is triangulated for the exit to the second
+//! face. Step 3 takes whole faces and breaks ties by the rule of the method. Step 2 takes all
+//! patches before the strips of full patches are extended.
 //!
-//! [`quad_rows`] is this library's own global method, with fewer vertices.
+//! [`quad_rows`] is this library's own global method, which sends fewer vertices.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering* (the

@@ -1,4 +1,5 @@
-//! `tunnel`: fewer strips by tunnels, which are alternating paths between the ends of strips.
+//! `tunnel`: reduces the number of strips by tunnels. A tunnel is an alternating path between the
+//! ends of two strips.
 //!
 //! The edges of the dual graph within strips are black, all others red. A *terminal* is the end of
 //! a strip or an isolated triangle. A *tunnel* leads from a terminal to another terminal and
@@ -10,9 +11,9 @@
 //!        ┃    ┃        ─▶         ┃    ┃          three strips become two
 //!        c    d                   c    d
 //! ```
-//! `baseline` is the original operator. [`eta`](super::eta) is the published search that makes it
-//! local, and [`guided_tunnels`](super::guided_tunnels) is this library's variant. `tunnel` and
-//! `guided_tunnels` find loops by `path_tags` and `path_intervals`.
+//! `baseline` is the original operator. [`eta`](super::eta) is the published search that applies it
+//! locally, and [`guided_tunnels`](super::guided_tunnels) is this library's variant. `tunnel` and
+//! `guided_tunnels` detect loops with the modules `path_tags` and `path_intervals`.
 //!
 //! # References
 //! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001 (the

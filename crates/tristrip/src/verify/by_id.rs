@@ -21,8 +21,8 @@
 //!
 //! # Complexity
 //! O(n) time for meshes of bounded valence, O(n log n) in the worst case. 10 bytes per triangle,
-//! and 24 to describe a difference. Polygons take O(n · groups per vertex) time and 80 bytes per
-//! triangle.
+//! and 24 bytes per triangle to describe a difference. Polygons take O(n · groups per vertex) time
+//! and 80 bytes per triangle.
 
 use std::ops::Range;
 
@@ -40,7 +40,7 @@ use crate::verify::triangle_sets::same_triangles;
 pub struct Proof {
     /// Number of faces compared.
     pub faces: usize,
-    /// Number of triangles that draw them.
+    /// Number of triangles that draw these faces.
     pub triangles: usize,
 }
 
@@ -100,7 +100,7 @@ pub enum Unproven {
 /// bit, and compares the faces after welding.
 ///
 /// # Errors
-/// The first difference found.
+/// The strips do not draw the faces. Returns the first difference found.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, Strips, verify::verify};
@@ -133,7 +133,7 @@ pub fn verify(mesh: &Mesh, strips: &Strips) -> Result<Proof, Unproven> {
 /// Verifies that triangles draw faces over the same vertices.
 ///
 /// # Errors
-/// The first difference found.
+/// The triangles do not draw the faces. Returns the first difference found.
 ///
 /// ```
 /// use tristrip::{Faces, verify::{Unproven, verify_drawing}};

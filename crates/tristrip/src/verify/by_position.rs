@@ -82,7 +82,8 @@ fn at(positions: &[[f32; 3]]) -> String {
 }
 
 /// Verifies that the meshes of a result draw every face of a source's meshes exactly once, with its
-/// original winding. Vertices are compared by the bits of their positions; 0.0 equals −0.0.
+/// original winding. Vertices are compared by the bits of their positions; 0.0 equals −0.0. The
+/// inner result contains the proof or a difference.
 ///
 /// # Errors
 /// The models are too large for 32-bit indices.

@@ -135,7 +135,7 @@ impl Distances {
         self.base = 1;
     }
 
-    /// Advances the times close to overflow.
+    /// Sets the times close to overflow.
     #[cfg(test)]
     pub(super) fn with_late_times(mut self, left: u32) -> Self {
         self.base = u32::MAX - 3 * self.live.capacity() as u32 - left;

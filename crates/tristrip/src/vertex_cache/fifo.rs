@@ -1,7 +1,8 @@
 //! FIFO caches, one or several side by side.
 //!
-//! The speculative simulation of the method `cache` uses the same stamps but is separate. It logs
-//! every send to undo it later, has no lanes, and would become invalid if the clock were rewound.
+//! The speculative simulation of the method `cache` uses the same stamps but is separate. That
+//! simulation logs every send to undo it later, has no lanes, and would become invalid if the clock
+//! were rewound.
 
 /// Maximum number of entries of a simulated cache. Clocks of 31 bits can count several times as
 /// far.
@@ -84,7 +85,7 @@ impl<const LANES: usize> Fifo<LANES> {
         }
     }
 
-    /// Advances the clocks close to overflow.
+    /// Sets the clocks close to overflow.
     #[cfg(test)]
     pub(super) fn with_late_clocks(mut self, left: i32) -> Self {
         self.clocks = [i32::MAX - left; LANES];

@@ -22,8 +22,8 @@
 //! - A mesh of the study is a strip: [`FlushPolicy::Flush`] flushes the cache between strips, and
 //!   [`FlushPolicy::Keep`] does not.
 //! - The two vertices of the edge over which a strip continues are *at hand*: they need no
-//!   reference, whether or not they are still in the cache. In a cache of two entries they are its
-//!   contents.
+//!   reference, whether or not they are still in the cache. A cache of two entries contains exactly
+//!   these two vertices.
 //! - A vertex is used only when it is named. LRU does not make the vertices at hand more recent
 //!   when triangles are drawn with them.
 //! - A swap costs one bit. With FIFO it exchanges the two vertices at hand in the order of eviction

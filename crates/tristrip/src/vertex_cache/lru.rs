@@ -133,7 +133,7 @@ impl Lru {
         self.base = 1;
     }
 
-    /// Advances the times close to overflow.
+    /// Sets the times close to overflow.
     #[cfg(test)]
     pub(super) fn with_late_times(mut self, left: u32) -> Self {
         self.base = u32::MAX - 3 * self.longest_log() as u32 - left;

@@ -33,7 +33,7 @@ names! {
 pub struct VertexCache {
     /// Which vertex is evicted when the cache is full.
     pub replacement: Replacement,
-    /// Number of vertices that the cache holds. Without entries there are no hits.
+    /// Number of vertices that the cache holds. A cache without entries has no hits.
     pub entries: u32,
 }
 
@@ -67,7 +67,7 @@ impl VertexCache {
     }
 }
 
-/// The cache that strips are usually measured with: 16 entries, FIFO.
+/// The cache that is usually simulated for strips: FIFO with 16 entries.
 impl Default for VertexCache {
     fn default() -> Self {
         Self::fifo(16)

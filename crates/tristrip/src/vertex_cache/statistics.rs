@@ -63,7 +63,7 @@ impl VertexCacheStatistics {
         Self { misses, triangles: stream.triangles, vertices: stream.vertices() }
     }
 
-    /// Returns the misses per triangle (the ACMR), or 0 without triangles.
+    /// Returns the misses per triangle (the ACMR), or 0 if there are no triangles.
     ///
     /// ```
     /// use tristrip::vertex_cache::VertexCacheStatistics;
@@ -76,7 +76,7 @@ impl VertexCacheStatistics {
         if self.triangles == 0 { 0.0 } else { self.misses as f64 / self.triangles as f64 }
     }
 
-    /// Returns the misses per vertex in use (the ATVR), or 0 without vertices.
+    /// Returns the misses per vertex in use (the ATVR), or 0 if there are no vertices.
     ///
     /// ```
     /// use tristrip::vertex_cache::VertexCacheStatistics;

@@ -1,4 +1,4 @@
-//! Insertion and removal of triangles and edges while the other paths are kept, for meshes whose
+//! Inserts and removes triangles and edges without changing other paths, for meshes whose level of
 //! detail changes.
 //!
 //! The caller changes the mesh: it cuts the links whose edges disappear, sets the new twins of
@@ -79,7 +79,7 @@ impl PricedPaths {
         }
     }
 
-    /// Returns the rise of the cost by a join over a half-edge of an end, or `None` if the join is
+    /// Returns the cost increase of a join over a half-edge of an end, or `None` if the join is
     /// impossible.
     fn join_rise(&mut self, h: u32) -> Option<i32> {
         let twin = self.twin(h)?;

@@ -15,8 +15,8 @@ impl PricedPaths {
         !self.diagonals.edges.is_empty()
     }
 
-    /// Returns the four edges around the two triangles at a diagonal, in winding order: two of the
-    /// triangle of the half-edge, then two of the other one.
+    /// Returns the four edges around the two triangles at a diagonal, in winding order: first two
+    /// edges of the triangle at the half-edge, then two edges of the other triangle.
     #[inline]
     pub(crate) fn around(&self, diagonal: u32) -> [u32; 4] {
         let twin = self.across(diagonal);

@@ -11,11 +11,11 @@
 //! tries a join or a rotation over a random free edge. After a rotation it tries the new end
 //! instead. Then it tries to cut links, one per triangle, and to flip diagonals. A move that raises
 //! the cost by r is accepted with probability e^(−r/T). The temperature T decreases with each
-//! sweep. The highest acceptable rise is drawn first. Most moves are then rejected by a count of
-//! their local swaps, before anything changes.
+//! sweep. The highest acceptable cost increase is drawn at random before the move is made. A count
+//! of the local swaps then rejects most moves before anything changes.
 //!
 //! Two consecutive rotations are a tunnel through two paths, and a rotation followed by a join is
-//! Stewart's tunnel. Annealing finds longer tunnels without further moves.
+//! Stewart's tunnel. Annealing finds longer tunnels without additional kinds of moves.
 //!
 //! # Complexity
 //! A sweep takes O(n). A rotation or a cut takes as many steps as the distance to the nearer end of
@@ -43,7 +43,7 @@ const WATCH_PERIOD: u64 = 1 << 10;
 /// many as a strip has triangles.
 const WALK_STEPS_PER_TRIANGLE: (u64, u64) = (4, 64);
 const WALK_STEPS: u64 = 1 << 20;
-/// The highest rise that is ever accepted.
+/// The highest cost increase that is ever accepted.
 const RISES: usize = 8;
 
 /// Sweeps with a linearly decreasing temperature. Temperatures are in indices.
@@ -55,8 +55,8 @@ pub(super) struct AnnealingPhase {
 }
 
 impl AnnealingPhase {
-    /// Returns the number of final sweeps, which accept no rise of the cost. A phase of a single
-    /// sweep has none.
+    /// Returns the number of final sweeps, which accept no cost increase. A phase of a single sweep
+    /// has none.
     fn final_sweeps(&self) -> u32 {
         u32::from(self.sweeps > 1)
     }
@@ -72,7 +72,7 @@ pub(super) struct Annealer<'a> {
     index_count: usize,
     /// The lowest cost so far.
     lowest: i64,
-    /// The number of draws out of 2³² that accept a rise of at least 1, 2, ….
+    /// The number of draws out of 2³² that accept a cost increase of at least 1, 2, ….
     odds: [u32; RISES],
 }
 
@@ -182,7 +182,7 @@ impl<'a> Annealer<'a> {
         }
     }
 
-    /// Tries to cut links of a block, as many as it has triangles.
+    /// Tries to cut links of a block, once per triangle.
     #[inline]
     fn cut_links(&mut self, paths: &mut PricedPaths, block: u32) {
         for _ in 0..BLOCK {
@@ -209,7 +209,7 @@ impl<'a> Annealer<'a> {
         }
     }
 
-    /// Converts a random draw to the highest rise that it accepts.
+    /// Converts a random draw to the highest cost increase that it accepts.
     #[inline]
     fn highest_rise(&self, draw: u32) -> i32 {
         self.odds.iter().zip(1..).take_while(|&(&odds, _)| draw < odds).last().map_or(0, |(_, rise)| rise)

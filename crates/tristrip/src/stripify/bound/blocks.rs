@@ -1,5 +1,5 @@
-//! The blocks of a dual graph: the parts of its components after removing the bridges, and the
-//! trees of blocks and bridges.
+//! The blocks of a dual graph are the parts into which its components fall when the bridges are
+//! removed. Blocks and bridges form trees.
 //!
 //! ```text
 //!   ●─●        ○ ── ○ ── ● ─ ●      Two blocks of several triangles (●), two of one (○), three
@@ -8,9 +8,9 @@
 //!                                   at most two edges within its block.
 //! ```
 //! Triangles are renumbered in depth-first order. Every block is then identified by its lowest
-//! triangle, where the bridge toward the root starts, and the blocks behind a block have higher
-//! numbers. Two triangles that share two or three edges are neighbours once, because a path uses
-//! only one of the edges.
+//! triangle, where the bridge toward the root starts, and the blocks behind a block (farther from
+//! the root) have higher numbers. Two triangles that share two or three edges count as neighbours
+//! only once, because a path uses only one of the edges.
 //!
 //! # References
 //! Tarjan: *A note on finding the bridges of a graph*, 1974.

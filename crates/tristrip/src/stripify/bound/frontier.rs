@@ -4,7 +4,7 @@
 //! # Algorithm
 //! Triangles are added one by one. The order keeps the *frontier* short: the added triangles that
 //! still have neighbours to be added. The remaining problem depends on the paths so far only
-//! through the state of the frontier. For each triangle of the frontier, the state has the other
+//! through the state of the frontier. For each triangle of the frontier, the state stores the other
 //! end of the path that ends there, and whether the triangle can take another link. The minimum
 //! number of ends is stored per state.
 //!

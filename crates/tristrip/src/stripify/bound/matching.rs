@@ -18,8 +18,8 @@
 //! random graphs*, 1981.
 //!
 //! # Complexity
-//! Usually O(n) per search, and O(n) for all failed searches together; limited to a number of
-//! steps. 17 bytes per node, and 8 per node that the largest search reaches.
+//! Usually O(n) time per search, and O(n) for all failed searches together. The number of steps is
+//! limited. 17 bytes per node, and 8 per node that the largest search reaches.
 
 use super::blocks::BlockTree;
 use crate::ids::OptionalId;

@@ -20,17 +20,17 @@
 //!
 //! The runs also bound strips with swaps. At each swap a run ends and the next one starts. If the
 //! longest run that contains a triangle has m triangles, the triangle accounts for at least 1/m of
-//! a run. The sum over all triangles is a lower bound of the number of runs.
+//! a run. The sum over all triangles is a lower bound on the number of runs.
 //!
 //! A strip starts with the winding of its first triangle, which places the second one at an odd
 //! position; otherwise the strip must repeat its first vertex. Reversing a strip changes the parity
-//! if the number of triangles is odd. Both directions are chains here.
+//! if the number of triangles is odd. The chains therefore contain every strip in both directions.
 //!
 //! # References
 //! Arkin, Held, Mitchell, Skiena: *Hamiltonian triangulations for fast rendering*, 1994; Evans,
 //! Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 2.
-//! They require a cycle of the dual graph. A strip needs only a path;
-//! [`SequentialStrip::is_closed`] is true if it is a cycle.
+//! These papers require a cycle of the dual graph. A strip needs only a path;
+//! [`SequentialStrip::is_closed`] is true if the path is a cycle.
 //!
 //! # Complexity
 //! O(n) time, 13 bytes per triangle, and 16 bytes per state of the longest chain.
@@ -41,7 +41,7 @@ use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::HalfEdge;
 
-/// One strip through all triangles without a swap.
+/// A strip without swaps through all triangles.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SequentialStrip {
@@ -54,8 +54,8 @@ pub struct SequentialStrip {
     pub is_closed: bool,
 }
 
-/// Finds one strip through all T triangles of a graph without a swap. The strip has T + 2 vertices
-/// if possible, otherwise T + 3. Returns `None` if there is no such strip, or for a graph of
+/// Finds a strip without swaps through all T triangles of a graph. The strip has T + 2 vertices if
+/// possible, otherwise T + 3. Returns `None` if there is no such strip, or if the graph contains
 /// polygons.
 ///
 /// ```

@@ -1,17 +1,17 @@
-//! The bound on strips: block by block, from the leaves of the bridge tree to its root.
+//! Computes the bound on strips block by block, from the leaves of the bridge tree to its root.
 //!
 //! # Algorithm
-//! When all blocks behind a block are done, used bridges have taken an edge from some triangles of
-//! the remaining graph. Using a bridge saves a strip. It costs each of the two blocks at most one
-//! strip, because it takes one end of a path there. Therefore a bridge is used exactly if the block
-//! behind it does not need more strips with it. This is the best choice regardless of the rest of
-//! the tree.
+//! When all blocks behind a block are done, some of its triangles already have a link over a used
+//! bridge. Using a bridge saves a strip. It costs each of the two blocks at most one strip, because
+//! one path end of the block is linked over the bridge. Therefore a bridge is used exactly if the
+//! block behind the bridge then needs no more strips than before. This is the best choice
+//! regardless of the rest of the tree.
 //!
 //! A block of n triangles and E edges needs at least n − E + r strips. Here r is the minimum number
 //! of edges to remove so that each triangle keeps at most two edges, or at most one edge at a used
-//! bridge. r is the number of triangles with an extra edge minus a maximum matching among them.
-//! Reaching that number may require closed paths. The bound is therefore at least one, and exactly
-//! solved subproblems of the block may raise it.
+//! bridge. r is the number of triangles with an extra edge minus the size of a maximum matching
+//! among them. A cover may need closed paths to reach that number. The bound is therefore at least
+//! one, and exactly solved subproblems of the block may raise it.
 
 use super::blocks::BlockTree;
 use super::matching::Matching;

@@ -1,4 +1,4 @@
-//! Improves the bound of a block by subproblems that are solved exactly.
+//! Improves the bound of a block by solving subproblems exactly.
 //!
 //! # Algorithm
 //! A small block is solved as a whole. In a large one, disjoint subproblems are solved and their
@@ -6,15 +6,15 @@
 //! edge. Triangles with three neighbours rarely force ends. Ends are forced where a matching
 //! failed, and sometimes along the boundary:
 //! 1. The triangles that the failed searches reached form subproblems together with their
-//!    surroundings, with the largest radius that can be solved. If none can be solved, each
-//!    unmatched triangle, including its neighbours, still counts as one end. The even nodes of the
-//!    searches form components of odd size. The number of unmatched triangles is the number of
-//!    these components minus the number of odd nodes that could be matched with them.
+//!    surroundings, with the largest radius that can be solved. If no subproblem can be solved,
+//!    each unmatched triangle together with its neighbours still counts as one end. The even nodes
+//!    of the searches form components of odd size. The number of unmatched triangles is the number
+//!    of these components minus the number of odd nodes that could be matched with them.
 //! 2. The triangles with two neighbours form subproblems together with the surrounding triangles
 //!    that are not in a subproblem yet. A subproblem that is too wide is halved recursively.
 //!
 //! # Complexity
-//! Limited by a number of states for the whole graph. 5 bytes per triangle.
+//! The number of states is limited for the whole graph. 5 bytes per triangle.
 
 use super::blocks::BlockTree;
 use super::frontier::{FrontierNode, least_ends};

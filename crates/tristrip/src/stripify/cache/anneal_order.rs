@@ -12,13 +12,13 @@
 //!   reorder   A drawn before or after the strip of a neighbour, from either end
 //! ```
 //! Indices change only at these positions. Misses change until a strip starts with the same cache
-//! contents as before. Everything after it remains the same. This usually takes a few strips. The
-//! contents at the start of each strip are stored for this comparison. A move whose effect lasts
-//! longer than [`WINDOW`] strips is rejected.
+//! contents as before. Everything after that strip remains the same. This usually takes a few
+//! strips. The contents at the start of each strip are stored for this comparison. A move whose
+//! effect lasts longer than [`WINDOW`] strips is rejected.
 //!
 //! # Complexity
-//! O(entries + vertices of the strips in between) time per move, which is the unit of effort. 60
-//! bytes per triangle, and 4 bytes per strip and entry.
+//! O(entries + vertices of the strips in between) time per move. The effort counts the vertices
+//! that moves simulate. 60 bytes per triangle, and 4 bytes per cache entry for each strip.
 
 use super::policy::PolicyWeights;
 use super::resettable_fifo::ResettableFifo;

@@ -80,8 +80,8 @@ impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
         &self.front
     }
 
-    /// Returns the next step of a strip: that of the seed strips if there is one, otherwise a turn
-    /// around the vertex on the front's side.
+    /// Returns the next step of a strip. It follows the seed strips if possible. Otherwise it turns
+    /// around the vertex on the side of the front.
     #[inline]
     fn crossing(&self, head: StripHead) -> Option<EdgeCrossing> {
         let [next, previous] = self.front.crossings(head);

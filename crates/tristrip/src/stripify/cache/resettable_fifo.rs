@@ -1,6 +1,6 @@
 //! A FIFO vertex cache that can be set to any contents, for order annealing.
 //!
-//! The module `speculative` explains why this is separate from its FIFO cache.
+//! The module `speculative` explains why this cache is separate from the FIFO cache there.
 
 /// Marks an unused entry in stored contents.
 const EMPTY: u32 = u32::MAX;

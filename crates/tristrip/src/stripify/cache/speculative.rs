@@ -1,12 +1,12 @@
 //! Vertex caches whose accesses can be undone, for speculative simulation.
 //!
 //! The FIFO cache of the module `resettable_fifo` and the simulators of `vertex_cache` are
-//! separate, because a shared mechanism would be slower. Here, an access logs the old stamp to undo
-//! it in O(1), and 32-bit stamps halve the memory traffic. In `resettable_fifo`, a simulation
-//! starts from stored contents and needs the contents after it, so only misses are logged; its
-//! clock advances at every start and needs 64 bits. The simulators of `vertex_cache` count the
-//! misses of several caches in vector lanes and log nothing. The three have only the comparison of
-//! a stamp with the clock in common.
+//! separate, because a shared mechanism would be slower. Here, each access logs the previous stamp
+//! of the vertex, so undoing the access takes O(1). 32-bit stamps halve the memory traffic. In
+//! `resettable_fifo`, a simulation starts from stored contents and needs the contents after it, so
+//! only misses are logged; its clock advances at every start and needs 64 bits. The simulators of
+//! `vertex_cache` count the misses of several caches in vector lanes and log nothing. The three
+//! have only the comparison of a stamp with the clock in common.
 
 /// A vertex cache in which accesses after a checkpoint can be undone.
 pub(super) trait SpeculativeCache {

@@ -1,5 +1,5 @@
-//! The strips of an `eta` search: the links of each triangle, and its identifier, rewritten node by
-//! node.
+//! The strips of an `eta` search: the links and the identifier of each triangle. Identifiers are
+//! rewritten node by node.
 //!
 //! ```text
 //!   ┄┄ v ━━ b        the step to b cuts v–b, and writes the tip's identifier on v and beyond

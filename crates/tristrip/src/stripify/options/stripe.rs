@@ -17,7 +17,7 @@ pub enum FaceTriangulation {
     Absorbing,
 }
 
-/// How STRIPE breaks ties between neighbours of the lowest adjacency (Evans et al. 1996, section
+/// How STRIPE breaks ties between neighbours with the lowest adjacency (Evans et al. 1996, section
 /// 3.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Ties {
@@ -36,12 +36,12 @@ pub enum Ties {
     FewestSwaps,
 }
 
-/// Which of several equal neighbours the look-ahead chooses. The papers do not specify this.
+/// Which neighbour is chosen if the look-ahead leaves a tie. The papers do not specify this.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum LastTie {
-    /// The first neighbour after the entry edge.
+    /// The first neighbour, in winding order from the entry edge.
     First,
-    /// The last neighbour after the entry edge, which is the first one before it.
+    /// The last neighbour, in winding order from the entry edge.
     #[default]
     Last,
 }

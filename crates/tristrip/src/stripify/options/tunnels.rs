@@ -2,8 +2,8 @@
 
 use crate::names::names;
 
-/// The tunnels of [`Method::GuidedTunnels`](super::Method::GuidedTunnels) and
-/// [`Method::Eta`](super::Method::Eta). The default values are for `GuidedTunnels`.
+/// Parameters of the tunnels that [`Method::GuidedTunnels`](super::Method::GuidedTunnels) and
+/// [`Method::Eta`](super::Method::Eta) search for. The default values are for `GuidedTunnels`.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, Method, StripifyOptions, stripify};
@@ -34,7 +34,7 @@ pub enum Start {
     /// Isolated triangles.
     Isolated,
     /// The strips of [`Method::Input`](super::Method::Input), the default of
-    /// [`Method::Eta`](super::Method::Eta). Its paper does not specify the first phase; these
+    /// [`Method::Eta`](super::Method::Eta). The paper does not specify the initial strips. These
     /// strips reproduce its misses per triangle most closely.
     Input,
     /// The strips of [`Method::Sgi`](super::Method::Sgi).
@@ -66,8 +66,8 @@ pub enum Acceptance {
 pub enum Localization {
     /// Within the star of the terminal, and to the ends of the strips when a tunnel is found.
     Star,
-    /// Like [`Self::Star`], but the star is computed only when a search without it has become long.
-    /// Takes less time for the same strips.
+    /// Like [`Self::Star`], but the star is computed only when a search without a star has become
+    /// long. This takes less time and results in the same strips.
     #[default]
     OnDemand,
     /// To the ends of the strips, at every step of a search.

@@ -9,21 +9,21 @@
 //! ```
 //! # Algorithm
 //! 1. *Split* the triangles, in input order, at boundaries that no shared edge crosses. Each group
-//!    has whole components and at least a minimum number of triangles. If one group contains nearly
-//!    all triangles, parallelism gains nothing, and one thread strips the mesh.
+//!    consists of whole components and has at least a minimum number of triangles. If one group
+//!    contains nearly all triangles, parallelism gains nothing, and one thread strips the mesh.
 //! 2. *Strip* the groups in parallel, each with its own dual graph.
 //! 3. *Copy back* the links and add up the costs. Links are edge numbers within a triangle and need
 //!    no renumbering.
 //!
 //! Files with many parts store them one after the other, and interleaved components are usually
-//! interleaved with their neighbours. Collecting components from all over the mesh would require a
-//! search that numbers them first. Such a search takes a fifth of the time of the whole method.
-//! Most large meshes have only one component, so it would be wasted on them.
+//! close together in the file. Collecting components from all over the mesh would require a search
+//! that numbers them first. Such a search takes a fifth of the time of the whole method. Most large
+//! meshes have only one component and would not benefit from the search.
 //!
 //! The cover depends neither on the groups nor on the number of threads, because components do not
 //! affect each other in any step:
-//! - The next seed is the valid candidate with the fewest free neighbours, the last added in a tie.
-//!   The top of the candidate lists of all components is also the top of the lists of its own
+//! - The next seed is the valid candidate with the fewest free neighbours, and ties go to the last
+//!   one added. The best candidate of all components is also the best candidate of its own
 //!   component. An entry is dropped if its triangle has been taken or has lost a neighbour since.
 //!   Triangles never gain neighbours, so it does not matter when an entry is dropped.
 //! - Without candidates, the first free triangle is taken. It is also the first free triangle of

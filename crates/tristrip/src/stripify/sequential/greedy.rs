@@ -259,8 +259,8 @@ impl<T: MutableTriangulation> GreedyStripper<T> {
         self.twin(exit)
     }
 
-    /// Returns whether to swap although going straight is possible, from the number of free
-    /// neighbours that both next triangles keep.
+    /// Returns whether to swap although the strip could continue without a swap. `straight` and
+    /// `swap` are the numbers of free neighbours that the two possible next triangles keep.
     #[inline]
     fn saves_an_end(&self, straight: u8, swap: u8) -> bool {
         self.policy.swaps == SwapPolicy::Lookahead && swap == 1 && straight == 2

@@ -1,4 +1,4 @@
-//! Local search at the ends of strips: small moves of a cover that lower its cost.
+//! Local search at the ends of strips: small moves that lower the cost of a cover.
 //!
 //! ```text
 //!   w ┄┄ v ━━ a ┄┄ x      cut v–a, link w–v, and link a–x too if it saves a strip
@@ -11,10 +11,11 @@
 //! The ends w are processed in the order of their triangles. All joins, rotations and tunnels of
 //! length three that start at w are priced by the swaps on the surrounding links and the strips
 //! that they save. The cheapest move that leaves all paths open is applied if it lowers the cost.
-//! Then the new end is processed. The part that a move cuts off leads to an end of a path. The path
-//! remains open if the part is linked to a different end. This is certain if the two were on strips
-//! that no move has mixed since. Otherwise the search walks to the end. Beyond a limit of steps,
-//! the end counts as unknown and the move is rejected.
+//! Then the new end is processed. The part that a move cuts off contains an end of a path. The path
+//! remains open if the part is linked to a different end. This is certain if the part and that end
+//! were on different initial strips that no move has mixed since. Otherwise the search walks along
+//! the part to find its end. Beyond a limit of steps, the end counts as unknown and the move is
+//! rejected.
 //!
 //! The tunnel is the operator of Stewart (2001). The rotation of Pósa (1976) is extended to two
 //! paths.
@@ -128,8 +129,8 @@ impl EndSearch<'_> {
         self.graph.twins()[half_edge as usize]
     }
 
-    /// Returns the swap on a link: 1 if the two triangles turn to the same side. `here` and `there`
-    /// are their edges other than the link.
+    /// Returns the number of swaps on a link: 1 if the path makes the same turn in both triangles,
+    /// otherwise 0. `here` and `there` are the other linked edges of the two triangles.
     #[inline]
     fn swap(&self, link: u32, here: u32, there: u32) -> i32 {
         if here == OPEN || there == OPEN {
@@ -139,7 +140,8 @@ impl EndSearch<'_> {
         i32::from((link % 3 == next(here)) == (there == next(entry)))
     }
 
-    /// Returns the swap on the link of `t` over `edge` if the other linked edge were `other`.
+    /// Returns the number of swaps on the link of `t` over `edge` if the other linked edge of `t`
+    /// were `other`.
     #[inline]
     fn swap_with(&self, t: u32, edge: u32, other: u32) -> i32 {
         if edge == OPEN {

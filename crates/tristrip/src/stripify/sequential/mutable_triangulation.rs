@@ -1,5 +1,5 @@
-//! Triangulations that strips may change: fixed triangles, or polygons that are triangulated when a
-//! strip enters them.
+//! A triangulation that changes while strips grow: triangles are fixed, and polygons are
+//! triangulated when a strip enters them.
 //!
 //! ```text
 //!   d ─── c      A strip enters over a–b; its next free turn is to the left or to the right.
@@ -8,7 +8,7 @@
 //! ```
 //! # Algorithm
 //! *Entry*: a polygon of at most 64 corners without taken triangles is triangulated by alternate
-//! turns, starting at the edge where a run enters it. The first turn is the free one.
+//! turns, starting at the edge where a run enters it. The first turn is the one that needs no swap.
 //!
 //! *Choice of diagonals*: once the paths are known, each quadrilateral that a path crosses from one
 //! edge to the opposite one may have either diagonal. Dynamic programming over the last turn finds
@@ -210,7 +210,8 @@ impl<'a> PolygonTriangulation<'a> {
     }
 }
 
-/// A quadrilateral that a path crosses, and the two edges, counted within it.
+/// A quadrilateral that a path crosses, and the edges of entry and exit, numbered within the
+/// quadrilateral.
 #[derive(Debug, Clone, Copy)]
 struct QuadCrossing {
     face: u32,

@@ -2,16 +2,16 @@
 //!
 //! # Algorithm
 //! 1. A strip starts at a free face with the fewest free neighbours.
-//! 2. It continues with a free neighbour of its end that has the fewest free neighbours. The rule
-//!    for ties chooses among several. Unless polygons are cut in advance, all edges of the polygon
-//!    are candidates.
+//! 2. It continues with a free neighbour of its end that has the fewest free neighbours. If there
+//!    are several such neighbours, the tie rule chooses one. Unless polygons are cut in advance,
+//!    all edges of the polygon are candidates.
 //! 3. At a dead end the strip is reversed and grows from its start.
 //!
 //! [`StripRules::PUBLISHED`] is this algorithm. This library's own rules send fewer vertices:
 //! - [`StripRules::absorbs_rests`]: the remainder of a polygon joins the strip if it would keep
 //!   fewer than two free neighbours. A triangle with one remaining neighbour ends a strip. A
 //!   triangle without neighbours is a strip and costs three vertices, while a swap costs one.
-//! - [`Ties::FewestSwaps`]: if several exits all need a swap, one with the fewest is chosen.
+//! - [`Ties::FewestSwaps`]: if all exits need swaps, one with the fewest swaps is chosen.
 //! - [`ExitRule::FewSwaps`]: swaps are weighted in the choice.
 //! - [`TurnDiagonals::Together`]: whether an exit needs a swap depends on the best order of turns
 //!   in all polygons passed so far, not on an order that was fixed at each of them.
@@ -73,7 +73,7 @@ impl StripRules {
     }
 }
 
-/// Which faces strips along paths take in addition to those of the paths.
+/// Which faces a strip along a path takes in addition to the faces of the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PathEnds {
     /// None.

@@ -2,8 +2,8 @@
 //!
 //! # Algorithm
 //! A straight path leaves a quadrilateral across the edge opposite to its entry. Every half-edge of
-//! a quadrilateral is therefore a direction through it, and these directions form open or closed
-//! lines.
+//! a quadrilateral therefore represents a direction through the quadrilateral. These directions
+//! form open or closed lines.
 //!
 //! ```text
 //!        north                   ┌───┬───┐
@@ -14,10 +14,10 @@
 //! ```
 //! 1. The grid height of every quad half-edge is computed from the grid height of the half-edge
 //!    above it.
-//! 2. The grid heights along a line are a histogram. A patch with its south row on the line is as
-//!    high as the lowest grid height between its columns. A stack finds the largest patches.
+//! 2. The grid heights along a line form a histogram. A patch with its south row on the line is as
+//!    high as the lowest grid height in its columns. A stack finds the largest patches.
 //! 3. All patches of the largest size are taken, except patches that overlap one already taken.
-//!    Steps 1 to 3 are repeated until the largest is below the cutoff.
+//!    Steps 1 to 3 are repeated until the largest patch is below the cutoff.
 //!
 //! The paper traverses the faces once per patch. Here a round takes many patches. When the work
 //! exceeds a fixed amount, a round takes all patches of at least half the largest size. This keeps
@@ -134,8 +134,8 @@ impl PatchFinder {
     }
 
     /// Returns the eastward half-edge one row to the north. Returns `None` unless both
-    /// quadrilaterals that this half-edge joins have northern neighbours that the returned one
-    /// joins.
+    /// quadrilaterals at this half-edge have northern neighbours and the returned half-edge
+    /// connects these neighbours.
     #[inline]
     fn next_of_column(&self, h: u32) -> Option<u32> {
         let above = self.north(h)?;

@@ -1,14 +1,14 @@
-//! The polygon triangulator: cuts the faces of a strip into triangles that give the strip as few
-//! swaps as possible.
+//! The polygon triangulator: cuts the faces of a strip into triangles, with as few swaps in the
+//! strip as possible.
 //!
 //! # Algorithm
 //! 1. The minimum number of swaps is computed from the strip's first face to its last, for either
 //!    last turn; see [`super::turn_sequence`]. The first face has no entry and the last face has no
-//!    exit, so these two can be chosen.
+//!    exit, so both can be chosen.
 //! 2. The winding determines on which side the first turn of a strip is free, seen from either end.
 //!    Step 1 is therefore run twice: for a free turn at the start, and for a free turn at the end.
-//! 3. Backward from the better end, each face gets its turns, and the turns determine its
-//!    triangles.
+//! 3. The turns in each face are chosen backward, starting at the better end. They determine the
+//!    triangles of the face.
 //!
 //! With [`TurnDiagonals::Passing`], the turns of a face are chosen when the strip passes it, for
 //! the fewest swaps from the first face on.
@@ -44,7 +44,7 @@ pub(super) trait StripSink {
     fn receive(&mut self, strip: &[StripFace], remaining: &RemainingFaces<'_>);
 }
 
-/// Receives strips of triangles and links their cover.
+/// Receives strips of triangles and sets the links of the cover.
 #[derive(Debug)]
 pub(super) struct TriangleLinker<'a> {
     graph: &'a DualGraph,

@@ -1,5 +1,5 @@
-//! `quad-rows`: strips along the rows of quadrilateral patches, with the fewest vertices of the
-//! methods that start from patches. Original to this library.
+//! `quad-rows`: strips along the rows of quadrilateral patches. Of the methods that start from
+//! patches, this one sends the fewest vertices. It is original to this library.
 //!
 //! It starts like STRIPE's global algorithm, with the rows of the largest patches of
 //! quadrilaterals. Here rows can grow, and swaps and short ends are weighted in every choice:

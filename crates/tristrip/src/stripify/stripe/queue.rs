@@ -2,8 +2,8 @@
 //! are found and moved in constant time.
 //!
 //! # Algorithm
-//! One doubly linked list per key. A face that is added or moved goes to the front or the end of
-//! its list: see [`QueueOrder`].
+//! Each key has a doubly linked list of faces. A face that is added or moved goes to the front or
+//! the end of its list: see [`QueueOrder`].
 //!
 //! # Complexity
 //! O(1) for adding, moving and removing. Finding the lowest key is O(1) on average, because keys
@@ -20,7 +20,7 @@ pub(super) enum QueueOrder {
     FirstIn,
 }
 
-/// Faces by key, lowest key first.
+/// Faces in the order of their keys, lowest key first.
 #[derive(Debug, Clone)]
 pub(super) struct BucketQueue {
     order: QueueOrder,

@@ -1,9 +1,9 @@
 //! Remaining faces: the parts of faces that no strip has taken yet, the number of neighbours of
-//! each, and the one with the fewest.
+//! each, and the part with the fewest neighbours.
 //!
-//! Initially these are all faces. A strip takes a remaining face completely or, with partial
-//! triangulation, only the part between its entry and exit edges. The rest becomes one or two
-//! smaller faces, and one of them gets a new number.
+//! Initially, all faces of the mesh remain. A strip takes a remaining face completely or, with
+//! partial triangulation, only the part between its entry and exit edges. The rest becomes one or
+//! two smaller faces, and one of them gets a new number.
 //!
 //! ```text
 //!     k'────k           the strip enters across 0 → 1 and leaves across k → k'
@@ -174,8 +174,8 @@ impl<'a> RemainingFaces<'a> {
         }
     }
 
-    /// Returns the original face of a half-edge. It is also its remaining face if polygons are not
-    /// cut.
+    /// Returns the original face of a half-edge. If polygons are not cut, it is also the remaining
+    /// face of the half-edge.
     #[inline]
     pub(super) fn original_face(&self, half_edge: u32) -> u32 {
         self.graph.face_of(HalfEdge(half_edge)).0

@@ -1,9 +1,9 @@
 //! Turn sequences: how a strip turns, and which order of turns inside polygons costs the fewest
 //! swaps.
 //!
-//! A strip runs between two chains of vertices, A and B. Each triangle advances on one of them,
-//! which is its *turn*. Two consecutive equal turns need a swap. A polygon determines only the
-//! number of turns of each kind between its entry and its exit, not their order.
+//! A strip runs between two chains of vertices, A and B. Each triangle advances on one of these
+//! chains. This choice is its *turn*. Two consecutive equal turns need a swap. A polygon determines
+//! only the number of turns of each kind between its entry and its exit, not their order.
 //!
 //! ```text
 //!         b'─────b''         entry b → a; chain A: a, a'; chain B: b, b', b''
@@ -13,8 +13,8 @@
 //!
 //! # Algorithm
 //! The minimum number of swaps up to an edge, for either last turn, follows from the values at the
-//! previous edge (Viterbi 1967). A strip therefore knows the cost of every exit at each face, and
-//! the orders of all its polygons are chosen together at its end.
+//! previous edge (Viterbi 1967). The cost of every exit is therefore known at each face, and the
+//! orders of turns in all polygons are chosen together at the end of the strip.
 //!
 //! # Complexity
 //! O(1) per face.

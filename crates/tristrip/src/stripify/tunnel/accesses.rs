@@ -1,5 +1,5 @@
-//! Accesses to nodes: the unit of effort of tunnel searches, which also determines when the watcher
-//! is called.
+//! Node accesses: the unit of effort of tunnel searches. The number of accesses also determines
+//! when the watcher is called.
 
 use crate::cover::PathCover;
 use crate::stripify::watch::{Progress, Watch};

@@ -1,5 +1,5 @@
-//! The tunnelling operator in its simplest form: every alternating path, shortest first. The faster
-//! searches are compared with it.
+//! The tunnelling operator in its simplest form: it tries every alternating path, shortest first.
+//! The faster searches are compared with it.
 //!
 //! # Algorithm
 //! 1. Set the length to 1.
@@ -13,8 +13,7 @@
 //!
 //! At the end, no tunnel up to the limit remains. This includes tunnels whose path closes a loop
 //! and opens it again later. The rules of Stewart and of Porcu and Scateni forbid such paths,
-//! because they are conditions on every step. The rule here examines the paths only after the last
-//! step.
+//! because they apply to every step. The rule here examines the paths only after the last step.
 //!
 //! # Complexity
 //! The number of paths grows exponentially with the length: it doubles with each black edge.

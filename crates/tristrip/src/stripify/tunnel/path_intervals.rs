@@ -1,7 +1,7 @@
-//! Path intervals: represent the cover after the steps of a tunnel, without modifying the cover.
+//! Path intervals represent the cover after the steps of a tunnel without modifying the cover.
 //!
-//! The cuts of a tunnel divide paths into a few dozen intervals of positions. Its links connect the
-//! ends of intervals.
+//! The cuts of a tunnel divide paths into a few dozen intervals of positions. The links of the
+//! tunnel connect the ends of intervals.
 //!
 //! ```text
 //!   path 4:  0 ━ 1 ━ 2 ━ 3 ━ 4 ━ 5      cut between 3 and 4, end 0 of path 9 linked to 3:

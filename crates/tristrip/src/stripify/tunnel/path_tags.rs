@@ -1,11 +1,11 @@
-//! Tags: the path of each triangle and its position on it. A search uses them to find out whether a
-//! step would close a loop.
+//! Tags: the path of each triangle and its position on that path. A search uses them to find out
+//! whether a step would close a loop.
 //!
 //! Porcu and Scateni tag every node with its strip, and rewrite the tags node by node whenever a
-//! search links or cuts. Here a tag is a path and a position on it, and a search writes no tags
-//! (see `path_intervals`). Only a complement that is kept writes tags. It divides the changed paths
-//! into intervals and links the intervals to new paths. The longest interval of each path keeps its
-//! tags.
+//! search links or cuts. Here a tag is a path and a position on that path, and a search writes no
+//! tags (see `path_intervals`). Only a complement that is kept writes tags. It divides the changed
+//! paths into intervals and links the intervals into new paths. The longest interval of each path
+//! keeps its tags.
 //!
 //! ```text
 //!   path 4:  0 ━ 1 ━ 2 ━ 3 ┃ 4 ━ 5        cut between 3 and 4, 3 linked to the first of path 9:
