@@ -1,8 +1,8 @@
 //! The path cover: disjoint simple paths over the dual graph of triangles, one path per strip.
 //!
 //! Each triangle stores which of its three edges link it to its neighbours on the path. The links
-//! of a triangle take one byte. They have no direction and need no renumbering when paths are cut
-//! or joined.
+//! of a triangle take one byte. Links have no direction, so they stay valid when paths are cut or
+//! joined.
 //!
 //! ```text
 //!   ●━━●━━●  ○   ●━━●      three paths: six nodes, three links, four ends and an isolated triangle

@@ -185,7 +185,7 @@ impl PackedRows {
         self.item_count as usize
     }
 
-    /// Returns the positions of the items of consecutive rows among all items.
+    /// Returns the range of consecutive rows among all items.
     #[inline]
     pub(crate) fn range(&self, rows: Range<u32>) -> Range<u32> {
         let end = |row: u32| match row {

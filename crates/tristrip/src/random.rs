@@ -43,8 +43,8 @@ impl Random {
         z ^ z >> 31
     }
 
-    /// Returns a random number below `n`, or 0 if `n` is 0. It is one of at most 2³² evenly spaced
-    /// values.
+    /// Returns a random number below `n`, or 0 if `n` is 0. The result is one of at most 2³² evenly
+    /// spaced values.
     ///
     /// ```
     /// let mut random = tristrip::random::Random::new(7);

@@ -1,6 +1,6 @@
 //! Serialization with `serde`. Options use their command-line names; strips and collapse sequences
-//! are lists of numbers. Deserialization rejects everything that the library's functions would not
-//! have produced.
+//! are lists of numbers. Deserialization rejects data that the library's functions could not have
+//! produced.
 //!
 //! ```text
 //! Layout, Cost, Filter …   "restart"                       VertexCache        "fifo:16"

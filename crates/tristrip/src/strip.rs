@@ -83,8 +83,8 @@ impl Strips {
         self
     }
 
-    /// Adds the welded vertices of the mesh. [`verify`](crate::verify::verify) needs them to match
-    /// the strips with the mesh.
+    /// Adds the welded vertices of the mesh. [`verify`](crate::verify::verify) needs these welds to
+    /// compare the strips with the mesh.
     #[must_use]
     pub(crate) fn with_welds(mut self, welds: VertexWelds) -> Self {
         self.welds = welds;
@@ -92,8 +92,8 @@ impl Strips {
     }
 
     /// Returns the vertices of the mesh that the strips replace by another vertex with the same
-    /// bits. Empty unless [`StripifyOptions::with_weld`](crate::StripifyOptions::with_weld) was
-    /// set.
+    /// bits. The result is empty unless
+    /// [`StripifyOptions::with_weld`](crate::StripifyOptions::with_weld) was set.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh, StripifyOptions, stripify, verify::verify};

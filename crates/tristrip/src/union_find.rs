@@ -52,7 +52,8 @@ impl UnionFind {
         element
     }
 
-    /// Unites the sets of two elements. The lower of the two roots becomes the root.
+    /// Unites the sets of two elements. The lower of the two roots becomes the root of the united
+    /// set.
     ///
     /// # Panics
     /// Panics if an element is not less than the number of elements.

@@ -15,7 +15,7 @@
 //! 2. Change one of the ends by a random join or rotation, while the cost stays within the limit of
 //!    [`LocalSearch::improve_at`] above the start.
 //! 3. Stop when the cost is below the start, no end is left, or the maximum number of moves is
-//!    reached. Undo everything if the cost is higher.
+//!    reached. Undo all moves of the chain if the cost is higher.
 //!
 //! A chain whose cost is unchanged at its end is kept, so path ends move until they meet.
 //!

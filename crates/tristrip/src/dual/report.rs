@@ -34,12 +34,13 @@ pub struct MeshReport {
     pub boundary_edges: usize,
     /// Number of edges shared by more than two faces.
     pub non_manifold_edges: usize,
-    /// Number of edges shared by two faces with inconsistent winding. No strip crosses them.
+    /// Number of edges shared by two faces with inconsistent winding. No strip crosses such an
+    /// edge.
     pub inconsistent_edges: usize,
     /// Number of faces that share no edge with another face.
     pub isolated_faces: usize,
-    /// Number of faces with the same vertices and winding as an earlier face. They are drawn as
-    /// well.
+    /// Number of faces with the same vertices and winding as an earlier face. Duplicate faces are
+    /// drawn as well.
     pub duplicate_faces: usize,
     /// Counts of the changes made by the preparation of the faces.
     pub surface: PreparedCounts,

@@ -1,5 +1,5 @@
 //! Subgraphs and reordered graphs. A subgraph consists of whole connected components of a dual
-//! graph, renumbered from 0. A method can process it separately.
+//! graph, renumbered from 0. A method can process each subgraph separately.
 //!
 //! ```text
 //!   triangles   3 4 7          numbered 0 1 2 in the subgraph

@@ -17,7 +17,7 @@ use super::{Mesh, VertexSubset, vertex_bits};
 #[cfg(feature = "serde")]
 use crate::error::Error;
 
-/// Vertices that are replaced by others. Clones share the data.
+/// Welded vertices and their replacements. Clones share the data.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, VertexWelds};

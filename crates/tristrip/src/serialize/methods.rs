@@ -1,4 +1,4 @@
-//! Methods as text: the name, then the parameters that are not the default.
+//! Methods as text: the name, then the parameters that differ from the defaults.
 
 use serde::de::{Deserialize, Deserializer, Error as _};
 use serde::ser::{Error as _, Serialize, Serializer};

@@ -16,9 +16,9 @@
 //!    of its vertices. The algorithm uses the edge that leaves the fewest nodes of odd degree.
 //! 2. Bridges pair the nodes of odd degree. The first bridges connect the two parities of the same
 //!    vertex, because a repeat changes the parity. The other nodes are paired in order.
-//! 3. Hierholzer's algorithm finds closed Euler trails through all edges and bridges, which are
-//!    then opened at the most expensive bridges. The number of trails is minimal, because each node
-//!    of odd degree starts or ends one.
+//! 3. Hierholzer's algorithm finds closed Euler trails through all edges and bridges. The trails
+//!    are then opened at the most expensive bridges. The number of trails is minimal, because each
+//!    node of odd degree starts or ends one.
 //! 4. The trails are ordered so that each starts with the parity at which the previous one ended.
 //!
 //! # References

@@ -25,7 +25,7 @@ const MIN_EQUAL_RUN: usize = 16;
 pub enum Layout {
     /// Strips separated by the restart index.
     Restart,
-    /// One strip joined by degenerate triangles. Winding is kept.
+    /// All strips, joined into one by degenerate triangles. The winding is kept.
     Degenerate,
     /// One draw call, or primitive, per strip.
     Separate,

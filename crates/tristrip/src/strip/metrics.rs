@@ -59,7 +59,7 @@ impl Cost {
     }
 }
 
-/// Metrics of a set of strips. All are counts of indices, triangles or strips.
+/// Metrics of a set of strips. All values are counts of indices, triangles or strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Metrics {
@@ -78,7 +78,7 @@ pub struct Metrics {
     pub gl_cost: usize,
     /// Length of the index buffer with restarts between strips: `vertices_sent + strips − 1`.
     pub indices_restart: usize,
-    /// Length of the index buffer with strips joined by degenerate triangles; winding is kept.
+    /// Length of the index buffer with strips joined by degenerate triangles. The winding is kept.
     pub indices_degenerate: usize,
 }
 

@@ -1,5 +1,5 @@
 //! Vertex numbering by first use: vertices are numbered in the order in which an index buffer uses
-//! them, which makes vertex fetches sequential.
+//! them. Vertex fetches are then sequential.
 //!
 //! ```text
 //! indices          7 2 9 2 4         new_to_old   7 2 9 4   0 1 3 5 6 8

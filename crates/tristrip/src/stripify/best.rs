@@ -2,8 +2,8 @@
 //!
 //! # Algorithm
 //! 1. *Start*: the cheapest of the covers of `sequential`, `input` and `quad-rows`.
-//! 2. *Cold*: annealing from a low temperature, which improves the start and keeps its regular
-//!    parts.
+//! 2. *Cold*: annealing from a low temperature. It improves the start and keeps the regular parts
+//!    of the start.
 //! 3. *Hot*: slow annealing from a temperature that destroys the start. On irregular meshes this
 //!    gains the most.
 //! 4. The result is the cheapest of the three by measured cost. It is never worse than the start,

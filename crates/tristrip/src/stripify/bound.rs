@@ -66,7 +66,7 @@ pub struct Bound {
     pub gl_cost: usize,
     /// Length of the index buffer with restarts between strips.
     pub indices_restart: usize,
-    /// Length of the index buffer with strips joined by degenerate triangles; winding is kept.
+    /// Length of the index buffer with strips joined by degenerate triangles. The winding is kept.
     pub indices_degenerate: usize,
     /// The bounds of each connected component, in the order of their first faces.
     pub components: Vec<ComponentBound>,

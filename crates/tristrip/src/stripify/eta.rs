@@ -18,14 +18,13 @@
 //!    closes a loop: after the cut, the linked triangle and the tip must not be on the same part of
 //!    a strip. A search ends after its paths have visited a given number of triangles (the forecast
 //!    of section 4.2).
-//! 6. *Complement*, if a tunnel was found: the temporary edges are removed, and the strips get
-//!    their identifiers everywhere.
+//! 6. *Complement*, if a tunnel was found: the temporary edges are removed, and the identifiers are
+//!    written to the complete strips.
 //! 7. The search continues with *the next terminal*.
 //!
 //! Without localization, steps 3, 4 and 6 are omitted, and identifiers are written to the end of
-//! each strip. This finds the same tunnels. With localization on demand, a search starts without
-//! localization, and is restarted within a star when it has become long. This also finds the same
-//! tunnels.
+//! each strip. With localization on demand, a search starts without localization, and is restarted
+//! within a star when it has become long. All three variants find the same tunnels.
 //!
 //! # Departures
 //! - Consecutive crossings of the star's boundary by a strip are found by the position of each

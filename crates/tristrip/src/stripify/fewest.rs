@@ -16,24 +16,24 @@
 //!                                     it is not much farther from q; otherwise undo.
 //! ```
 //! # Algorithm
-//! The tunnels of Stewart (2001) and of Porcu and Scateni, implemented as rotations of Pósa (1976):
-//! a new link at an end w requires a cut, which creates a new end, and so on. Every intermediate
-//! state is a path cover. No cycle can arise, and a walk may have any length. Each component is
-//! searched separately, starting from the cover of `sequential`, until the number of strips reaches
-//! its lower bound or the steps of the effort are used up.
+//! The tunnels of Stewart (2001) and of Porcu and Scateni are implemented as rotations of Pósa
+//! (1976): a new link at an end w requires a cut, which creates a new end, and so on. Every
+//! intermediate state is a path cover. No cycle can arise, and a walk may have any length. Each
+//! component is searched separately, starting from the cover of `sequential`, until the number of
+//! strips reaches its lower bound or the steps of the effort are used up.
 //!
 //! 1. *Tunnels* (see [`super::guided_tunnels`]): in components that are not large, the long tunnels
 //!    of `guided-tunnels` make most of the joins. They work better than walks for ends at a
 //!    boundary, where walks get stuck.
-//! 2. *Rotation walks* from random ends. In a triangle with three neighbours the next step is
-//!    usually forced. If it enters another path, the side of the cut is random. While there are
-//!    many ends, two of them soon meet.
+//! 2. *Rotation walks* start at random ends. In a triangle with three neighbours the next step is
+//!    usually forced. If the step enters another path, the side of the cut is random. While there
+//!    are many ends, two of them soon meet.
 //! 3. *Close* paths while there are few of them. The two ends of one path meet as often as the ends
 //!    of different paths, and a closed path can be opened anywhere.
-//! 4. *Guided walks* after some time without a join. The orbits of the last few ends are often
-//!    short and never meet. A cut creates two more ends, which soon join again, but in a different
-//!    way. This moves an end along the shortest way to another one. It takes a few dozen cuts, and
-//!    each cut is undone unless it brings the end closer.
+//! 4. *Guided walks* start after some time without a join. The orbits of the last few ends are
+//!    often short and never meet. A cut creates two more ends, which soon join again, but in a
+//!    different way. This moves an end along the shortest way to another one. It takes a few dozen
+//!    cuts, and each cut is undone unless it brings the end closer.
 //!
 //! With [`SegmentedPaths`] a step takes about 0.3 µs, regardless of the length of the paths.
 //!

@@ -10,9 +10,9 @@
 //! 1. *The length k* grows: 3, 7, 15 …. A length is repeated while it joins many strips.
 //! 2. *A terminal* is selected, in random order.
 //! 3. *The star* of the terminal is collected: the triangles that alternating paths of k edges
-//!    reach. Each has a distance along alternating paths to the terminals of other strips. The star
-//!    ends a few steps beyond the nearest terminal. If the star contains no terminal of another
-//!    strip, there is no search.
+//!    reach. Each of these triangles has a distance along alternating paths to the terminals of
+//!    other strips. The star ends a few steps beyond the nearest terminal. If the star contains no
+//!    terminal of another strip, there is no search.
 //! 4. *A search* runs depth first. At each step the path with the smallest distance is tried first,
 //!    and ties are broken at random. The search ends after a given number of node accesses. The
 //!    search writes no identifiers: a part of a strip is an interval of positions, inside or

@@ -18,7 +18,7 @@
 //! 3. It continues to the free neighbour with the fewest free neighbours. Ties are broken by the
 //!    fewest free neighbours of a neighbour's neighbour (one level of look-ahead), then by the
 //!    winding (the last tie, see [`LastTie`]).
-//! 4. At a dead end it continues from its start in the same way.
+//! 4. At a dead end, the strip continues from its start in the same way.
 //!
 //! The implementation follows section 3 of the paper. Where the paper chooses an arbitrary start,
 //! this implementation starts at the triangle that lost a neighbour most recently.

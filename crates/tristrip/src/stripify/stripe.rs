@@ -1,7 +1,8 @@
 //! STRIPE: builds strips and chooses the triangulation of polygons for them. The local algorithm
 //! works by adjacency, the global algorithm by patches of quadrilaterals.
 //!
-//! It was the first published method for polygons. It reduces the cost by its choice of diagonals.
+//! STRIPE was the first published method for polygons. It reduces the cost by the choice of
+//! diagonals.
 //!
 //! ```text
 //!  static            whole face              partial face
@@ -13,8 +14,8 @@
 //! ```
 //!
 //! # Algorithm
-//! *Local* (section 3.1): a strip goes from a face with the fewest neighbours to a neighbour with
-//! the fewest neighbours, and so on, in both directions. [`Ties`] breaks ties. Faces are
+//! *Local* (section 3.1): a strip starts at a face with the fewest neighbours and continues in both
+//! directions, each time to a neighbour with the fewest neighbours. [`Ties`] breaks ties. Faces are
 //! triangulated in advance, or when a strip passes through them: see [`FaceTriangulation`].
 //!
 //! *Global* (section 3.2):

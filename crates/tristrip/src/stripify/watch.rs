@@ -1,5 +1,4 @@
-//! Progress reports of a long search. A watcher can stop the search, which then returns its best
-//! result.
+//! Progress reports of a long search. A watcher can stop the search.
 //!
 //! The library reads no clock and prints nothing. Progress bars, interrupts and time budgets are
 //! implemented by the watcher. A search that is not stopped always returns the same result. A
@@ -19,8 +18,8 @@ pub struct Progress {
     pub cost: usize,
 }
 
-/// Receives the progress of a search and may stop it. A search calls it every few thousand steps,
-/// on its own thread.
+/// Receives the progress of a search and may stop it. A search calls its watcher every few thousand
+/// steps, on the thread that runs the search.
 pub trait Watch: Sync {
     /// Receives the progress. Returns whether to continue the search.
     ///

@@ -11,7 +11,8 @@
 //! corners therefore count as one polygon once they are united. A group is correct under two
 //! conditions. It has k − 2 triangles for each of its polygons of k corners. The oriented edges of
 //! its triangles add up to the edges of its polygons: diagonals cancel, and boundaries remain. Any
-//! diagonals are therefore accepted, but no triangle may be missing, doubled, flipped or outside.
+//! choice of diagonals is therefore accepted, but no triangle may be missing, doubled, flipped or
+//! outside.
 //!
 //! Corners that repeat the previous one, and faces with fewer than three remaining corners, draw
 //! nothing and are ignored. A polygon that contains a vertex twice, for example a hole with a

@@ -2,9 +2,9 @@
 //! numbering.
 //!
 //! # Algorithm
-//! Most results keep the vertex order of the source. The models are the same if their meshes pair
-//! up with equal positions, vertex for vertex, and the triangles of each result draw the faces of
-//! its source by vertex index. Otherwise:
+//! Most results keep the vertex order of the source. The models are the same if both have the same
+//! number of meshes, each result mesh has the same positions as its source mesh, and the triangles
+//! of the result mesh draw the source faces by vertex index. Otherwise:
 //!
 //! 1. The vertices of both models are numbered by position ([`PositionIds`]), over all meshes of a
 //!    model.

@@ -2,9 +2,9 @@
 //! and first corner do not matter.
 //!
 //! # Algorithm
-//! 1. A counting sort groups the triangles of one list by their lowest vertex, on average two per
-//!    vertex. Each is stored as the pair of its other two vertices in winding order. Degenerate
-//!    triangles draw nothing and are ignored.
+//! 1. A counting sort groups the triangles of one list by their lowest vertex. There are two
+//!    triangles per vertex on average. Each is stored as the pair of its other two vertices in
+//!    winding order. Degenerate triangles draw nothing and are ignored.
 //! 2. Each triangle of the other list removes its pair from the row of its lowest vertex. The lists
 //!    are equal if every triangle finds its pair and the counts match.
 //! 3. Long rows, at vertices with many triangles, are not searched: their pairs are sorted and

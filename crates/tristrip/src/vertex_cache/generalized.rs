@@ -36,7 +36,7 @@
 //! With two entries, FIFO or LRU, and flushes, the number of vertices transmitted equals
 //! [`Metrics::gl_cost`](crate::strip::Metrics::gl_cost) for every strip of at least two vertices in
 //! which no vertex except the first is repeated immediately. The cache then contains exactly the
-//! vertices at hand, and each triangle names a third one. Strips emitted by the library are of this
+//! vertices at hand, and each triangle names a third one. The library emits only strips of this
 //! kind. A larger LRU cache never transmits more; a larger FIFO cache may.
 //!
 //! # References

@@ -19,7 +19,8 @@ names! {
     Lru => "lru", "Evicts the least recently used vertex";
 }
 
-/// A vertex cache: its replacement policy and number of entries. Formatted and parsed as `fifo:16`.
+/// A vertex cache: its replacement policy and number of entries. The text form is the policy and
+/// the number of entries, for example `fifo:16`.
 ///
 /// ```
 /// use tristrip::vertex_cache::{Replacement, VertexCache};

@@ -34,11 +34,11 @@ enum Entries {
 }
 
 impl VertexCacheSimulator {
-    /// Creates an empty cache for the vertices 0 to `vertex_count` − 1. Takes 4 bytes per vertex.
-    /// Sizes above 2²⁸ entries are treated as 2²⁸.
+    /// Creates an empty cache for the vertices 0 to `vertex_count` − 1. The cache takes 4 bytes per
+    /// vertex. Sizes above 2²⁸ entries are treated as 2²⁸.
     ///
     /// # Errors
-    /// There are too many vertices for 32-bit indices or for the memory.
+    /// There are too many vertices for 32-bit indices or for the available memory.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
@@ -65,7 +65,7 @@ impl VertexCacheSimulator {
         Self { entries, vertex_count }
     }
 
-    /// Sends a vertex. Returns whether it was in the cache.
+    /// Sends a vertex. Returns whether the vertex was in the cache.
     ///
     /// # Errors
     /// The vertex is not less than the number of vertices.
@@ -109,7 +109,7 @@ impl VertexCacheSimulator {
         }
     }
 
-    /// Sends a vertex that is known to be in range. Returns whether it was in the cache.
+    /// Sends a vertex that is known to be in range. Returns whether the vertex was in the cache.
     pub(super) fn receive(&mut self, vertex: u32) -> bool {
         match &mut self.entries {
             Entries::Fifo(fifo) => fifo.send(vertex),

@@ -90,7 +90,7 @@ impl VertexCacheStatistics {
     }
 
     /// Simulates strips with several caches, faster than calling [`VertexCacheStatistics::of`] for
-    /// each. Returns the statistics in the order of the caches.
+    /// each cache. Returns the statistics in the order of the caches.
     ///
     /// All LRU sizes are computed in one pass by stack distances. FIFO caches are simulated four at
     /// a time.
@@ -108,8 +108,8 @@ impl VertexCacheStatistics {
     }
 
     /// Simulates a triangle list with several caches, faster than calling
-    /// [`VertexCacheStatistics::of_list`] for each. Returns the statistics in the order of the
-    /// caches.
+    /// [`VertexCacheStatistics::of_list`] for each cache. Returns the statistics in the order of
+    /// the caches.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheStatistics};

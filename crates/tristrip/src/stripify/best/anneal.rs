@@ -7,14 +7,14 @@
 //!                      *flip*: if v and a belong to one polygon, flip the diagonal between them
 //! ```
 //! # Algorithm
-//! A sweep visits the triangles in order, which makes memory access sequential. At each end it
-//! tries a join or a rotation over a random free edge. After a rotation it tries the new end
-//! instead. Then it tries to cut links, one per triangle, and to flip diagonals. A move that raises
-//! the cost by r is accepted with probability e^(−r/T). The temperature T decreases with each
-//! sweep. The highest acceptable cost increase is drawn at random before the move is made. A count
-//! of the local swaps then rejects most moves before anything changes.
+//! A sweep visits the triangles in order. Memory access is then sequential. At each end it tries a
+//! join or a rotation over a random free edge. After a rotation it tries the new end instead. Then
+//! it tries to cut links, one per triangle, and to flip diagonals. A move that raises the cost by r
+//! is accepted with probability e^(−r/T). The temperature T decreases with each sweep. The highest
+//! acceptable cost increase is drawn at random before the move is made. A count of the local swaps
+//! then rejects most moves before anything changes.
 //!
-//! Two consecutive rotations are a tunnel through two paths, and a rotation followed by a join is
+//! Two consecutive rotations form a tunnel through two paths, and a rotation followed by a join is
 //! Stewart's tunnel. Annealing finds longer tunnels without additional kinds of moves.
 //!
 //! # Complexity

@@ -22,7 +22,7 @@
 //! longest run that contains a triangle has m triangles, the triangle accounts for at least 1/m of
 //! a run. The sum over all triangles is a lower bound on the number of runs.
 //!
-//! A strip starts with the winding of its first triangle, which places the second one at an odd
+//! A strip keeps the winding of its first triangle only if the second triangle is at an odd
 //! position; otherwise the strip must repeat its first vertex. Reversing a strip changes the parity
 //! if the number of triangles is odd. The chains therefore contain every strip in both directions.
 //!

@@ -145,7 +145,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         self.cost += self.weights.index + i64::from(is_miss) * self.weights.miss;
     }
 
-    /// Draws an open triangle. Its neighbours lose an open neighbour.
+    /// Draws an open triangle. Each neighbour then has one open neighbour fewer.
     #[inline]
     fn draw(&mut self, triangle: u32) {
         let state = &mut self.state[triangle as usize];

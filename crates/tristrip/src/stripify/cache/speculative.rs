@@ -6,7 +6,7 @@
 //! `resettable_fifo`, a simulation starts from stored contents and needs the contents after it, so
 //! only misses are logged; its clock advances at every start and needs 64 bits. The simulators of
 //! `vertex_cache` count the misses of several caches in vector lanes and log nothing. The three
-//! have only the comparison of a stamp with the clock in common.
+//! caches share only the comparison of a stamp with the clock.
 
 /// A vertex cache in which accesses after a checkpoint can be undone.
 pub(super) trait SpeculativeCache {

@@ -1,4 +1,5 @@
-//! A search of `eta` from one terminal: depth first along alternating paths that close no loop.
+//! A depth-first search from one terminal, for the method `eta`. It follows alternating paths that
+//! close no loop.
 
 use super::tagged_strips::{TagLink, TaggedStrips, UndoStep};
 use crate::cover::PathCover;

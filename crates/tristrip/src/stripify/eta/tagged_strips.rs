@@ -6,7 +6,8 @@
 //!      ┃
 //! ```
 //! # Complexity
-//! 20 bytes per triangle. The time of a step is linear in the part of the strip that it writes to.
+//! 20 bytes per triangle. The time of a step is linear in the length of the strip part that the
+//! step writes to.
 
 use crate::cover::PathCover;
 use crate::dual::DualGraph;

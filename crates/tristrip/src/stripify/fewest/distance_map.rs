@@ -1,5 +1,5 @@
-//! Distances over shared edges to a nearby goal, by breadth-first search. They guide one end of a
-//! path to another.
+//! Distances over shared edges to a nearby goal, by breadth-first search. These distances guide one
+//! end of a path to another.
 
 use crate::dual::DualGraph;
 use crate::random::Random;

@@ -1,5 +1,5 @@
-//! A search of `guided-tunnels` from one terminal: depth first within its star. The path closest to
-//! another terminal is tried first.
+//! A depth-first search from one terminal within its star, for the method `guided-tunnels`. The
+//! path closest to another terminal is tried first.
 
 use super::star::GuidedStar;
 use crate::random::Random;

@@ -49,7 +49,7 @@ pub enum LastTie {
 /// How STRIPE turns patches into strips (Evans et al. 1996, section 3.2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Patches {
-    /// One strip per row or per column, whichever gives longer strips.
+    /// One strip per row or per column, whichever is longer.
     #[default]
     Rows,
     /// One strip per patch, extended backward and forward.

@@ -26,9 +26,9 @@
 //!   one added. The best candidate of all components is also the best candidate of its own
 //!   component. An entry is dropped if its triangle has been taken or has lost a neighbour since.
 //!   Triangles never gain neighbours, so it does not matter when an entry is dropped.
-//! - Without candidates, the first free triangle is taken. It is also the first free triangle of
-//!   its component, because the order is kept. The triangles before it are taken, or belong to
-//!   components without candidates.
+//! - Without candidates, the first free triangle is taken. This triangle is also the first free
+//!   triangle of its component, because the order is kept. The triangles before it are taken, or
+//!   belong to components without candidates.
 //! - Each tentative run marks triangles with a new number. Marks are compared only with the newest
 //!   number.
 //! - The local search processes ends in the order of the triangles and reaches only along links and

@@ -14,7 +14,7 @@
 //! - [`Ties::FewestSwaps`]: if all exits need swaps, one with the fewest swaps is chosen.
 //! - [`ExitRule::FewSwaps`]: swaps are weighted in the choice.
 //! - [`TurnDiagonals::Together`]: whether an exit needs a swap depends on the best order of turns
-//!   in all polygons passed so far, not on an order that was fixed at each of them.
+//!   in all polygons passed so far, not on orders that were fixed polygon by polygon.
 //!
 //! # References
 //! Section 3.1 of the paper; see [`super`].

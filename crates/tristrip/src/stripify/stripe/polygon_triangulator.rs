@@ -7,8 +7,8 @@
 //!    exit, so both can be chosen.
 //! 2. The winding determines on which side the first turn of a strip is free, seen from either end.
 //!    Step 1 is therefore run twice: for a free turn at the start, and for a free turn at the end.
-//! 3. The turns in each face are chosen backward, starting at the better end. They determine the
-//!    triangles of the face.
+//! 3. The turns in each face are chosen backward, starting at the better end. These turns determine
+//!    the triangles of the face.
 //!
 //! With [`TurnDiagonals::Passing`], the turns of a face are chosen when the strip passes it, for
 //! the fewest swaps from the first face on.

@@ -27,8 +27,8 @@
 //! later one 4849, 7248 and 10417.
 //!
 //! # References
-//! Patches: section 3.2 of the paper by Evans, Skiena and Varshney; see [`super`]. The rest is
-//! original.
+//! Patches: section 3.2 of the paper by Evans, Skiena and Varshney; see [`super`]. All other steps
+//! are original to this library.
 //!
 //! # Complexity
 //! O(n log n) time in the worst case. Patches take a few rounds of O(n). About 40 bytes per

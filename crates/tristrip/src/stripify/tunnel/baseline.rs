@@ -13,7 +13,8 @@
 //!
 //! At the end, no tunnel up to the limit remains. This includes tunnels whose path closes a loop
 //! and opens it again later. The rules of Stewart and of Porcu and Scateni forbid such paths,
-//! because they apply to every step. The rule here examines the paths only after the last step.
+//! because these rules apply to every step. The rule here examines the paths only after the last
+//! step.
 //!
 //! # Complexity
 //! The number of paths grows exponentially with the length: it doubles with each black edge.

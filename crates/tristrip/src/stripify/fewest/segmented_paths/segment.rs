@@ -48,8 +48,8 @@ impl Segment {
     }
 }
 
-/// A current path, from its head to its tail. It has no segments after it was joined to another
-/// path.
+/// A current path, from its head to its tail. A path that was joined to another path has no
+/// segments.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SegmentedPath {
     pub(super) segments: Vec<Segment>,
