@@ -62,7 +62,7 @@ pub(crate) struct ListenArgs {
     /// Listen on this port; 0 for any free port
     #[arg(long, value_name = "PORT", default_value_t = 8080)]
     pub(crate) port: u16,
-    /// Also accept requests for this host name, such as behind a proxy; repeatable
+    /// Also accept requests for this host name; repeatable
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<String>,
     /// Allow pages from this origin (* for any) to read the files; repeatable
@@ -101,7 +101,7 @@ pub(crate) struct PackingArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Limits")]
 pub(crate) struct LimitArgs {
-    /// Limit each response to this bit rate, such as 5M, to simulate a slow network
+    /// Limit each response to this bit rate, such as 5M
     #[arg(long, value_name = "RATE")]
     pub(crate) bandwidth: Option<BitRate>,
     /// Accept at most this many connections
