@@ -121,7 +121,7 @@ pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout
     }
 }
 
-/// Lists how the appearance of materials changes when a model is written in a format. Load the
+/// Lists how materials change in appearance when a model is written to a given format. Load the
 /// materials first with [`load_materials`](crate::load_materials) if the model was read from OBJ,
 /// or if a glTF model is written as OBJ.
 ///

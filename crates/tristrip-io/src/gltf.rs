@@ -47,7 +47,7 @@
 //!
 //! # Complexity
 //! Linear time. Memory: one copy of the file's bytes, 12 bytes per vertex for each `POSITION`
-//! accessor, 12 bytes per triangle, and the other attributes in their stored width. Primitives with
+//! accessor, 12 bytes per triangle, and the other attributes at their stored width. Primitives with
 //! the same indices are decoded once.
 //!
 //! Memory and time are bounded by the file size. Compressed buffer views decompress to at most 8

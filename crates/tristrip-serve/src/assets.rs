@@ -65,7 +65,7 @@ impl Encoding {
     }
 }
 
-/// The files of the viewer with the compressed versions created so far.
+/// The viewer's files with the compressed versions created so far.
 #[derive(Debug, Default)]
 pub(crate) struct Assets {
     compressed: Mutex<HashMap<(String, Encoding), Bytes>>,

@@ -230,7 +230,7 @@ pub struct Limits {
     pub header_bytes: usize,
     /// The maximum time to receive a request head, and the maximum time of the TLS handshake.
     pub header_time: Duration,
-    /// The maximum time for which a client may read nothing of a response.
+    /// How long a client may go without reading any of a response.
     pub stall_time: Duration,
     /// The maximum time that a connection may be idle.
     pub idle_time: Duration,
@@ -268,7 +268,7 @@ impl Limits {
         Self { header_bytes, header_time, ..self }
     }
 
-    /// Sets the maximum time for which a client may read nothing of a response.
+    /// Sets how long a client may go without reading any of a response.
     #[must_use]
     pub fn with_stall_time(self, stall_time: Duration) -> Self {
         Self { stall_time, ..self }

@@ -1,5 +1,5 @@
-//! Ids: distinct 32-bit types for faces and half-edges, an optional id in four bytes, and the
-//! maximum count.
+//! Ids: distinct 32-bit types for faces and half-edges, an optional id of four bytes, and the
+//! maximum number of ids.
 
 use crate::error::Error;
 use crate::index::Index;
@@ -46,7 +46,7 @@ pub struct FaceId(pub u32);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct HalfEdge(pub u32);
 
-/// An optional id in four bytes, for packed arrays. Ids are below [`MAX_COUNT`], so the highest
+/// An optional id of four bytes, for packed arrays. Ids are below [`MAX_COUNT`], so the highest
 /// value can represent a missing id.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct OptionalId(u32);

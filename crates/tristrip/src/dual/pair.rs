@@ -114,7 +114,7 @@ fn pair_around<C: FaceCorners>(
     true
 }
 
-/// Returns whether two half-edges over the same vertices have opposite directions and different
+/// Returns whether two half-edges between the same vertices have opposite directions and different
 /// faces, as twins must.
 #[inline]
 fn opposite(corners: &impl FaceCorners, h: usize, other: usize) -> bool {

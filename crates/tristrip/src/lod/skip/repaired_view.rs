@@ -45,7 +45,7 @@ impl RepairedView {
     /// built from.
     ///
     /// # Errors
-    /// The model was built from another sequence, or the strips do not draw its full mesh.
+    /// The model was built from a different sequence, or the strips do not draw its full mesh.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

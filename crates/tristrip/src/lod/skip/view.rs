@@ -32,7 +32,7 @@ const ROOM: f64 = 0.95;
 const RISE: f64 = 1.25;
 const MAX_SCALE: f64 = 1e12;
 
-/// The work and the result of an update.
+/// What an update did, and its result.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct ViewUpdate {

@@ -8,9 +8,10 @@
 //!                        no shared edge leads across this boundary
 //! ```
 //! # Algorithm
-//! 1. *Split* the triangles, in input order, at boundaries that no shared edge crosses. Each group
-//!    consists of whole components and has at least a minimum number of triangles. If one group
-//!    contains nearly all triangles, parallelism gains nothing, and one thread strips the mesh.
+//! 1. *Split* the triangles, in input order, wherever no earlier triangle shares an edge with a
+//!    later one. Each group consists of whole components and has a minimum number of triangles. If
+//!    one group contains nearly all triangles, parallelism gains nothing, and one thread strips the
+//!    mesh.
 //! 2. *Strip* the groups in parallel, each with its own dual graph.
 //! 3. *Copy back* the links and add up the costs. Links are edge numbers within a triangle and need
 //!    no renumbering.
@@ -94,8 +95,8 @@ fn cover_in_groups(graph: &DualGraph, group_size: usize) -> Option<(PathCover, i
     Some((whole, total))
 }
 
-/// Splits the triangles at boundaries that no shared edge crosses. All groups except the last have
-/// at least `group_size` triangles.
+/// Splits the triangle order wherever no earlier triangle shares an edge with a later one. All
+/// groups except the last have at least `group_size` triangles.
 fn split(graph: &DualGraph, group_size: usize) -> Vec<Range<usize>> {
     let mut groups = Vec::new();
     let (mut start, mut reach) = (0, 0); // `reach` is the half-edge after the last twin so far.

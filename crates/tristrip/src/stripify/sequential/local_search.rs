@@ -75,7 +75,7 @@ pub(super) fn improve(
     saved
 }
 
-/// One move: cut over `cut`, link over `link`, then link over `join`.
+/// One move: cuts a path at edge `cut`, then links across `link` and across `join`.
 #[derive(Debug, Clone, Copy)]
 struct StripMove {
     link: u32,
