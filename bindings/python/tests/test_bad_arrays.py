@@ -188,7 +188,7 @@ WRONG_INDICES = [
         "wide",
         lambda: np.array([0, 1, 2**32]),
         MESH_ERROR,
-        "indices: found index 4294967296 at 2, expected an index of",
+        "indices: found index 4294967296 at 2, expected a 32-bit index",
     ),
     Wrong("None", lambda: None, TYPE_ERROR, "indices: found NoneType, expected an array"),
     Wrong(

@@ -183,7 +183,7 @@ fn a_packing_is_given_up_at_its_deadline() {
     let server =
         Running::with_files(ServerOptions::default().with_packing(packing), &[("grid.obj", &grid(60))]);
     let given_up = server.get("/packed/grid.obj.glb");
-    assert_eq!((given_up.status, given_up.text().as_str()), (422, "it takes longer than 0ns\n"));
+    assert_eq!((given_up.status, given_up.text().as_str()), (422, "the job takes longer than 0ns\n"));
     assert_eq!(server.get("/thumbnails/grid.obj.png").status, 422);
     assert_eq!((server.metric(DONE), server.metric(FAILED)), (0, 1));
 }
