@@ -169,7 +169,7 @@ def test_trimesh_attributes_with_a_material() -> None:
     mesh = tristrip.to_trimesh(vertices(), POLYGONS, **given)
     with pytest.warns(tristrip.ConversionWarning) as caught:
         scene = tristrip.from_trimesh(mesh)
-    assert sorted(str(warning.message).split()[2] for warning in caught) == ["five", "large"]
+    assert sorted(str(warning.message).split()[1] for warning in caught) == ["five", "large"]
     found = scene.parts[0].attributes
     assert np.array_equal(found["_heat"], given["attributes"]["heat"])
     assert np.array_equal(found["_ids"], given["attributes"]["ids"])
